@@ -15,7 +15,7 @@ RADIUS, MODULUS, ENERGY = 0.526, 1.36, 9e-6
 MATERIAL = mf.Material(MODULUS)
 
 
-POWERS = [mf.PowerCap(n) for n in (1, 1.5, 4)]
+POWERS = [mf.PowerCap(n) for n in (1.5, 4)]
 
 
 PROFILE = mf.AxisymmetricCap(lambda rho: rho**4 / (2.0 * RADIUS**3), 0.4)
@@ -81,33 +81,33 @@ def test_the_calibration_line_of_the_paper():
     assert_allclose(0.75 / MODULUS * x + math.sqrt(0.75 * ENERGY / MODULUS), y, rtol=1e-12)
 
 
-@pytest.mark.parametrize("cap", CAPS, ids=repr)
-def test_branches_and_their_ends(cap):
-    for curvature in (0.0, 0.3):
-        law = bound(cap)
-        d = np.array([0.0, 1e-9, 1e-3, 0.009])
-        a = law.contact_radius(d, RADIUS, curvature)
-        assert_allclose(law.indentation(a, RADIUS, curvature), d, atol=1e-12 * d[-1])
-        end = law.pull_off_radius(RADIUS, curvature)
-        near = law.load(end * np.array([1 - 1e-4, 1.0, 1 + 1e-4]), RADIUS, curvature)
-        assert near[1] == near.min() < 0.0
-        assert law.stiffness(end, RADIUS, curvature) == pytest.approx(0.0, abs=1e-8 * end)
-        rest = law.zero_load_radius(RADIUS, curvature)
-        assert rest > end
-        assert law.load(rest, RADIUS, curvature) == pytest.approx(0.0, abs=1e-12 * abs(near[1]))
+def test_branches_and_their_ends():
+    for cap in CAPS:
+        for curvature in (0.0, 0.3):
+            law = bound(cap)
+            d = np.array([0.0, 1e-9, 1e-3, 0.009])
+            a = law.contact_radius(d, RADIUS, curvature)
+            assert_allclose(law.indentation(a, RADIUS, curvature), d, atol=1e-12 * d[-1])
+            end = law.pull_off_radius(RADIUS, curvature)
+            near = law.load(end * np.array([1 - 1e-4, 1.0, 1 + 1e-4]), RADIUS, curvature)
+            assert near[1] == near.min() < 0.0
+            assert law.stiffness(end, RADIUS, curvature) == pytest.approx(0.0, abs=1e-8 * end)
+            rest = law.zero_load_radius(RADIUS, curvature)
+            assert rest > end
+            assert law.load(rest, RADIUS, curvature) == pytest.approx(0.0, abs=1e-12 * abs(near[1]))
 
 
-@pytest.mark.parametrize("cap", CAPS, ids=repr)
-def test_without_adhesion_the_law_is_that_of_the_cap(cap):
-    assert mf.JKR(0.0, cap).for_material(MATERIAL) is cap
-    a = np.array([0.0, 0.05, 0.1, 0.2])
-    faint = bound(cap, 1e-28)
-    for law in (faint, mf.JKR(0.0, cap, MATERIAL)):
-        for name in QUANTITIES:
-            found, expected = (getattr(one, name)(a, RADIUS, 0.2) for one in (law, cap))
-            assert_allclose(found, expected, rtol=1e-9)
-        d = cap.indentation(a[1:], RADIUS, 0.2)
-        assert_allclose(law.contact_radius(d, RADIUS, 0.2), a[1:], rtol=1e-9)
+def test_without_adhesion_the_law_is_that_of_the_cap():
+    for cap in CAPS:
+        assert mf.JKR(0.0, cap).for_material(MATERIAL) is cap
+        a = np.array([0.0, 0.05, 0.1, 0.2])
+        faint = bound(cap, 1e-28)
+        for law in (faint, mf.JKR(0.0, cap, MATERIAL)):
+            for name in QUANTITIES:
+                found, expected = (getattr(one, name)(a, RADIUS, 0.2) for one in (law, cap))
+                assert_allclose(found, expected, rtol=1e-9)
+            d = cap.indentation(a[1:], RADIUS, 0.2)
+            assert_allclose(law.contact_radius(d, RADIUS, 0.2), a[1:], rtol=1e-9)
 
 
 @pytest.mark.parametrize(("cap", "energy"), [*((cap, ENERGY) for cap in CAPS), (mf.SphericalCap(), 0.0)])

@@ -13,7 +13,7 @@ from metafem.contact import Contact
 RADIUS = 0.526
 
 
-POWERS = [mf.PowerCap(n, 0.5) for n in (1, 1.5, 2, 3, 4, 8)]
+POWERS = [mf.PowerCap(n, 0.5) for n in (1, 1.5, 3, 4, 8)]
 
 
 CAPS = [*POWERS, mf.SphericalCap()]
@@ -62,16 +62,16 @@ def assert_exact(cap, a):
         )
 
 
-@pytest.mark.parametrize("cap", [*CAPS[1::2], mf.SphericalCap(), mf.Hertz()], ids=repr)
-def test_contact_radius_is_the_inverse_of_the_indentation(cap):
-    for curvature in (0.0, 0.3):
-        a = RADIUS * np.concatenate([np.geomspace(1e-8, 0.3, 40), np.linspace(0.3, 0.99, 40)])
-        d = cap.indentation(a, RADIUS, curvature)
-        assert_allclose(cap.contact_radius(d, RADIUS, curvature), a, rtol=1e-12)
-        assert cap.contact_radius(-0.1, RADIUS, curvature) == 0.0
-        assert cap.contact_radius(np.array([]), RADIUS).shape == (0,)
-        assert isinstance(cap, Contact)
-        assert cap.area_slope(0.0, RADIUS) == 0.0
+def test_contact_radius_is_the_inverse_of_the_indentation():
+    for cap in (*CAPS[1::2], mf.SphericalCap(), mf.Hertz()):
+        for curvature in (0.0, 0.3):
+            a = RADIUS * np.concatenate([np.geomspace(1e-8, 0.3, 40), np.linspace(0.3, 0.99, 40)])
+            d = cap.indentation(a, RADIUS, curvature)
+            assert_allclose(cap.contact_radius(d, RADIUS, curvature), a, rtol=1e-12)
+            assert cap.contact_radius(-0.1, RADIUS, curvature) == 0.0
+            assert cap.contact_radius(np.array([]), RADIUS).shape == (0,)
+            assert isinstance(cap, Contact)
+            assert cap.area_slope(0.0, RADIUS) == 0.0
 
 
 def test_a_power_of_two_is_the_paraboloid():
@@ -85,21 +85,19 @@ def test_a_power_of_two_is_the_paraboloid():
     assert_allclose(power.area(a), hertz.area(a), rtol=1e-15)
 
 
-@pytest.mark.parametrize(
-    "cap", [mf.PowerCap(1.5, 0.5), mf.PowerCap(4, 0.5), mf.SphericalCap(), mf.Hertz()], ids=repr
-)
-def test_the_profile_is_that_of_the_law(cap):
+def test_the_profile_is_that_of_the_law():
     """Its slope gives the indentation by D(a) = a int_0^a f'/sqrt(a^2 - rho^2) drho."""
-    a, step = 0.3, 1e-5
-    nodes, weights = np.polynomial.legendre.leggauss(40)
-    angle = 0.25 * np.pi * (nodes + 1.0)
-    rho = a * np.sin(angle)
-    slope = (cap.depth_at(rho + step, RADIUS) - cap.depth_at(rho - step, RADIUS)) / (2.0 * step)
-    assert a * 0.25 * np.pi * (weights @ slope) == pytest.approx(cap.indentation(a, RADIUS), rel=1e-4)
-    assert cap.depth_at(0.0, RADIUS) == 0.0
-    assert_allclose(
-        cap.depth_at(np.array([0.1, 0.2]), np.array([0.5, 1.0])) * [2.0, 1.0], cap.depth_at(0.2, 1.0)
-    )
+    for cap in (mf.PowerCap(1.5, 0.5), mf.PowerCap(4, 0.5), mf.SphericalCap(), mf.Hertz()):
+        a, step = 0.3, 1e-5
+        nodes, weights = np.polynomial.legendre.leggauss(40)
+        angle = 0.25 * np.pi * (nodes + 1.0)
+        rho = a * np.sin(angle)
+        slope = (cap.depth_at(rho + step, RADIUS) - cap.depth_at(rho - step, RADIUS)) / (2.0 * step)
+        assert a * 0.25 * np.pi * (weights @ slope) == pytest.approx(cap.indentation(a, RADIUS), rel=1e-4)
+        assert cap.depth_at(0.0, RADIUS) == 0.0
+        assert_allclose(
+            cap.depth_at(np.array([0.1, 0.2]), np.array([0.5, 1.0])) * [2.0, 1.0], cap.depth_at(0.2, 1.0)
+        )
 
 
 def test_a_sphere_is_continued_by_its_tangent():

@@ -58,22 +58,22 @@ def test_paraboloids_have_an_energy():
     assert_allclose(hessian, hessian.T, atol=1e-13 * np.abs(hessian).max())
 
 
-@pytest.mark.parametrize("cap", OTHER_CAPS, ids=repr)
-def test_other_caps_have_an_energy_to_fourth_order_in_the_slope(cap, monkeypatch):
+def test_other_caps_have_an_energy_to_fourth_order_in_the_slope(monkeypatch):
     """dF/dp is symmetric up to terms in g^4: half the slopes reduce its asymmetry by a factor of 16."""
-    some, a = contacts(cap, 3), np.array([0.12, 0.2, 0.15, 0.18])
-    asymmetry = []
-    for share in (1.0, 0.5):
-        part = Contacts(some.scene, CLOSED)
-        part.fields = some.fields * np.array([1.0, share, share])[:, None, None]
-        linear = part.linearise(a, settled(part, a)[1])
-        hessian = linear.by_radius @ np.linalg.inv(linear.loads)
-        asymmetry.append(np.abs(hessian - hessian.T).max() / np.abs(hessian).max())
-    assert asymmetry[0] < 1e-7
-    assert asymmetry[0] == pytest.approx(16.0 * asymmetry[1], rel=0.05)
+    for cap in OTHER_CAPS:
+        some, a = contacts(cap, 3), np.array([0.12, 0.2, 0.15, 0.18])
+        asymmetry = []
+        for share in (1.0, 0.5):
+            part = Contacts(some.scene, CLOSED)
+            part.fields = some.fields * np.array([1.0, share, share])[:, None, None]
+            linear = part.linearise(a, settled(part, a)[1])
+            hessian = linear.by_radius @ np.linalg.inv(linear.loads)
+            asymmetry.append(np.abs(hessian - hessian.T).max() / np.abs(hessian).max())
+        assert asymmetry[0] < 1e-7
+        assert asymmetry[0] == pytest.approx(16.0 * asymmetry[1], rel=0.05)
 
 
-@pytest.mark.parametrize("cap", [mf.Hertz(), *OTHER_CAPS], ids=repr)
+@pytest.mark.parametrize("cap", [mf.Hertz(), mf.PowerCap(1.5)], ids=repr)
 def test_the_area_is_the_derivative_of_the_energy(cap):
     """With dU = P dx - A dw, a change of w changes P at fixed x by -dA/dx."""
     surface, w, x, step = scene(height=0.1 + np.array([0, 1, 0, 2, 1, 0]) * 1e-3), 9e-5, 0.06, 1e-3

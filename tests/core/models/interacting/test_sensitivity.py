@@ -8,7 +8,7 @@ from metafem.models.interacting import elastic as interacting
 from metafem.models.interacting.sensitivity import general_gradients
 
 PEDESTALS = [mf.Interacting(order=order, substrate=mf.BondedLayer(), pedestal=True) for order in (1, 3)]
-MODELS = [mf.Independent(), mf.MeanField(), mf.Interacting(order=3), *PEDESTALS]
+MODELS = [mf.Independent(), mf.Interacting(order=3), *PEDESTALS]
 
 
 @pytest.mark.parametrize("model", MODELS, ids=repr)

@@ -1,3 +1,5 @@
+"""Quadratic programs against non-negative least squares and the conditions of their minimum."""
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -43,7 +45,7 @@ def solve(matrix, gap, start, total=None, multiplier=0.0):
 seeds = st.integers(0, 10**6)
 
 
-@settings(deadline=None, max_examples=50)
+@settings(deadline=None, max_examples=20)
 @given(seeds, st.integers(1, 40))
 def test_minimum_is_that_of_non_negative_least_squares(seed, size):
     matrix, gap = random_program(seed, size)
@@ -56,7 +58,7 @@ def test_minimum_is_that_of_non_negative_least_squares(seed, size):
     np.testing.assert_allclose(found.pressure, expected, atol=1e-6)
 
 
-@settings(deadline=None, max_examples=50)
+@settings(deadline=None, max_examples=20)
 @given(seeds, st.integers(1, 40))
 def test_given_sum_is_kept_and_its_multiplier_found(seed, size):
     matrix, gap = random_program(seed, size)

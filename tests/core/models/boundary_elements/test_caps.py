@@ -1,0 +1,80 @@
+"""Resolved contacts of caps that are no paraboloids."""
+
+import numpy as np
+import pytest
+
+import metafem as mf
+from metafem.caps.shapes import sphere_profile
+from metafem.models.boundary_elements.summits import Summits
+from tests.models.interacting.dense_twin import Twin
+from tests.models.scenes import lattice, scene, single_contact
+
+RADIUS, CONTACT = 0.526, 0.2
+
+
+RHO = np.linspace(0.0, 0.45, 80)
+
+
+SPHERE = mf.AxisymmetricCap([RHO, sphere_profile(RHO, RADIUS)])
+
+
+LAWS = [*(mf.PowerCap(n) for n in (1.5, 8)), mf.SphericalCap(), SPHERE]
+
+
+def test_one_contact_is_that_of_the_law():
+    for law in (mf.Hertz(), *LAWS):
+        width = 0.5 * RADIUS if law in (mf.SphericalCap(), SPHERE) else CONTACT
+        state, exact = single_contact(law, 50, contact_radius=width)
+        # the cells' error at 50 per radius
+        assert state.load == pytest.approx(exact.load, rel=1e-4)
+        assert state.area == pytest.approx(exact.area, rel=3e-4)
+        assert state.stiffness == pytest.approx(exact.stiffness, rel=5e-4)
+        assert state.model.contact == law
+
+
+def test_areas_from_moments_hold_for_any_extra_curvature():
+    surface = scene(radius=np.full(6, RADIUS))
+    a = np.linspace(0.1, 0.2, 6)
+    for law in (*LAWS, mf.PowerCap(2)):
+        kappa = np.linspace(-0.1, 0.4, 6) * law.indentation(a, RADIUS) / a**2
+        load, moment = (f(a, RADIUS, kappa) for f in (law.load, law.second_moment))
+        summits = Summits.of(surface, law, 0.01)
+        found = summits.areas(0.5 * moment / load / 1e-4, load / 1e-4, np.zeros(6))
+        np.testing.assert_allclose(1e-4 * found, np.pi * a**2, rtol=1e-12)
+        assert (summits.areas(*np.zeros((3, 6))) == 0.0).all()
+        assert (summits.areas(np.zeros(6), np.ones(6), np.ones(6)) == 0.0).all()  # on one cell
+
+
+def test_a_power_of_two_is_the_paraboloid():
+    cells = mf.BoundaryElements(0.012), mf.BoundaryElements(0.012, contact=mf.PowerCap(2))
+    hertz, power = (mf.equilibrium(scene(), model, load=0.1) for model in cells)
+    assert power.area == pytest.approx(hertz.area, rel=1e-8)
+    np.testing.assert_allclose(power.asperity_load, hertz.asperity_load, rtol=1e-8)
+    again = mf.equilibrium(scene(), cells[1], approach=power.approach)
+    assert again.load == pytest.approx(0.1, rel=1e-8)
+
+
+def test_coupled_contacts_are_those_of_order_3():
+    for law, surface in ((mf.PowerCap(4), lattice(0.5 * np.ones(9))), (mf.SphericalCap(), scene())):
+        twin, approach = Twin(surface, law), float(law.indentation(0.18, RADIUS))
+        load = twin.solve(approach=approach)[1].sum()
+        state = mf.equilibrium(surface, mf.BoundaryElements(0.01, contact=law), approach=approach)
+        # what is required up to a/L = 0.2
+        assert state.load / 1.36 == pytest.approx(load, rel=3e-4)
+        area = twin.solve(load=state.load / 1.36)[2].sum()
+        assert state.area == pytest.approx(area, rel=1e-3)
+        assert not any("not that of" in note.text for note in state.notes)
+
+
+def test_a_flat_summit_on_a_slope_touches_beside_its_axis():
+    """At its axis the second summit does not reach the plane, by 1.4 um."""
+    surface = scene([[0.0, 0.0], [0.75, 0.0]], [0.5, 0.385], RADIUS)
+    areas = [
+        mf.equilibrium(
+            surface, mf.BoundaryElements(cell, contact=mf.PowerCap(4)), approach=0.15
+        ).asperity_area
+        for cell in (0.004, 0.008)
+    ]
+    assert areas[0][1] > 0.01
+    # seven cells for the deformed one
+    np.testing.assert_allclose(*areas, atol=7.0 * 0.008**2 + 7.0 * 0.004**2, rtol=1e-4)

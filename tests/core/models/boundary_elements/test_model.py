@@ -1,0 +1,190 @@
+"""Resolved contacts against Hertz, the reference, and other grids."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import metafem as mf
+from metafem.models import _resources
+from metafem.models.boundary_elements import patches, solve
+from metafem.substrate import Radial
+from tests.models.scenes import single_contact
+
+MATERIAL = mf.Material(1.36)
+
+
+RADIUS = 0.526
+
+
+PAIR = mf.Surface([[0.0, 0.0], [1.0, 0.3]], [0.1, 0.11], RADIUS, MATERIAL)
+
+
+COARSE = mf.BoundaryElements(0.008)
+
+
+def hertz_errors(per_radius, *offset):
+    """Relative errors in load and in area at one approach."""
+    state, exact = single_contact(mf.Hertz(), per_radius, offset)
+    return abs(state.load / exact.load - 1.0), abs(state.area / exact.area - 1.0)
+
+
+@settings(deadline=None, max_examples=8)
+@given(st.floats(0.0, 1.0), st.floats(0.0, 1.0))
+def test_hertz_is_met_at_any_offset_from_the_grid(x, y):
+    load, area = hertz_errors(50, x, y)
+    assert load <= 5e-5
+    assert area <= 1.5e-4
+
+
+def order_one_load(surface, approach):
+    """Point loads by plain Newton steps; every contact is closed."""
+    influence, d = mf.HalfSpace().influence_matrix(surface), np.full(surface.count, 0.5 * approach)
+    for _ in range(20):
+        load = 4.0 / 3.0 * math.sqrt(RADIUS) * d**1.5
+        slope = 2.0 * np.sqrt(RADIUS * d)
+        d = d - np.linalg.solve(np.eye(d.size) + influence * slope, d + influence @ load - approach)
+    return surface.material.composite_modulus * load.sum()
+
+
+def test_nine_asperities_carry_what_the_reference_says():
+    """At fixed approach; independent asperities exceed resolved contacts by 0.50, point loads by 5e-4."""
+    surface = mf.Surface.square_lattice(0.5, (3, 3), 1.5, radius=RADIUS, material=MATERIAL)
+    state = mf.equilibrium(surface, mf.BoundaryElements(0.006), approach=0.1)
+    # half of the last printed digit, and the 3e-5 of either solution
+    assert order_one_load(surface, 0.1) / state.load - 1.0 == pytest.approx(5e-4, abs=5e-5 + 6e-5)
+    excess = mf.equilibrium(surface, approach=0.1).load / state.load - 1.0
+    assert excess == pytest.approx(0.5, abs=5e-3)
+    third = mf.Interacting(order=3)
+    assert mf.equilibrium(surface, third, approach=0.1).load == pytest.approx(state.load, rel=2.5e-4)
+    assert mf.equilibrium(surface, third, load=state.load).area == pytest.approx(state.area, rel=8e-4)
+
+
+@dataclass(frozen=True)
+class Lifted(Radial):
+    """A half-space whose surface rises everywhere alike under load."""
+
+    @property
+    def name(self):
+        return "lifted"
+
+    @property
+    def self_influence(self):
+        return -0.2
+
+    @property
+    def self_curvature(self):
+        return 0.0
+
+    def regular_derivatives(self, distance):
+        return np.full_like(distance, -0.2), np.zeros_like(distance), np.zeros_like(distance)
+
+
+def test_a_constant_in_the_influence_moves_the_approach_alone():
+    plain = mf.equilibrium(PAIR, COARSE, load=0.05)
+    lifted = mf.equilibrium(PAIR, mf.BoundaryElements(0.008, Lifted()), load=0.05)
+    np.testing.assert_allclose(lifted.asperity_load, plain.asperity_load, rtol=1e-8)
+    assert lifted.area == pytest.approx(plain.area, rel=1e-8)
+    shift = -0.2 * 0.05 / MATERIAL.composite_modulus
+    assert lifted.approach - plain.approach == pytest.approx(shift, rel=1e-8)
+
+
+def on_layer(surface, thickness, cell=0.008, **given):
+    bonded = surface.replaced(block=mf.Block(20.0, 20.0, thickness))
+    return mf.equilibrium(bonded, mf.BoundaryElements(cell, mf.BondedLayer()), **given)
+
+
+def test_a_very_thick_layer_is_a_half_space():
+    thick, half = on_layer(PAIR, 1e6, load=0.05), mf.equilibrium(PAIR, COARSE, load=0.05)
+    # the layer's part is -0.56/t per load
+    assert thick.area == pytest.approx(half.area, rel=1e-6)
+    assert thick.approach == pytest.approx(half.approach, rel=1e-6)
+
+
+def test_a_layer_bends_the_contact_by_its_self_curvature():
+    lone = mf.Surface([[0.0, 0.0]], [0.3], RADIUS, MATERIAL)
+    state = on_layer(lone, 1.5, cell=0.004, load=0.05)
+    load, cube = 0.05 / MATERIAL.composite_modulus, (state.area / math.pi) ** 1.5
+    bend = load * mf.BondedLayer(1.5, 0.5).self_curvature
+    # Hertz with the bent summit, P = 4/3 a^3 (1/R + bend); the next term is (a/t)^2 of the bend
+    assert load / (4.0 / 3.0 * cube) == pytest.approx(1.0 / RADIUS + bend, rel=3e-4)
+    assert bend * RADIUS > 2e-3
+
+
+def test_thin_layers_are_resolved_and_their_shape_is_said():
+    surface = PAIR.replaced(height=[0.3, 0.31])
+    state = on_layer(surface, 0.1, load=0.05)
+    assert any("not that of a Hertzian ellipse" in note.text for note in state.notes)
+    # an incompressible layer squeezed thin: stiffer than any half-space
+    assert state.stiffness > 2.0 * mf.equilibrium(surface, COARSE, load=0.05).stiffness
+
+
+def test_residual_is_within_the_tolerance_and_stated():
+    state = mf.equilibrium(PAIR, COARSE, load=0.05)
+    assert 0.0 < state.residual <= COARSE.curve(PAIR, load=[0.05]).tolerance == 1e-9
+    assert state.status is mf.Status.CONVERGED
+
+
+def test_merged_contacts_are_said_and_counted():
+    surface = PAIR.replaced(position=[[0.0, 0.0], [0.1, 0.0]], height=0.1 * np.ones(2))
+    areas = []
+    for cell in (0.004, 0.002):
+        state = mf.equilibrium(surface, mf.BoundaryElements(cell), approach=0.06)
+        assert any("merged" in note.text for note in state.notes)
+        areas.append(state.area)
+    # a tenth of the cell over the radius
+    assert areas[0] == pytest.approx(areas[1], rel=3e-3)
+
+
+def test_small_contacts_are_said():
+    surface = PAIR.replaced(height=[0.1, 0.2018])
+    state = mf.equilibrium(surface, COARSE, load=0.05)
+    assert any("fewer than 4 cells" in note.text for note in state.notes)
+
+
+def test_neighbourhoods_grow_until_they_hold_the_contacts(monkeypatch):
+    full = mf.equilibrium(PAIR, COARSE, load=0.05)
+    monkeypatch.setattr(solve, "MARGIN_CELLS", 1.0)
+    monkeypatch.setattr(solve, "MARGIN_SHARE", -0.5)
+    grown = mf.equilibrium(PAIR, COARSE, load=0.05)
+    assert grown.area == pytest.approx(full.area, rel=1e-7)
+
+
+def test_memory_is_that_of_the_machine_or_a_guess(monkeypatch):
+    def unknown(name):
+        raise ValueError(name)
+
+    assert _resources.memory() > 2**28
+    monkeypatch.setattr(_resources.os, "sysconf", unknown)
+    assert _resources.memory() == _resources.DEFAULT_MEMORY
+
+
+def test_stopping_early_raises_with_the_state(monkeypatch):
+    monkeypatch.setattr(solve, "MAX_ITERATIONS", 1)
+    monkeypatch.setattr(solve, "MAX_GROWTHS", 1)
+    with pytest.raises(mf.NotConverged) as caught:
+        mf.equilibrium(PAIR, COARSE, load=0.05)
+    assert caught.value.state.residual > 1e-9
+
+
+def test_patches_give_what_one_grid_gives(monkeypatch):
+    surface = mf.Surface.square_lattice([0.1, 0.11, 0.12, 0.1], (2, 2), 0.9, radius=RADIUS, material=MATERIAL)
+    apart = mf.equilibrium(surface, COARSE, load=0.1)
+    assert "4 patches" in apart.notes[1].text
+    monkeypatch.setattr(patches, "SLOWEST_RATE", math.inf)
+    whole = mf.equilibrium(surface, COARSE, load=0.1)
+    assert len(whole.notes) == 1
+    np.testing.assert_allclose(apart.asperity_load, whole.asperity_load, rtol=1e-8)
+    np.testing.assert_allclose(apart.asperity_area, whole.asperity_area, rtol=1e-8)
+
+
+def test_a_summit_in_the_contact_of_another_gets_cells_up_to_the_end_of_its_own():
+    """The lower summit seems out of contact at first, and its part of the contact ends at the cells' edge."""
+    pair = mf.Surface([[0.0, 0.0], [0.1, 0.0]], [0.10, 0.12], 0.526, mf.Material(1.36))
+    state = mf.equilibrium(pair, mf.BoundaryElements(0.004), load=0.2)
+    assert state.status is mf.Status.CONVERGED
+    coarse = mf.equilibrium(pair, mf.BoundaryElements(0.01), load=0.2)
+    assert state.area == pytest.approx(coarse.area, rel=5e-3)
