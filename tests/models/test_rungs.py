@@ -1,67 +1,34 @@
 """The choice of the cheapest sufficient model: its estimates, on random scenes."""
 
-from functools import cache
-
 import numpy as np
 import pytest
 
-import metafem as mf
-from metafem.models.rungs import FEWEST, PROBED, probed
 from validation.scenes.ladder import Choice, choices
 
 SCENES = 150
 
 
-@cache
+@pytest.fixture(scope="module")
 def found():
     """Choices on random scenes, as arrays."""
     return Choice(*np.array(choices(SCENES)).T)
 
 
-def test_the_chosen_model_is_within_the_tolerance():
-    assert len(found().error) > SCENES
-    assert (found().error <= found().tolerance).all()
+def test_the_chosen_model_is_within_the_tolerance(found):
+    assert len(found.error) > SCENES
+    assert (found.error <= found.tolerance).all()
 
 
-def test_the_chosen_model_is_the_cheapest_or_the_next():
-    above = found().chosen - found().cheapest
+def test_the_chosen_model_is_the_cheapest_or_the_next(found):
+    above = found.chosen - found.cheapest
     assert (above == 0).mean() >= 0.9
     assert above.max() <= 1
-    assert {*found().chosen.tolist()} == {0, 1, 2}
+    assert {*found.chosen.tolist()} == {0, 1, 2}
 
 
-def test_estimates_are_within_a_factor_of_three():
-    large = (found().error > 1e-4) & (found().chosen < 2)
-    ratio = found().estimate[large] / found().error[large]
+def test_estimates_are_within_a_factor_of_three(found):
+    large = (found.error > 1e-4) & (found.chosen < 2)
+    ratio = found.estimate[large] / found.error[large]
     assert large.sum() > SCENES / 4
     assert ((ratio > 1 / 3) & (ratio < 3)).mean() >= 0.98
     assert ratio.min() > 0.9
-
-
-def test_the_sinking_of_the_base_is_in_the_approach():
-    surface = mf.Surface.square_lattice(
-        np.random.default_rng(1).uniform(0.1, 0.2, 64), (8, 8), pitch=50.0, radius=0.526,
-        material=mf.Material(1.36),
-    )  # fmt: skip
-    load = np.linspace(0.001, 0.05, 40)
-    chosen, full = mf.Automatic(1e-3).curve(surface, load), mf.Interacting().curve(surface, load)
-    alone = mf.Independent().curve(surface, load)
-    assert "independent" in chosen.notes[0].text
-    sinking = full.approach - alone.approach
-    np.testing.assert_allclose(chosen.approach - alone.approach, sinking, rtol=0.05)
-    np.testing.assert_allclose(chosen.stiffness, full.stiffness, rtol=0.01)
-
-
-def test_at_given_approaches_the_base_sinks_too():
-    surface = mf.Surface.square_lattice(0.2, (3, 3), pitch=50.0, radius=0.526, material=mf.Material(1.36))
-    curve = mf.Automatic(1e-2).curve(surface, approach=np.array([0.02]))
-    assert "order 1" in curve.notes[0].text
-    assert curve.load == pytest.approx(mf.Interacting().curve(surface, approach=np.array([0.02])).load)
-
-
-def test_many_loads_of_many_contacts_are_thinned_out():
-    load = np.linspace(0.0, 1.0, 101)
-    assert probed(load, 64).tolist() == list(range(1, 101))
-    rows = probed(load, PROBED)
-    assert len(rows) == FEWEST
-    assert rows[[0, -1]].tolist() == [1, 100]

@@ -20,28 +20,6 @@ MATERIALS = [mf.Material(1.36, nu) for nu in (0.0, 0.3, 0.5)]
 LAWS = [mf.KogutEtsion(0.1), mf.JacksonGreen(0.002), mf.JacksonGreen(0.03)]
 
 
-def jump(law, at):
-    """Relative jumps of the published load and area at an indentation over that of yield."""
-    low, high = (law._published(np.asarray(at * (1.0 + side))) for side in (-1e-12, 1e-12))
-    return [float(two / one) - 1.0 for one, two in zip(low, high, strict=True)]
-
-
-# Law, Poisson's ratio, indentation over that of yield, and jumps of load and area.
-JUMPS = [
-    (mf.KogutEtsion(0.1), 0.3, 1.0, 0.03, -0.07),
-    (mf.KogutEtsion(0.1), 0.3, 6.0, 0.017, 0.029),
-    (mf.KogutEtsion(0.1), 0.3, 110.0, 0.079, 0.071),
-    (mf.KogutEtsion(0.1), 0.5, 110.0, -0.055, 0.071),
-    (mf.JacksonGreen(0.002), 0.3, 1.9, 0.005, 0.0),
-    (mf.JacksonGreen(0.002), 0.5, 1.9, -0.034, 0.0),
-]
-
-
-def test_the_published_formulas_jump():
-    for law, nu, at, load, area in JUMPS:
-        assert_allclose(jump(law.for_material(mf.Material(1.36, nu)), at), [load, area], atol=5e-4)
-
-
 def test_the_sizes_of_the_blends():
     """Those that the docstrings of the laws state."""
 

@@ -36,16 +36,6 @@ def exact(slope, a):
     ]
 
 
-def test_single_integrals_are_the_double_ones():
-    slope, _ = power("radius", 1.5, 0.3)
-    of_radius, a = (lambda rho: slope(rho, RADIUS)), mpmath.mpf(0.17)
-    depth, (*_, load, moment) = depth_of(of_radius), exact(of_radius, a)
-    expected = 2 * (a * depth(a) - mpmath.quad(depth, [0, a]))
-    assert float(load) == pytest.approx(float(expected), rel=1e-12)
-    expected = mpmath.mpf(4) / 3 * (a**3 * depth(a) - 3 * mpmath.quad(lambda s: s**2 * depth(s), [0, a]))
-    assert float(moment) == pytest.approx(float(expected), rel=1e-12)
-
-
 def power(by, n, c):
     """The slope of a power cap as a function of rho and of the parameter."""
     value = {"radius": RADIUS, "exponent": n, "coefficient": c}

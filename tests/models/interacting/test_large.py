@@ -8,7 +8,7 @@ from metafem._kernels.continuation import Results
 from metafem.models.contact_tables import tables
 from metafem.models.interacting.large import LargeScene
 from metafem.models.interacting.sums.fft_sums import LatticeSums, find_lattice
-from tests.core.models.interacting.test_large import SUBSTRATES, large, loose, rough
+from tests.core.models.interacting.test_large import SUBSTRATES, large, rough
 from tests.models.scenes import lattice
 
 __all__ = ["large"]  # a fixture
@@ -20,16 +20,6 @@ def test_large_lattices_have_rough_sums_in_single_precision():
     load = np.random.default_rng(0).random(surface.count)
     exact, found = sums.displacement(load), sums.rough.displacement(load)
     assert 1e-12 < np.abs(found - exact).max() / np.abs(exact).max() < 1e-5
-
-
-@pytest.mark.usefixtures("large")
-def test_thin_layers_in_large_scenes():
-    for places in (lattice, lambda height: loose(height.size)):
-        for thickness in (0.3, 1e6):
-            surface = places(rough(100)).replaced(block=mf.Block(20, 20, thickness))
-            for order in (1, 3):
-                model = mf.Interacting(order=order, substrate=mf.BondedLayer())
-                assert mf.equilibrium(surface, model, load=0.1).residual < 1e-9
 
 
 @pytest.mark.usefixtures("large")

@@ -5,7 +5,7 @@ import pytest
 
 import metafem as mf
 from metafem.models.boundary_elements import solve
-from tests.models.test_shape_sensitivity import changed
+from tests.core.models.test_shape_sensitivity import changed
 
 OWN, LOAD = mf.Elastic(), np.array([0.06])
 

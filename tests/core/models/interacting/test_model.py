@@ -16,48 +16,6 @@ from metafem.contact.cap_compliance import pedestal_influence
 from tests.models.scenes import COUPLED, HEIGHT, PLACE, RADIUS, lattice, said, scene
 
 
-def moved_displacement(surface, load, steps=50):
-    """Displacement and curvature on a half-space with distances at the moved centres, to all orders."""
-    centre, square = surface.position, 0.0
-    for _ in range(steps):
-        dx, dy = (c[:, None] - c for c in centre.T)
-        r = np.hypot(dx, dy)
-        np.fill_diagonal(r, np.inf)
-        curvature = 1 / surface.radius + (load / (2 * math.pi * r**3)).sum(1)
-        square = (0.75 * load / curvature) ** (2 / 3)
-        slope = -np.column_stack([(load * d / (math.pi * r**3)).sum(1) for d in (dx, dy)])
-        shift = -surface.radius[:, None] * slope
-        centre = surface.position + shift
-    u = (load / (math.pi * r) * (1 + square / (10 * r**2))).sum(1)
-    return u + (shift**2).sum(1) / (2 * surface.radius), curvature
-
-
-def test_shifts_to_first_order_against_moved_centres():
-    surface = lattice(0.5 * np.ones(9), modulus=1.0)
-    for approach in (0.1, 0.45):
-        state = mf.equilibrium(surface, mf.Interacting(), approach=approach)
-        u, curvature = moved_displacement(surface, state.asperity_load)
-        d = (0.75 * state.asperity_load) ** (2 / 3) * curvature ** (1 / 3)
-        # the square of a shift over the pitch, (R p/(pi L^3))^2, over the indentation's own share
-        shift = 0.526 * state.asperity_load.max() / (math.pi * 1.5**3)
-        assert_allclose(d, approach - u, rtol=0, atol=5 * shift**2 * approach)
-
-
-# Approach, and errors of order 1 in load and area [%] against resolved contacts.
-POINT_LOADS = [(0.1, 0.05, 0.12), (0.2, 0.07, 0.30), (0.3, 0.08, 0.51), (0.45, 0.05, 0.86)]
-
-
-def test_point_loads_err_as_resolved_contacts_found():
-    """Order 1 and order 3 differ by the printed errors of order 1, within those of order 3."""
-    surface = lattice(0.5 * np.ones(9))
-    for approach, by_load, by_area in POINT_LOADS:
-        point = mf.equilibrium(surface, mf.Interacting(order=1), approach=approach)
-        full = mf.equilibrium(surface, mf.Interacting(), approach=approach)
-        assert 100 * (point.load / full.load - 1) == pytest.approx(by_load, abs=0.025)
-        area = mf.equilibrium(surface, mf.Interacting(), load=point.load).area
-        assert 100 * (point.area / area - 1) == pytest.approx(by_area, abs=0.08)
-
-
 def test_without_coupling_it_is_independent():
     """Asperities far apart, with the layer's self term negligible at their scale."""
     surface = scene(1e9 * PLACE, thickness=1e9)
@@ -100,15 +58,6 @@ def test_pedestals_are_self_terms_of_the_matrix():
         second = mf.friction_law(surface, mf.Interacting(order, Raised(own)), load=load)
         assert_allclose(first.area, second.area, rtol=1e-12)
         assert_allclose(first.separation, second.separation, atol=1e-12)
-
-
-def test_common_sinking_of_the_array_of_the_paper():
-    """8 x 8 contacts at 0.02 N each sink by 75 um on the half-space and 16 um on the layer."""
-    surface = lattice(0.1 * np.ones(64))
-    for substrate, sinking in ((mf.HalfSpace(), 75.0), (mf.BondedLayer(), 16.0)):
-        u = substrate.influence_matrix(surface) @ np.full(64, 0.02 / 1.36)
-        own = np.diagonal(substrate.influence_matrix(surface)) * 0.02 / 1.36
-        assert 1e3 * (u - own).reshape(8, 8)[3:5, 3:5].mean() == pytest.approx(sinking, abs=3.0)
 
 
 def test_pedestal_adds_its_compliance():

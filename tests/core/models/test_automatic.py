@@ -8,43 +8,39 @@ from metafem._kernels.truncation import pair_sum
 from metafem.models import automatic as automatic_module
 from metafem.models import truncation as truncation_module
 from metafem.models.truncation import ALL_PAIRS, slope_effects, truncation
-from tests.models.scenes import lattice, scene
+from tests.models.scenes import lattice, said, scene
 
 # Errors of A0 at fixed load of order 3 against resolved contacts on a 3 x 3 lattice, and the approaches at
 # which they were found [mm].
 RESOLVED = [(0.1, 0.00001), (0.2, 0.0001), (0.3, 0.00027), (0.45, 0.00066)]
 
 
-@pytest.mark.parametrize(("approach", "error"), RESOLVED)
-def test_estimates_bound_the_errors_against_resolved_contacts(approach, error):
+def test_estimates_bound_the_errors_against_resolved_contacts():
     surface = lattice(0.5 * np.ones(9))
-    last = mf.Interacting().curve(surface, approach=np.array([approach])).last
-    assert error < truncation(surface, last.area, mf.HalfSpace()) < 2e-3
+    for approach, error in RESOLVED:
+        last = mf.Interacting().curve(surface, approach=np.array([approach])).last
+        assert error < truncation(surface, last.area, mf.HalfSpace()) < 2e-3
 
 
 # The same for other caps, at a largest contact radius of 0.2 and 0.27 of the pitch; see the benchmark "caps".
 # The last column is the largest ratio of the estimate to the error.
-@pytest.mark.parametrize(
-    ("law", "radius", "ratio", "error", "most"),
-    [
-        (mf.PowerCap(4), 0.526, 0.2, 0.000117, 1.5),
-        (mf.PowerCap(4), 0.526, 0.27, 0.000387, 1.5),
-        (mf.PowerCap(4), 0.526, 0.35, 0.001947, 1.5),
-        (mf.SphericalCap(), 0.6, 0.2, 0.000165, 1.5),
-        (mf.SphericalCap(), 0.81, 0.27, 0.000458, 1.8),
-    ],
-)
-def test_estimates_of_other_caps_bound_their_errors(law, radius, ratio, error, most):
-    surface, a = lattice(0.5 * np.ones(9), radius), 1.5 * ratio
-    approach = 1.5 * float(law.indentation(a, radius))  # about that of the approach with this radius
-    model = mf.Interacting(contact=law)
-    for _ in range(20):
-        last = model.curve(surface, approach=np.array([approach])).last
-        approach *= float(
-            law.indentation(a, radius) / law.indentation(np.sqrt(last.area.max() / np.pi), radius)
-        )
-    assert np.sqrt(last.area.max() / np.pi) == pytest.approx(a, rel=1e-3)
-    assert error < truncation(surface, last.area, mf.HalfSpace(), law) < most * error
+OTHER_CAPS = [
+    (mf.PowerCap(4), 0.526, 0.2, 0.000117, 1.5),
+    (mf.PowerCap(4), 0.526, 0.35, 0.001947, 1.5),
+    (mf.SphericalCap(), 0.81, 0.27, 0.000458, 1.8),
+]
+
+
+def test_estimates_of_other_caps_bound_their_errors():
+    for law, radius, ratio, error, most in OTHER_CAPS:
+        surface, a = lattice(0.5 * np.ones(9), radius), 1.5 * ratio
+        depth = float(law.indentation(a, radius))
+        approach = 1.5 * depth  # about that of the approach with this radius
+        for _ in range(20):
+            last = mf.Interacting(contact=law).curve(surface, approach=np.array([approach])).last
+            approach *= depth / float(law.indentation(np.sqrt(last.area.max() / np.pi), radius))
+        assert np.sqrt(last.area.max() / np.pi) == pytest.approx(a, rel=1e-3)
+        assert error < truncation(surface, last.area, mf.HalfSpace(), law) < most * error
 
 
 def test_estimates_of_a_power_of_two_are_those_of_the_paraboloid():
@@ -78,15 +74,15 @@ def test_pairs_of_many_contacts_are_those_of_their_nearest_neighbours():
     assert truncation(surface, near, mf.HalfSpace()) == np.inf
 
 
-@pytest.mark.parametrize("substrate", [mf.HalfSpace(), mf.BondedLayer()])
-def test_order_3_is_chosen_within_the_tolerance(substrate):
-    surface, automatic = lattice(0.1 * np.ones(9)), mf.Automatic(2e-4, substrate)
-    state = mf.equilibrium(surface, automatic, load=0.15)
-    assert state.model == mf.Interacting(substrate=substrate)
-    assert state.area == mf.equilibrium(surface, state.model, load=0.15).area
-    assert state.notes[0].text.startswith("chosen: order 3; its estimated error of A0(P) is ")
-    law = mf.friction_law(surface, automatic, load=[0.15])
-    assert law.notes[0] == state.notes[0]
+def test_order_3_is_chosen_within_the_tolerance():
+    for substrate in (mf.HalfSpace(), mf.BondedLayer()):
+        surface, automatic = lattice(0.1 * np.ones(9)), mf.Automatic(2e-4, substrate)
+        state = mf.equilibrium(surface, automatic, load=0.15)
+        assert state.model == mf.Interacting(substrate=substrate)
+        assert state.area == mf.equilibrium(surface, state.model, load=0.15).area
+        assert state.notes[0].text.startswith("chosen: order 3; its estimated error of A0(P) is ")
+        law = mf.friction_law(surface, automatic, load=[0.15])
+        assert law.notes[0] == state.notes[0]
 
 
 def test_what_order_3_does_not_hold_is_resolved():
@@ -116,59 +112,46 @@ def test_other_caps_are_resolved_where_order_3_does_not_hold():
 
 
 def test_laws_that_cannot_be_resolved_stay_with_asperities_and_say_so():
-    surface = lattice(0.1 * np.ones(9))
-    elastic = mf.equilibrium(surface, mf.Automatic(contact=mf.JKR(9e-6)), load=0.1)
-    assert elastic.model == mf.Interacting(contact=mf.JKR(9e-6))
-    words = "cannot be resolved, so the tolerance of 0.001 is checked by this alone"
-    assert "its estimated error of A0(P) is " in elastic.notes[0].text
-    assert words in elastic.notes[0].text
-    assert not elastic.notes[0].warns
-    plastic = mf.equilibrium(surface, mf.Automatic(contact=mf.KogutEtsion(1.0)), load=0.1)
-    assert plastic.model == mf.Interacting(1, contact=mf.KogutEtsion(1.0))
-    assert "chosen: order 1, as the law has no profile" in plastic.notes[0].text
-    assert plastic.notes[0].warns
+    surface, jkr, plastic = lattice(0.1 * np.ones(9)), mf.JKR(9e-6), mf.KogutEtsion(1.0)
+    for law, order, words in ((jkr, 3, "checked by this alone"), (plastic, 1, "the law has no profile")):
+        state = mf.equilibrium(surface, mf.Automatic(contact=law), load=0.1)
+        assert state.model == mf.Interacting(order, contact=law)
+        assert words in state.notes[0].text
+        assert state.notes[0].warns == (law == plastic)
 
 
 # Two contacts that merge, and three of which order 3 has no solution; areas extrapolated from three cells.
 MERGED = [
-    ([[0, 0], [0.1, 0]], [0.1, 0.1], 0.0169981, 0.12596, "order 3 has no solution"),
-    ([[0, 0], [0.05, 0], [0, 0.05]], [0.1, 0.1, 0.1], 0.02, 0.13837, "order 3 has no solution"),
+    ([[0, 0], [0.1, 0]], 0.0169981, 0.12596),
+    ([[0, 0], [0.05, 0], [0, 0.05]], 0.02, 0.13837),
 ]
 
 
-@pytest.mark.parametrize(("place", "height", "load", "area", "reason"), MERGED)
-def test_merged_contacts_are_within_the_tolerance(place, height, load, area, reason):
-    surface = mf.Surface(place, height, 0.526, mf.Material(1.0))
-    state = mf.equilibrium(surface, mf.Automatic(1e-3), load=load)
-    assert reason in state.notes[0].text
-    assert state.area == pytest.approx(area, rel=1e-3)
+def test_merged_contacts_are_within_the_tolerance():
+    for place, load, area in MERGED:
+        surface = mf.Surface(place, np.full(len(place), 0.1), 0.526, mf.Material(1.0))
+        state = mf.equilibrium(surface, mf.Automatic(1e-3), load=load)
+        assert "order 3 has no solution" in state.notes[0].text
+        assert state.area == pytest.approx(area, rel=1e-3)
 
 
-def test_contacts_that_overlap_are_resolved_and_said():
+def test_the_reasons_are_said(monkeypatch):
     surface = mf.Surface([[0, 0], [0.3, 0]], [0.1, 0.1], 0.526, mf.Material(1.0))
-    assert mf.Interacting().curve(surface, np.array([0.06])).converged
-    state = mf.equilibrium(surface, mf.Automatic(1e-2), load=0.06)
-    assert "contacts overlap" in state.notes[0].text
-
-
-@pytest.mark.parametrize("load", [0.01, 0.05])
-def test_a_state_that_is_no_minimum_of_the_energy_is_not_converged(load):
-    surface = mf.Surface([[0, 0], [0.05, 0]], [0.1, 0.1], 0.526, mf.Material(1.0))
-    assert not mf.Interacting().curve(surface, np.array([load])).converged
-    assert not mf.Interacting().curve(surface, approach=np.array([load])).converged
-
-
-def test_a_block_that_is_left_aside_is_said():
+    assert "contacts overlap" in said(mf.equilibrium(surface, mf.Automatic(1e-2), load=0.06))
     surface = lattice(0.1 * np.ones(9)).replaced(block=mf.Block(20.0, 20.0, 7.2))
-    for model, said in ((mf.Automatic(), True), (mf.Automatic(substrate=mf.BondedLayer()), False)):
-        notes = mf.friction_law(surface, model, load=[0.1, 0.15]).notes
-        assert any("block is not used" in note.text for note in notes) == said
-
-
-def test_what_cannot_be_resolved_is_said(monkeypatch):
+    for model, aside in ((mf.Automatic(), True), (mf.Automatic(substrate=mf.BondedLayer()), False)):
+        law = mf.friction_law(surface, model, load=[0.1, 0.15])
+        assert ("block is not used" in said(law)) == aside
     monkeypatch.setattr(automatic_module, "DENSE_LIMIT", 1)
     state = mf.equilibrium(lattice(0.5 * np.ones(9)), mf.Automatic(1e-6), load=1.0)
     assert "resolved contacts are needed" in state.notes[0].text
+
+
+def test_a_state_that_is_no_minimum_of_the_energy_is_not_converged():
+    for load in (0.01, 0.05):
+        surface = mf.Surface([[0, 0], [0.05, 0]], [0.1, 0.1], 0.526, mf.Material(1.0))
+        assert not mf.Interacting().curve(surface, np.array([load])).converged
+        assert not mf.Interacting().curve(surface, approach=np.array([load])).converged
 
 
 def test_laws_and_approaches_follow_the_chosen_model():
@@ -181,17 +164,17 @@ def test_laws_and_approaches_follow_the_chosen_model():
     assert apart.load[1] == pytest.approx(state.load, rel=1e-10)
 
 
-@pytest.mark.parametrize("ratio", [0.3, 0.5, 0.7, 0.9])
-def test_the_estimate_covers_a_small_contact_beside_a_large_one(ratio):
-    # Hertz's displacement outside of a contact, and the terms of it that order 3 includes
-    r, R = 1.0, 1.0
-    a = ratio * r
-    exact = ((2 * a**2 - r**2) * np.arcsin(a / r) + a * np.sqrt(r**2 - a**2)) / (np.pi * R)
-    known = r**2 * (4 / 3 * ratio**3 + 2 / 15 * ratio**5) / (np.pi * R)
-    area = np.pi * np.array([a**2, (0.01 * a) ** 2])
-    surface = mf.Surface([[0, 0], [r, 0]], [0.2, 0.1], R, mf.Material(1.0))
-    changed = np.pi * R * (exact - known) / area.sum()
-    assert changed < truncation(surface, area, mf.HalfSpace()) < 10 * changed
+def test_the_estimate_covers_a_small_contact_beside_a_large_one():
+    for ratio in (0.3, 0.5, 0.7, 0.9):
+        # Hertz's displacement outside of a contact, and the terms of it that order 3 includes
+        r, R = 1.0, 1.0
+        a = ratio * r
+        exact = ((2 * a**2 - r**2) * np.arcsin(a / r) + a * np.sqrt(r**2 - a**2)) / (np.pi * R)
+        known = r**2 * (4 / 3 * ratio**3 + 2 / 15 * ratio**5) / (np.pi * R)
+        area = np.pi * np.array([a**2, (0.01 * a) ** 2])
+        surface = mf.Surface([[0, 0], [r, 0]], [0.2, 0.1], R, mf.Material(1.0))
+        changed = np.pi * R * (exact - known) / area.sum()
+        assert changed < truncation(surface, area, mf.HalfSpace()) < 10 * changed
 
 
 def test_merged_contacts_smaller_than_assumed_are_resolved_by_finer_cells():

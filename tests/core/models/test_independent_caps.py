@@ -7,10 +7,11 @@ import pytest
 from numpy.testing import assert_allclose
 
 import metafem as mf
-from tests.models.scenes import HEIGHT, RADIUS, lattice, said, scene
+from tests.models.scenes import HEIGHT, RADIUS, lattice, scene
 
 HERTZ = mf.Hertz()
-CAPS = [mf.PowerCap(n) for n in (1, 1.5, 3, 4, 8)] + [mf.SphericalCap()]
+
+
 LOADS = np.geomspace(1e-6, 0.3, 25)
 
 
@@ -43,32 +44,13 @@ def test_the_law_of_a_paraboloid_is_that_of_hertz(law):
     assert_allclose(*sensitivities, rtol=1e-10, atol=1e-12)
 
 
-@pytest.mark.parametrize("cap", CAPS, ids=repr)
-def test_one_asperity_is_a_single_contact(cap):
-    model, height, a = mf.Independent(contact=cap), np.array([0.1]), 0.15
-    curve = model.curve_of(height, np.array([0.5]), np.array([cap.load(a, 0.5)]))
-    assert curve.approach[0] == pytest.approx(cap.indentation(a, 0.5), rel=1e-13)
-    assert curve.area[0] == pytest.approx(cap.area(a), rel=1e-12)
-    assert curve.stiffness[0] == pytest.approx(2 * a, rel=1e-12)
-
-
-@pytest.mark.parametrize("cap", CAPS, ids=repr)
-def test_every_load_of_many_decades_converges(cap):
-    surface = lattice(0.12 - np.minimum(np.random.default_rng(1).exponential(0.035, 64), 0.12))
-    curve = mf.Independent(contact=cap).curve(surface, np.geomspace(1e-14, 10.0, 60))
-    assert curve.converged
-    assert (np.diff(curve.area) > 0.0).all()
-
-
-@pytest.mark.parametrize("cap", CAPS, ids=repr)
-def test_sensitivities_are_the_derivatives_of_the_areas(cap):
-    model, surface, load, step = mf.Independent(contact=cap), scene(), np.array([0.02, 0.2]), 1e-5
-    gradient = model.sensitivity(surface, load).gradient
-    # no asperity comes into contact within a step
-    for i in range(surface.count):
-        moved = HEIGHT + step * np.outer([1.0, -1.0], np.arange(surface.count) == i)
-        high, low = model.areas(surface, load, moved)
-        assert_allclose((high - low) / (2 * step), gradient[:, i], rtol=1e-5, atol=1e-8)
+def test_one_asperity_is_a_single_contact():
+    height, radius, a = np.array([0.1]), np.array([0.5]), 0.15
+    for cap in (mf.PowerCap(1), mf.PowerCap(4), mf.SphericalCap()):
+        curve = mf.Independent(contact=cap).curve_of(height, radius, np.array([cap.load(a, 0.5)]))
+        assert curve.approach[0] == pytest.approx(cap.indentation(a, 0.5), rel=1e-13)
+        assert curve.area[0] == pytest.approx(cap.area(a), rel=1e-12)
+        assert curve.stiffness[0] == pytest.approx(2 * a, rel=1e-12)
 
 
 def test_a_spherical_contact_far_beyond_its_radius_keeps_its_load():
@@ -90,9 +72,3 @@ def test_loads_beyond_what_a_law_can_carry_do_not_converge():
 
     with pytest.raises(mf.NotConverged):
         mf.equilibrium(lattice([0.1]), mf.Independent(contact=Limited(4.0)), load=1.0)
-
-
-def test_notes_state_the_law():
-    deep = mf.equilibrium(lattice([0.3]), mf.Independent(mf.PowerCap(4)), load=0.5)
-    assert "the law of small strain" in said(deep)
-    assert "Hertz" not in said(deep)

@@ -9,22 +9,25 @@ from metafem.contact.law import contacts
 from metafem.models.contact_tables import tables
 
 R = 0.526
+
+
 RHO = np.linspace(0.0, 0.45, 30)
+
+
 LAWS = [
-    *(mf.PowerCap(n) for n in (1, 1.5, 2, 3, 4, 8, 32)),
+    *(mf.PowerCap(n) for n in (1, 1.5, 4, 32)),
     mf.SphericalCap(),
     mf.AxisymmetricCap(lambda rho: rho**2 / 1.1 + rho**4, 0.45),
 ]
+
+
 # Where the second derivative of its cubic jumps, the inverse of D is no polynomial.
 TABLE = mf.AxisymmetricCap(np.array([RHO, R - np.sqrt(R**2 - RHO**2)]))
 
 
-@pytest.mark.parametrize(
-    ("law", "rtol"),
-    [*((law, 1e-12) for law in LAWS), (TABLE, 3e-8)],
-    ids=[repr(law) for law in (*LAWS, TABLE)],
-)
-def test_kernels_are_the_laws(law, rtol):
+@pytest.mark.parametrize("law", [*LAWS, TABLE], ids=repr)
+def test_kernels_are_the_laws(law):
+    rtol = 3e-8 if law == TABLE else 1e-12
     table, worst = tables(law, np.array([0.4, R])), 0.0
     one_of = (table.data, table.which[1], R)
     for z in np.geomspace(1e-9, 0.1, 200):
@@ -77,20 +80,6 @@ def test_breaks_at_the_ends_of_a_table_make_no_panel():
     assert np.isfinite(table.data).all()
     found = kernel.pressed(table.data, 0, R, 0.299)
     assert found[0] == pytest.approx(law.load(law.contact_radius(0.299, R), R), rel=1e-10)
-
-
-def test_a_law_of_each_asperity_is_for_these_alone():
-    surface = mf.Surface.square_lattice(np.full(4, 0.1), (2, 2), radius=R, material=mf.Material(1.36))
-    after, model = mf.flattened(surface, mf.Independent(mf.KogutEtsion(0.1)), load=0.01)
-    load = np.array([5e-4])
-    with pytest.raises(mf.InvalidInput, match="the law of 4 asperities with their own radii"):
-        model.areas(after, load, np.stack([after.height] * 2), np.array([[R], [1.5 * R]]) * np.ones(4))
-    other = mf.Surface.square_lattice(np.full(9, 0.1), (3, 3), radius=R, material=mf.Material(1.36))
-    with pytest.raises(mf.InvalidInput, match="it cannot be used for 9 asperities"):
-        mf.friction_law(other, model, load=[0.001])
-    for first in (mf.Independent(mf.KogutEtsion(0.1)), mf.Interacting(1, contact=mf.KogutEtsion(0.1))):
-        with pytest.raises(mf.InvalidInput, match="stay flattened"):
-            first.curve(surface, load, unloading=True)
 
 
 def test_tables_of_a_sphere_reach_to_its_equator():

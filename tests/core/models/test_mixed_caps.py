@@ -1,0 +1,124 @@
+"""Caps that differ from asperity to asperity, against the laws of their kinds."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import metafem as mf
+from metafem.models.interacting.influence import coupling_between
+
+CAPS = (mf.Power(4.0), mf.Sphere(), mf.Power(1.5, 0.3), mf.Paraboloid())
+
+
+LAWS = (mf.PowerCap(4.0), mf.SphericalCap(), mf.PowerCap(1.5, 0.3), mf.Hertz())
+
+
+LOADS = np.array([0.005, 0.02, 0.06, 0.15])
+
+
+INTERACTING = [
+    mf.Interacting(1, contact=mf.Elastic()),
+    mf.Interacting(3, contact=mf.Elastic()),
+    mf.Interacting(3, substrate=mf.BondedLayer(), contact=mf.Elastic()),
+]
+
+
+EVERY = [mf.Independent(mf.Elastic()), *INTERACTING]
+
+
+def surface(count=9, cap=CAPS, seed=0):
+    rng = np.random.default_rng(seed)
+    height, radius = rng.uniform(0.08, 0.1, count), rng.uniform(0.3, 0.8, count)
+    caps = [cap[i % len(cap)] for i in range(count)] if isinstance(cap, tuple) else cap
+    shape = (round(count**0.5),) * 2
+    block = mf.Block(20.0, 20.0, 7.2)
+    return mf.Surface.square_lattice(
+        height, shape, 1.5, radius=radius, material=mf.Material(1.0), block=block, cap=caps
+    )
+
+
+def own(values, size, method):
+    """The values of a method of each cap's own law."""
+    return np.array([getattr(LAWS[i % 4], method)(v, r) for i, (v, r) in enumerate(zip(values, size))])  # noqa: B905
+
+
+def test_independent_caps_have_the_loads_and_areas_of_their_own_laws():
+    for separation in (0.09, 0.06):
+        part = surface()
+        state = mf.equilibrium(part, mf.Independent(mf.Elastic()), separation=separation)
+        radius = own(part.height - separation, part.radius, "contact_radius")
+        np.testing.assert_allclose(state.asperity_area, np.pi * radius**2, rtol=1e-12)
+        np.testing.assert_allclose(state.asperity_load, own(radius, part.radius, "load"), rtol=1e-12)
+
+
+def test_order_1_satisfies_its_equations_with_the_laws_of_the_caps():
+    for load in (0.01, 0.1):
+        part = surface()
+        state = mf.equilibrium(part, INTERACTING[0], load=load)
+        coupling, regular = coupling_between(part, mf.HalfSpace(), 1)
+        closed = state.asperity_area > 0.0
+        a = np.sqrt(state.asperity_area / np.pi)
+        d = own(a, part.radius, "indentation")
+        sunk = coupling.influence.T @ state.asperity_load + regular * state.asperity_load
+        error = d + sunk - (part.height - state.separation)
+        assert np.abs(error[closed]).max() <= 1e-12 * d.max()
+        np.testing.assert_allclose(state.asperity_load, own(a, part.radius, "load"), rtol=1e-11, atol=1e-15)
+
+
+def test_a_common_cap_has_the_law_of_its_kind():
+    for cap, law in zip(CAPS, LAWS, strict=True):
+        part = surface(4, cap)
+        plain = part.replaced(cap=mf.Sphere())
+        for model in EVERY:
+            found, expected = (
+                mf.friction_law(*scene, load=LOADS).area
+                for scene in ((part, model), (plain, replace(model, contact=law)))
+            )
+            np.testing.assert_array_equal(found, expected)
+
+
+@pytest.mark.parametrize("model", EVERY, ids=lambda model: model.name)
+def test_equal_caps_under_two_names_are_one_cap(model):
+    same = surface(9, (mf.Paraboloid(), mf.Power(2.0, 0.5)))
+    plain = mf.friction_law(surface(9, mf.Paraboloid()), model, load=LOADS)
+    np.testing.assert_allclose(mf.friction_law(same, model, load=LOADS).area, plain.area, rtol=1e-11)
+
+
+def test_adhesive_caps_keep_their_own_laws():
+    for coupled in (False, True):
+        law = mf.JKR(9e-6, mf.Elastic())
+        model = mf.Interacting(1, contact=law) if coupled else mf.Independent(law)
+        part = surface(4)
+        state = mf.equilibrium(part, model, load=0.03)
+        a = np.sqrt(state.asperity_area / np.pi)
+        loads = [
+            float(mf.JKR(9e-6, LAWS[i]).for_material(part.material).load(a[i], part.radius[i]))
+            if a[i] > 0.0
+            else 0.0
+            for i in range(4)
+        ]
+        np.testing.assert_allclose(state.asperity_load, loads, rtol=1e-11, atol=1e-16)
+        assert state.residual < 1e-9
+
+
+def test_hertz_takes_every_cap_by_the_curvature_of_its_summit():
+    caps = [mf.Sphere(), mf.Paraboloid(), mf.Power(2.0, 0.25), mf.Profile(lambda r: r**2 / 0.6, 0.3)]
+    part = mf.Surface.square_lattice(0.1, (2, 2), radius=0.5, material=mf.Material(1.0), cap=caps)
+    state = mf.equilibrium(part, approach=0.004)
+    np.testing.assert_allclose(state.asperity_area, np.pi * 0.004 * np.array([0.5, 0.5, 1.0, 0.3]), rtol=1e-9)
+
+
+def test_a_law_of_other_caps_is_reported():
+    part = mf.Surface.square_lattice(0.1, (2, 2), radius=0.5, material=mf.Material(1.0))
+    notes = mf.friction_law(part, mf.Independent(mf.PowerCap(4)), load=[0.01]).notes
+    assert any("does not describe the caps of the surface" in str(note) for note in notes)
+    fitting = mf.friction_law(part.replaced(cap=mf.Power(4)), mf.Independent(mf.PowerCap(4)), load=[0.01])
+    assert not any("does not describe" in str(note) for note in fitting.notes)
+
+
+def test_shuffled_asperities_keep_their_caps():
+    part = surface()
+    mixed = part.shuffled(3)
+    pairs = {(float(h), repr(part.cap.one(i))) for i, h in enumerate(part.height)}
+    assert pairs == {(float(h), repr(mixed.cap.one(i))) for i, h in enumerate(mixed.height)}

@@ -1,0 +1,34 @@
+"""The cheapest sufficient model: the sinking of the base, and the loads that are tried."""
+
+import numpy as np
+import pytest
+
+import metafem as mf
+from metafem.models.rungs import FEWEST, PROBED, probed
+
+
+def test_the_sinking_of_the_base_is_in_the_approach():
+    height = np.random.default_rng(1).uniform(0.1, 0.2, 64)
+    surface = mf.Surface.square_lattice(height, pitch=50.0, radius=0.526, material=mf.Material(1.36))
+    load = np.linspace(0.001, 0.05, 40)
+    chosen, full = mf.Automatic(1e-3).curve(surface, load), mf.Interacting().curve(surface, load)
+    alone = mf.Independent().curve(surface, load)
+    assert "independent" in chosen.notes[0].text
+    sinking = full.approach - alone.approach
+    np.testing.assert_allclose(chosen.approach - alone.approach, sinking, rtol=0.05)
+    np.testing.assert_allclose(chosen.stiffness, full.stiffness, rtol=0.01)
+
+
+def test_at_given_approaches_the_base_sinks_too():
+    surface = mf.Surface.square_lattice(0.2, (3, 3), pitch=50.0, radius=0.526, material=mf.Material(1.36))
+    curve = mf.Automatic(1e-2).curve(surface, approach=np.array([0.02]))
+    assert "order 1" in curve.notes[0].text
+    assert curve.load == pytest.approx(mf.Interacting().curve(surface, approach=np.array([0.02])).load)
+
+
+def test_many_loads_of_many_contacts_are_thinned_out():
+    load = np.linspace(0.0, 1.0, 101)
+    assert probed(load, 64).tolist() == list(range(1, 101))
+    rows = probed(load, PROBED)
+    assert len(rows) == FEWEST
+    assert rows[[0, -1]].tolist() == [1, 100]
