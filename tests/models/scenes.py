@@ -40,9 +40,6 @@ def with_law(name, length=1.0, modulus=1.0):
     return mf.Independent(contact=law), mf.Interacting(order=law.largest_order, contact=law)
 
 
-# Those whose asperities interact.
-COUPLED = [model for model in MODELS if model.couples]
-
 # Six unequal asperities, none at a special place.
 PLACE = np.array([[0.1, 0.2], [1.4, -0.3], [-0.2, 1.9], [1.7, 1.5], [3.3, 0.4], [2.9, 2.6]])
 HEIGHT = np.array([0.10, 0.16, 0.13, 0.149, 0.155, 0.11])

@@ -57,12 +57,6 @@ def test_a_cache_that_cannot_be_written_breaks_nothing(tmp_path, monkeypatch):
     assert compiled(twice)(2.0) == 4.0
 
 
-def test_no_home_folder_breaks_nothing(monkeypatch):
-    monkeypatch.delenv(_caches.VARIABLE, raising=False)
-    monkeypatch.setattr("platformdirs.user_cache_path", lambda _: Path("~/.cache/metafem"))
-    assert compiled(twice)(2.0) == 4.0
-
-
 def test_an_interrupted_write_leaves_no_file(folder, monkeypatch):
     def full(*_):
         raise OSError(28, "No space left on device")

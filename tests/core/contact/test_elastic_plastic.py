@@ -4,20 +4,14 @@ from functools import partial
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
 import metafem as mf
 from metafem.reference import elastic_plastic as published
 
 RADIUS = 0.526
-
-
 MATERIALS = [mf.Material(1.36, nu) for nu in (0.0, 0.3, 0.5)]
-
-
-LAWS = [mf.KogutEtsion(0.1), mf.JacksonGreen(0.002), mf.JacksonGreen(0.03)]
+LAWS = [mf.KogutEtsion(0.1), mf.JacksonGreen(0.03)]
 
 
 def test_the_sizes_of_the_blends():
@@ -53,26 +47,6 @@ def test_stiffness_and_area_slope_are_the_derivatives_and_continuous(law):
         for name in ("indentation", "load", "stiffness", "area_slope"):
             low, high = getattr(bound, name)(sides, RADIUS)
             assert low == pytest.approx(high, rel=1e-7)
-
-
-@given(
-    st.sampled_from(["hardness", "yield"]),
-    st.floats(-3.0, 2.0),
-    st.floats(0.0, 0.5),
-    st.floats(-6.0, 3.0),
-)
-@settings(max_examples=20, deadline=None)
-def test_load_and_area_increase_with_the_indentation(kind, strain, nu, size):
-    modulus = 1.36
-    strength = max(10.0**strain, 1e-3) * modulus
-    law = mf.KogutEtsion(2.8 * strength) if kind == "hardness" else mf.JacksonGreen(strength)
-    law, radius = law.for_material(mf.Material(modulus, nu)), 10.0**size
-    d = np.geomspace(1e-9, 2.0, 2000) * radius
-    a = law.contact_radius(d, radius)
-    assert (np.diff(a) > 0.0).all()
-    assert (np.diff(law.load(a, radius)) > 0.0).all()
-    assert (law.stiffness(a, radius) > 0.0).all()
-    assert (law.area_slope(a, radius) > 0.0).all()
 
 
 def test_a_strong_material_is_elastic():

@@ -7,15 +7,9 @@ from numpy.testing import assert_allclose
 import metafem as mf
 
 MATERIAL = mf.Material(1.36, 0.3)
-
-
 LAWS = [mf.KogutEtsion(0.02), mf.JacksonGreen(0.04)]
-
-
 # below yield, at the foot of the published formulas, and far beyond
 LARGEST = np.array([-1.0, 0.5, 1.0, 1.001, 1.05, 1.5, 2.5, 6.0, 20.0, 110.0])
-
-
 RADIUS = np.linspace(0.4, 0.6, LARGEST.size)
 
 

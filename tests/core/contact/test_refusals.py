@@ -28,16 +28,13 @@ def profile(rho, f, extent=None):
 
 
 NARROW, WEAK = mf.AxisymmetricCap(sphere, 0.1), mf.JKR(9e-6, quartic(0.05)).for_material(MATERIAL)
-
 REFUSALS = [
     (lambda: mf.PowerCap(0.5), "exponent", "0.5"),
     (lambda: mf.PowerCap(40), "exponent", "40"),
     (lambda: mf.PowerCap(4, 0.0), "coefficient", "0"),
     (lambda: mf.JKR(-1e-6), "adhesion_energy", "-1e-06"),
-    (lambda: mf.JKR("9 mJ"), "adhesion_energy", "9 mJ"),
     (lambda: mf.JKR(1e-6, mf.JKR(1e-6)), "cap", "JKR("),
     (lambda: mf.JKR(1e-6, mf.KogutEtsion(0.1)), "cap", "KogutEtsion("),
-    (lambda: mf.JKR(1e-6, 0.526), "cap", "0.526"),
     (lambda: mf.JKR(9e-6).load(0.1, RADIUS), "JKR(", "material"),
     (lambda: WEAK.zero_load_radius(RADIUS), "adhesion_energy", "9e-06"),
     (lambda: mf.KogutEtsion(0.1).contact_radius(0.1, RADIUS), "KogutEtsion(", "material"),
@@ -49,11 +46,9 @@ REFUSALS = [
     (lambda: mf.AxisymmetricCap(sphere), "extent", "function"),
     (lambda: mf.AxisymmetricCap(sphere, -0.1), "extent", "-0.1"),
     (lambda: mf.AxisymmetricCap(sphere, 0.5), "profile", "extent"),
-    (lambda: mf.AxisymmetricCap(lambda rho: 0.01 - rho, 0.3), "function", "increasing"),
     (lambda: mf.AxisymmetricCap(lambda _: 0.01, 0.3), "function", "arrays"),
     (profile([0.0, 0.1, 0.1], [0.0, 1.0, 2.0]), "rho", "0.1"),
     (profile([0.0, 0.1, 0.2], [0.0, 0.02, 0.01]), "f", "0.02"),
-    (profile([0.1, 0.2, 0.3], [0.0, 0.01, 0.02]), "rho", "0.1"),
     (profile([0.0, 0.1], [0.0, 0.01]), "rho", "3"),
     (lambda: mf.AxisymmetricCap([0.0, 0.1], 0.1), "profile", "(2,)"),
     (profile([0.0, 0.1, 0.2], [0.0, 0.01, 0.02], 0.3), "extent", "0.2"),
@@ -63,8 +58,6 @@ REFUSALS = [
     (lambda: mf.TabulatedContact([0, 1e-3, 2e-3], [0, 1, 2], [0, 1, 2]), "indentation", "2"),
     (lambda: mf.TabulatedContact([0, 1e-3, 2e-3], [0.1, 1, 2], [0, 1, 2]), "indentation[0]", "0"),
     (lambda: mf.TabulatedContact(LOWEST, [1, 3, 2], [1, 2, 3]), "load[2]", "2"),
-    (lambda: mf.TabulatedContact([0, *LOWEST], [0, 1, 2, 3], [0, 1, 1, 3]), "area[2]", "1"),
-    (lambda: mf.TabulatedContact(LOWEST, [1, 2, np.nan], [1, 2, 3]), "load", "nan"),
     (lambda: mf.TabulatedContact(HERTZ, HERTZ, HERTZ).load(0.01, RADIUS), "Tabulated", "material"),
     (lambda: TABLE.contact_radius(0.02, RADIUS), "indentation", "0.02"),
     (lambda: mf.friction_law(FLAT, mf.Independent(TABLE), load=[0.1]), "load", "0.01"),

@@ -7,8 +7,6 @@ import pytest
 import metafem as mf
 
 RADIUS = 0.526
-
-
 QUARTER = [0, mpmath.pi / 2]
 
 

@@ -7,8 +7,6 @@ from numpy.testing import assert_allclose
 import metafem as mf
 
 RADIUS, MODULUS = 0.526, 1.36
-
-
 MATERIAL = mf.Material(MODULUS)
 
 
@@ -33,20 +31,6 @@ def test_a_table_of_hertz_is_hertz(start):
     load = np.array([0.001, 0.01, 0.03])
     found, expected = (mf.friction_law(surface, mf.Independent(c), load=load) for c in (law, hertz))
     assert_allclose(found.area, expected.area, rtol=1e-6)
-
-
-def test_a_table_of_another_law_converges_with_its_points():
-    """Slopes of first to second order, in logarithms, away from the straight line at the first point."""
-    law = mf.JacksonGreen(0.01).for_material(MATERIAL)
-    ends = law.yield_indentation(RADIUS) * np.array([5.0, 50.0])
-    x = np.geomspace(*ends, 500)[100:]
-    errors = []
-    for count in (9, 17, 33):
-        table = mf.TabulatedContact(*table_of(law, np.geomspace(*ends, count))).for_material(MATERIAL)
-        loads = (one.load(one.contact_radius(x, RADIUS), RADIUS) for one in (table, law))
-        errors.append(abs(next(loads) / next(loads) - 1.0).max())
-    assert errors[-1] < 1e-5
-    assert np.log2(errors[0] / errors[-1]) / 2 > 1.9
 
 
 def test_rough_tables_increase_with_continuous_slopes():

@@ -8,7 +8,7 @@ from metafem._kernels.truncation import pair_sum
 from metafem.models import automatic as automatic_module
 from metafem.models import truncation as truncation_module
 from metafem.models.truncation import ALL_PAIRS, slope_effects, truncation
-from tests.models.scenes import lattice, said, scene
+from tests.models.scenes import lattice, said
 
 # Errors of A0 at fixed load of order 3 against resolved contacts on a 3 x 3 lattice, and the approaches at
 # which they were found [mm].
@@ -41,14 +41,6 @@ def test_estimates_of_other_caps_bound_their_errors():
             approach *= depth / float(law.indentation(np.sqrt(last.area.max() / np.pi), radius))
         assert np.sqrt(last.area.max() / np.pi) == pytest.approx(a, rel=1e-3)
         assert error < truncation(surface, last.area, mf.HalfSpace(), law) < most * error
-
-
-def test_estimates_of_a_power_of_two_are_those_of_the_paraboloid():
-    for surface in (lattice(0.5 * np.ones(9)), scene(thickness=1.0)):
-        area = mf.Interacting().curve(surface, np.array([0.1])).last.area
-        for substrate in (mf.HalfSpace(), mf.BondedLayer()):
-            power, hertz = (truncation(surface, area, substrate, law) for law in (mf.PowerCap(2), mf.Hertz()))
-            assert power == pytest.approx(hertz, rel=1e-9)
 
 
 def test_slopes_in_large_scenes_are_those_of_the_nearest_neighbours(monkeypatch):
@@ -127,12 +119,12 @@ MERGED = [
 ]
 
 
-def test_merged_contacts_are_within_the_tolerance():
-    for place, load, area in MERGED:
-        surface = mf.Surface(place, np.full(len(place), 0.1), 0.526, mf.Material(1.0))
-        state = mf.equilibrium(surface, mf.Automatic(1e-3), load=load)
-        assert "order 3 has no solution" in state.notes[0].text
-        assert state.area == pytest.approx(area, rel=1e-3)
+@pytest.mark.parametrize(("place", "load", "area"), MERGED)
+def test_merged_contacts_are_within_the_tolerance(place, load, area):
+    surface = mf.Surface(place, np.full(len(place), 0.1), 0.526, mf.Material(1.0))
+    state = mf.equilibrium(surface, mf.Automatic(1e-3), load=load)
+    assert "order 3 has no solution" in state.notes[0].text
+    assert state.area == pytest.approx(area, rel=1e-3)
 
 
 def test_the_reasons_are_said(monkeypatch):
@@ -152,16 +144,6 @@ def test_a_state_that_is_no_minimum_of_the_energy_is_not_converged():
         surface = mf.Surface([[0, 0], [0.05, 0]], [0.1, 0.1], 0.526, mf.Material(1.0))
         assert not mf.Interacting().curve(surface, np.array([load])).converged
         assert not mf.Interacting().curve(surface, approach=np.array([load])).converged
-
-
-def test_laws_and_approaches_follow_the_chosen_model():
-    surface, automatic = lattice(0.1 * np.ones(9)), mf.Automatic(5e-4)
-    law = mf.friction_law(surface, automatic, load=[0.0, 0.1, 0.15])
-    assert law.area[2] == pytest.approx(mf.equilibrium(surface, mf.Interacting(), load=0.15).area, rel=1e-12)
-    state = mf.equilibrium(surface, automatic, approach=0.05)
-    assert state.load == mf.equilibrium(surface, mf.Interacting(), approach=0.05).load
-    apart = mf.friction_law(surface, automatic, separation=[0.08, 0.05])
-    assert apart.load[1] == pytest.approx(state.load, rel=1e-10)
 
 
 def test_the_estimate_covers_a_small_contact_beside_a_large_one():

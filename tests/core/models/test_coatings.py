@@ -4,36 +4,17 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.models.interacting import elastic
 from metafem.surface import Surface
 
 SPHERE = mf.Sphere()
-
-
 MATERIAL = mf.Material(1.36)
-
-
 LOAD = np.array([0.02, 0.08, 0.2]) / MATERIAL.composite_modulus
-
-
 RNG = np.random.default_rng(1)
-
-
 POSITION = 1.1 * np.stack(np.meshgrid(np.arange(3.0), np.arange(3.0)), axis=-1).reshape(-1, 2)
-
-
 HEIGHT = RNG.uniform(0.08, 0.12, 9)
-
-
 STRENGTH, RATIO = RNG.uniform(0.1, 0.5, 9), RNG.uniform(0.5, 1.0, 9)
-
-
 COATED = mf.Friction(STRENGTH, RATIO)
-
-
 CAPS = [mf.Sphere(), mf.Power(3)] * 4 + [mf.Paraboloid()]
-
-
 MODELS = [
     mf.Independent(mf.Elastic()),
     mf.Independent(mf.KogutEtsion(10.0)),
@@ -71,7 +52,7 @@ def test_closed_form_of_two_contacts():
 
 
 def test_force_is_the_sum_over_the_contacts():
-    for model in (*MODELS, mf.BoundaryElements(0.02)):
+    for model in (*MODELS, mf.BoundaryElements(0.03)):
         surface = scene(cap=cap_for(model))
         law = mf.friction_law(surface, model, load=1.36 * LOAD)
         for i, load in enumerate(law.load):
@@ -116,55 +97,6 @@ def test_equal_frictions_give_the_bits_of_one_friction():
         products = mf.Friction([0.4, 0.2], [0.5, 1.0])
         assert products.weights == 1.0
         assert not products.differs
-
-
-def test_fast_sums_agree_with_dense_matrices(monkeypatch):
-    """A lattice above the limit of dense matrices: friction and sensitivity."""
-    rng = np.random.default_rng(3)
-    height, strength = rng.uniform(0.05, 0.12, (2, 36))
-    make = {"radius": 0.526, "material": MATERIAL, "friction": mf.Friction(strength)}
-    surface, model = Surface.square_lattice(height, (6, 6), **make), mf.Interacting()
-    dense = model.sensitivity(surface, LOAD)
-    monkeypatch.setattr(elastic, "LATTICE_LIMIT", 4)
-    monkeypatch.setattr(elastic, "DENSE_LIMIT", 4)
-    fast = model.sensitivity(surface, LOAD)
-    assert "FFT" in str(fast.curve.last.notes)
-    np.testing.assert_allclose(fast.curve.rescaled_friction, dense.curve.rescaled_friction, rtol=1e-8)
-    np.testing.assert_allclose(
-        fast.gradient, dense.gradient, rtol=0.0, atol=1e-7 * np.abs(dense.gradient).max()
-    )
-    np.testing.assert_allclose(
-        model.areas(surface, LOAD, height[None])[0], dense.curve.rescaled_friction, rtol=1e-8
-    )
-
-
-def test_automatic_model_and_unloading():
-    surface = scene()
-    law = mf.friction_law(surface, mf.Automatic(), load=1.36 * LOAD)
-    order_3 = mf.friction_law(surface, mf.Interacting(), load=1.36 * LOAD)
-    # the tolerance of the model is 1e-3 in A0; one contact may have all of the error
-    np.testing.assert_allclose(law.friction_force, order_3.friction_force, rtol=5e-3)
-    for model in (mf.Independent(mf.JKR(9e-6)), mf.Interacting(contact=mf.JKR(9e-6))):
-        back = mf.friction_law(surface, model, load=1.36 * LOAD, unloading=True)
-        last = mf.friction_law(surface, model, load=1.36 * LOAD)
-        assert back.friction_force[-1] == pytest.approx(last.friction_force[-1], rel=1e-9)
-        assert (back.friction_force >= (1.0 - 1e-9) * last.friction_force).all()
-    plastic = mf.Independent(mf.KogutEtsion(0.5))
-    back = mf.friction_law(surface, plastic, load=1.36 * LOAD, unloading=True)
-    assert back.friction_area is not None
-
-
-def test_onset_slides_at_the_own_strength_of_each_contact():
-    """Two equal contacts of different strength: the weaker slides first."""
-    friction = mf.Friction([0.4, 0.1])
-    surface = Surface([[0, 0], [1.5, 0]], [0.1, 0.1], 0.526, MATERIAL, friction)
-    found = mf.onset(surface, load=0.1)
-    each = found.state.asperity_area[0]
-    assert found.asperity.tolist() == [1, 0]
-    assert found.displacement[1] / found.displacement[0] == pytest.approx(4.0, rel=1e-12)
-    assert found.friction_force == pytest.approx([0.2 * each, 0.5 * each], rel=1e-12)
-    law = mf.friction_law(surface, load=[0.1])
-    assert found.friction_force[-1] == pytest.approx(law.friction_force[0], rel=1e-12)
 
 
 def test_a_reference_scales_the_rescaled_friction_and_not_the_forces():

@@ -9,51 +9,45 @@ from metafem.contact.law import contacts
 from metafem.models.contact_tables import tables
 
 R = 0.526
-
-
 RHO = np.linspace(0.0, 0.45, 30)
-
-
 LAWS = [
     *(mf.PowerCap(n) for n in (1, 1.5, 4, 32)),
     mf.SphericalCap(),
     mf.AxisymmetricCap(lambda rho: rho**2 / 1.1 + rho**4, 0.45),
 ]
-
-
 # Where the second derivative of its cubic jumps, the inverse of D is no polynomial.
 TABLE = mf.AxisymmetricCap(np.array([RHO, R - np.sqrt(R**2 - RHO**2)]))
 
 
-@pytest.mark.parametrize("law", [*LAWS, TABLE], ids=repr)
-def test_kernels_are_the_laws(law):
-    rtol = 3e-8 if law == TABLE else 1e-12
-    table, worst = tables(law, np.array([0.4, R])), 0.0
-    one_of = (table.data, table.which[1], R)
-    for z in np.geomspace(1e-9, 0.1, 200):
-        p, rate, square, widening = kernel.pressed(*one_of, z)
-        one = contacts(law, np.array(z), np.array(R))
-        own = law.area_slope(one.contact_radius, R) / (np.pi * one.stiffness)
-        pairs = [(p, one.load), (rate, one.stiffness), (square, one.contact_radius**2)]
-        assert widening == pytest.approx(own, rel=1e5 * rtol)  # a derivative of the profile
-        assert kernel.indentation_at_load(*one_of, p) == pytest.approx(z, rel=10 * rtol)
-        for k in (0.0, 0.02 / R, 0.5 / R):
-            wide, d, bend, _, moment, inside = kernel.bent(*one_of, p, square, widening, k)
-            a = np.sqrt(wide)
-            assert inside
-            pairs += [
-                (law.load(a, R, k), p),
-                (law.indentation(a, R, k), d),
-                (law.second_moment(a, R, k), 4 * moment),
-            ]
-            assert bend == pytest.approx(np.sqrt(square) / a, rel=10 * rtol)
-            # w = a d^2 - int (D + k s^2)^2 ds, for which dw = d dP
-            step = 1e-5 * a
-            energies = [kernel.complementary(*one_of, 3, z, s * s, k) for s in (a + step, a - step)]
-            work = d * (law.load(a + step, R, k) - law.load(a - step, R, k))
-            assert energies[0] - energies[1] == pytest.approx(work, rel=1e-6)
-        worst = max(worst, *(abs(x / y - 1.0) for x, y in pairs))
-    assert worst < rtol
+def test_kernels_are_the_laws():
+    for law in (*LAWS, TABLE):
+        rtol = 3e-8 if law == TABLE else 1e-12
+        table, worst = tables(law, np.array([0.4, R])), 0.0
+        one_of = (table.data, table.which[1], R)
+        for z in np.geomspace(1e-9, 0.1, 200):
+            p, rate, square, widening = kernel.pressed(*one_of, z)
+            one = contacts(law, np.array(z), np.array(R))
+            own = law.area_slope(one.contact_radius, R) / (np.pi * one.stiffness)
+            pairs = [(p, one.load), (rate, one.stiffness), (square, one.contact_radius**2)]
+            assert widening == pytest.approx(own, rel=1e5 * rtol)  # a derivative of the profile
+            assert kernel.indentation_at_load(*one_of, p) == pytest.approx(z, rel=10 * rtol)
+            for k in (0.0, 0.02 / R, 0.5 / R):
+                wide, d, bend, _, moment, inside = kernel.bent(*one_of, p, square, widening, k)
+                a = np.sqrt(wide)
+                assert inside
+                pairs += [
+                    (law.load(a, R, k), p),
+                    (law.indentation(a, R, k), d),
+                    (law.second_moment(a, R, k), 4 * moment),
+                ]
+                assert bend == pytest.approx(np.sqrt(square) / a, rel=10 * rtol)
+                # w = a d^2 - int (D + k s^2)^2 ds, for which dw = d dP
+                step = 1e-5 * a
+                energies = [kernel.complementary(*one_of, 3, z, s * s, k) for s in (a + step, a - step)]
+                work = d * (law.load(a + step, R, k) - law.load(a - step, R, k))
+                assert energies[0] - energies[1] == pytest.approx(work, rel=1e-6)
+            worst = max(worst, *(abs(x / y - 1.0) for x, y in pairs))
+        assert worst < rtol
 
 
 def test_laws_continue_as_powers_where_they_are_powers():

@@ -59,15 +59,6 @@ def test_shallow_contacts_on_deep_gaps_keep_their_digits():
         assert mf.friction_law(surface, load=[load]).residual[0] <= 1e-14
 
 
-def test_threads_do_not_change_the_numbers():
-    height = np.random.default_rng(0).exponential(0.03, (600, 64))
-    load = np.linspace(0.01, 0.5, 50)
-    together = mf.Independent().curves(height, 0.526, load)
-    apart = [mf.Independent().curves(part, 0.526, load) for part in (height[:7], height[7:])]
-    for whole, first, second in zip(together, *apart, strict=True):
-        np.testing.assert_array_equal(whole, np.concatenate([first, second]))
-
-
 def test_contacts_are_those_of_single_equilibria():
     for name in ("hertz", *LAWS):
         contact = mf.Hertz() if name == "hertz" else LAWS[name](1.0, 1.0)

@@ -10,8 +10,6 @@ import metafem as mf
 from tests.models.scenes import HEIGHT, RADIUS, lattice, scene
 
 HERTZ = mf.Hertz()
-
-
 LOADS = np.geomspace(1e-6, 0.3, 25)
 
 
@@ -25,32 +23,25 @@ class Own:
         return getattr(self.law, name)
 
 
-@pytest.mark.parametrize("law", [mf.PowerCap(2, 0.5), Own()], ids=repr)
-def test_the_law_of_a_paraboloid_is_that_of_hertz(law):
-    model, hertz = mf.Independent(contact=law), mf.Independent()
-    surface, rows = scene(), HEIGHT + 0.01 * np.arange(3)[:, None] * np.sin(np.arange(6))
-    for found, expected in (
-        (model.curve(surface, LOADS), hertz.curve(surface, LOADS)),
-        (model.curve(surface, approach=LOADS), hertz.curve(surface, approach=LOADS)),
-    ):
-        for name in ("approach", "load", "area", "stiffness"):
-            assert_allclose(getattr(found, name), getattr(expected, name), rtol=1e-12)
-        assert_allclose(found.last.load, expected.last.load, rtol=1e-11)
-        assert_allclose(found.last.indentation, expected.last.indentation, rtol=1e-11)
-    shuffled = LOADS[::-1]
-    assert_allclose(model.curves(rows, RADIUS, shuffled), hertz.curves(rows, RADIUS, shuffled), rtol=1e-12)
-    assert_allclose(model.areas(surface, LOADS, rows), hertz.areas(surface, LOADS, rows), rtol=1e-12)
-    sensitivities = (one.sensitivity(surface, LOADS, rows[1]).gradient for one in (model, hertz))
-    assert_allclose(*sensitivities, rtol=1e-10, atol=1e-12)
-
-
-def test_one_asperity_is_a_single_contact():
-    height, radius, a = np.array([0.1]), np.array([0.5]), 0.15
-    for cap in (mf.PowerCap(1), mf.PowerCap(4), mf.SphericalCap()):
-        curve = mf.Independent(contact=cap).curve_of(height, radius, np.array([cap.load(a, 0.5)]))
-        assert curve.approach[0] == pytest.approx(cap.indentation(a, 0.5), rel=1e-13)
-        assert curve.area[0] == pytest.approx(cap.area(a), rel=1e-12)
-        assert curve.stiffness[0] == pytest.approx(2 * a, rel=1e-12)
+def test_the_law_of_a_paraboloid_is_that_of_hertz():
+    for law in (mf.PowerCap(2, 0.5), Own()):
+        model, hertz = mf.Independent(contact=law), mf.Independent()
+        surface, rows = scene(), HEIGHT + 0.01 * np.arange(3)[:, None] * np.sin(np.arange(6))
+        for found, expected in (
+            (model.curve(surface, LOADS), hertz.curve(surface, LOADS)),
+            (model.curve(surface, approach=LOADS), hertz.curve(surface, approach=LOADS)),
+        ):
+            for name in ("approach", "load", "area", "stiffness"):
+                assert_allclose(getattr(found, name), getattr(expected, name), rtol=1e-12)
+            assert_allclose(found.last.load, expected.last.load, rtol=1e-11)
+            assert_allclose(found.last.indentation, expected.last.indentation, rtol=1e-11)
+        shuffled = LOADS[::-1]
+        assert_allclose(
+            model.curves(rows, RADIUS, shuffled), hertz.curves(rows, RADIUS, shuffled), rtol=1e-12
+        )
+        assert_allclose(model.areas(surface, LOADS, rows), hertz.areas(surface, LOADS, rows), rtol=1e-12)
+        sensitivities = (one.sensitivity(surface, LOADS, rows[1]).gradient for one in (model, hertz))
+        assert_allclose(*sensitivities, rtol=1e-10, atol=1e-12)
 
 
 def test_a_spherical_contact_far_beyond_its_radius_keeps_its_load():

@@ -10,36 +10,32 @@ from metafem.caps.shapes import sphere_profile
 from metafem.models.mean_field import nominal_area
 from tests.models.scenes import lattice, scene
 
-RHO = np.linspace(0.0, 0.4, 60)
+RHO = np.linspace(0.0, 0.4, 20)
 LAWS = [
     mf.PowerCap(4),
     mf.AxisymmetricCap([RHO, sphere_profile(RHO, 0.526)]),
     mf.JacksonGreen(yield_strength=0.01).for_material(mf.Material(1.36)),
 ]
-
-
 # Mean of 1/(pi r) over pairs of points of a unit square.
 C = 0.946402008818677
-
-
-APPROACHES = np.concatenate([[-0.1, 0.0], np.geomspace(1e-9, 0.15, 30)])
+APPROACHES = np.concatenate([[-0.1, 0.0], np.geomspace(1e-9, 0.15, 4)])
 
 
 @pytest.mark.parametrize("law", LAWS, ids=repr)
 def test_the_base_sinks_in_proportion_to_the_load(law):
     alone, sunk = mf.Independent(contact=law), mf.MeanField(law)
-    for surface in (scene(), lattice(0.12 - 0.01 * np.arange(9.0))):
-        load = np.geomspace(1e-6, 0.02, 12)
-        found, expected = (model.curve(surface, load) for model in (sunk, alone))
-        assert_allclose(found.area, expected.area, rtol=0.0)
-        sinking = C / np.sqrt(nominal_area(surface)) * found.load
-        assert_allclose(found.approach, expected.approach + sinking, rtol=1e-13)
-        assert found.last.model == sunk
-        at = sunk.curve(surface, approach=APPROACHES)
-        assert at.converged
-        assert (at.load[:2] == 0.0).all()
-        assert_allclose(sunk.curve(surface, at.load[2:]).approach, APPROACHES[2:], rtol=1e-10)
-        assert_allclose(*(model.sensitivity(surface, load).gradient for model in (sunk, alone)), rtol=0.0)
+    surface = scene()
+    load = np.geomspace(1e-6, 0.02, 4)
+    found, expected = (model.curve(surface, load) for model in (sunk, alone))
+    assert_allclose(found.area, expected.area, rtol=0.0)
+    sinking = C / np.sqrt(nominal_area(surface)) * found.load
+    assert_allclose(found.approach, expected.approach + sinking, rtol=1e-13)
+    assert found.last.model == sunk
+    at = sunk.curve(surface, approach=APPROACHES)
+    assert at.converged
+    assert (at.load[:2] == 0.0).all()
+    assert_allclose(sunk.curve(surface, at.load[2:]).approach, APPROACHES[2:], rtol=1e-10)
+    assert_allclose(*(model.sensitivity(surface, load).gradient for model in (sunk, alone)), rtol=0.0)
 
 
 def test_the_mean_displacement_is_that_of_the_density_of_distances():

@@ -3,27 +3,17 @@
 from dataclasses import replace
 
 import numpy as np
-import pytest
 
 import metafem as mf
-from metafem.models.interacting.influence import coupling_between
 
 CAPS = (mf.Power(4.0), mf.Sphere(), mf.Power(1.5, 0.3), mf.Paraboloid())
-
-
 LAWS = (mf.PowerCap(4.0), mf.SphericalCap(), mf.PowerCap(1.5, 0.3), mf.Hertz())
-
-
 LOADS = np.array([0.005, 0.02, 0.06, 0.15])
-
-
 INTERACTING = [
     mf.Interacting(1, contact=mf.Elastic()),
     mf.Interacting(3, contact=mf.Elastic()),
     mf.Interacting(3, substrate=mf.BondedLayer(), contact=mf.Elastic()),
 ]
-
-
 EVERY = [mf.Independent(mf.Elastic()), *INTERACTING]
 
 
@@ -52,20 +42,6 @@ def test_independent_caps_have_the_loads_and_areas_of_their_own_laws():
         np.testing.assert_allclose(state.asperity_load, own(radius, part.radius, "load"), rtol=1e-12)
 
 
-def test_order_1_satisfies_its_equations_with_the_laws_of_the_caps():
-    for load in (0.01, 0.1):
-        part = surface()
-        state = mf.equilibrium(part, INTERACTING[0], load=load)
-        coupling, regular = coupling_between(part, mf.HalfSpace(), 1)
-        closed = state.asperity_area > 0.0
-        a = np.sqrt(state.asperity_area / np.pi)
-        d = own(a, part.radius, "indentation")
-        sunk = coupling.influence.T @ state.asperity_load + regular * state.asperity_load
-        error = d + sunk - (part.height - state.separation)
-        assert np.abs(error[closed]).max() <= 1e-12 * d.max()
-        np.testing.assert_allclose(state.asperity_load, own(a, part.radius, "load"), rtol=1e-11, atol=1e-15)
-
-
 def test_a_common_cap_has_the_law_of_its_kind():
     for cap, law in zip(CAPS, LAWS, strict=True):
         part = surface(4, cap)
@@ -78,11 +54,11 @@ def test_a_common_cap_has_the_law_of_its_kind():
             np.testing.assert_array_equal(found, expected)
 
 
-@pytest.mark.parametrize("model", EVERY, ids=lambda model: model.name)
-def test_equal_caps_under_two_names_are_one_cap(model):
-    same = surface(9, (mf.Paraboloid(), mf.Power(2.0, 0.5)))
-    plain = mf.friction_law(surface(9, mf.Paraboloid()), model, load=LOADS)
-    np.testing.assert_allclose(mf.friction_law(same, model, load=LOADS).area, plain.area, rtol=1e-11)
+def test_equal_caps_under_two_names_are_one_cap():
+    for model in EVERY:
+        same = surface(9, (mf.Paraboloid(), mf.Power(2.0, 0.5)))
+        plain = mf.friction_law(surface(9, mf.Paraboloid()), model, load=LOADS)
+        np.testing.assert_allclose(mf.friction_law(same, model, load=LOADS).area, plain.area, rtol=1e-11)
 
 
 def test_adhesive_caps_keep_their_own_laws():
@@ -115,10 +91,3 @@ def test_a_law_of_other_caps_is_reported():
     assert any("does not describe the caps of the surface" in str(note) for note in notes)
     fitting = mf.friction_law(part.replaced(cap=mf.Power(4)), mf.Independent(mf.PowerCap(4)), load=[0.01])
     assert not any("does not describe" in str(note) for note in fitting.notes)
-
-
-def test_shuffled_asperities_keep_their_caps():
-    part = surface()
-    mixed = part.shuffled(3)
-    pairs = {(float(h), repr(part.cap.one(i))) for i, h in enumerate(part.height)}
-    assert pairs == {(float(h), repr(mixed.cap.one(i))) for i, h in enumerate(mixed.height)}

@@ -56,13 +56,6 @@ def test_the_cheapest_sufficient_estimate_is_taken(monkeypatch):
     assert sparse.model_error.source == DISPLACEMENTS
 
 
-def test_automatic_states_the_error_that_it_chose_by():
-    for pitch in (50.0, 1.5, 0.8):
-        state = mf.equilibrium(rough(pitch), mf.Automatic(1e-3), load=0.1)
-        assert state.model_error <= 1e-3
-        assert f"{state.model_error:.1e}" in str(state.notes[0])
-
-
 UNKNOWN = [
     (rough(1.5), mf.Independent(mf.KogutEtsion(0.5)), "no profile"),
     (rough(0.3), mf.Interacting(), "contacts overlap"),

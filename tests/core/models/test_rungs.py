@@ -1,10 +1,11 @@
-"""The cheapest sufficient model: the sinking of the base, and the loads that are tried."""
+"""The choice of the cheapest sufficient model on random scenes, and the sinking of the base."""
 
 import numpy as np
 import pytest
 
 import metafem as mf
 from metafem.models.rungs import FEWEST, PROBED, probed
+from validation.scenes.ladder import Choice, choices
 
 
 def test_the_sinking_of_the_base_is_in_the_approach():
@@ -32,3 +33,19 @@ def test_many_loads_of_many_contacts_are_thinned_out():
     rows = probed(load, PROBED)
     assert len(rows) == FEWEST
     assert rows[[0, -1]].tolist() == [1, 100]
+
+
+def test_the_choice_on_random_scenes():
+    """Within the tolerance, the cheapest model or the next, by estimates within a factor of three."""
+    found = Choice(*np.array(choices(60)).T)
+    assert len(found.error) > 60
+    assert (found.error <= found.tolerance).all()
+    above = found.chosen - found.cheapest
+    assert (above == 0).mean() >= 0.9
+    assert above.max() <= 1
+    assert {*found.chosen.tolist()} == {0, 1, 2}
+    large = (found.error > 1e-4) & (found.chosen < 2)
+    ratio = found.estimate[large] / found.error[large]
+    assert large.sum() > 15
+    assert ((ratio > 1 / 3) & (ratio < 3)).mean() >= 0.98
+    assert ratio.min() > 0.9

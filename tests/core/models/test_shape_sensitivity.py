@@ -1,7 +1,7 @@
 """Sensitivities of A0 to heights, radii, exponents and coefficients against extrapolated differences."""
 
 from dataclasses import replace
-from itertools import pairwise
+from itertools import pairwise, product
 
 import numpy as np
 import pytest
@@ -18,15 +18,9 @@ MIXED = (
     mf.Power(2.0),
     mf.Profile(lambda rho: rho**2 / 1.1 + rho**4, 0.6),
 )
-
-
 LOADS = np.array([0.005, 0.02, 0.06, 0.15])
-
-
 OWN, COATED = mf.Elastic(), mf.Friction(np.linspace(0.2, 0.4, 9), 0.8)
 PARAMETERS = ["height", "radius", "exponent", "coefficient"]
-
-
 MODELS = [
     mf.Independent(OWN),
     mf.MeanField(OWN),
@@ -87,18 +81,17 @@ def assert_derivatives(surface, model, by, load=LOADS, some=None, tolerance=1e-7
         assert (error <= tolerance * scale).all(), (i, error / scale)
 
 
-@pytest.mark.parametrize("by", PARAMETERS)
-def test_coated_asperities_have_the_derivatives_of_their_friction(by):
-    for model in MODELS:
+def test_coated_asperities_have_the_derivatives_of_their_friction():
+    for by, model in product(PARAMETERS, MODELS):
         assert_derivatives(scene(MIXED, friction=COATED), model, by)
 
 
-@pytest.mark.parametrize("cap", [mf.Power(4.0), mf.Power(1.5, 0.3), mf.Power(2.0), mf.Sphere()], ids=repr)
-def test_every_model_has_the_derivatives_of_its_law(cap):
-    surface = scene(cap)
-    for by in ("height", *surface.cap.parameters):
-        for model in (MODELS[0], mf.Interacting(3, contact=OWN)):
-            assert_derivatives(surface, model, by, some=(0, 4))
+def test_every_model_has_the_derivatives_of_its_law():
+    for cap in (mf.Power(4.0), mf.Power(1.5, 0.3), mf.Power(2.0), mf.Sphere()):
+        surface = scene(cap)
+        for by in ("height", *surface.cap.parameters):
+            for model in (MODELS[0], mf.Interacting(3, contact=OWN)):
+                assert_derivatives(surface, model, by, some=(0, 4))
 
 
 def test_pedestals_of_spheres_change_with_the_radius():
@@ -109,9 +102,10 @@ def test_pedestals_of_spheres_change_with_the_radius():
 
 def test_hertz_depends_on_the_curvature_of_the_summits():
     caps = (mf.Power(2.0, 0.3), mf.Sphere(), mf.Paraboloid(), mf.Profile(lambda rho: rho**2 / 1.1, 0.6))
-    for model in (mf.Independent(), mf.Interacting(1), mf.Interacting(3)):
-        for by in ("height", "radius", "coefficient"):
-            assert_derivatives(scene(caps), model, by, some=range(4))
+    for model, by in product(
+        (mf.Independent(), mf.Interacting(1), mf.Interacting(3)), ("height", "radius", "coefficient")
+    ):
+        assert_derivatives(scene(caps), model, by, some=range(4))
 
 
 def test_laws_of_the_model_have_derivatives_by_the_radius():
@@ -141,12 +135,14 @@ def test_a_power_law_of_the_model_has_the_derivatives_of_power_caps():
 
 def test_a_periodic_cell_has_the_derivatives_of_its_law():
     surface = scene(MIXED, cell=mf.PeriodicCell(4.5, 4.5))
-    assert_derivatives(surface, mf.Interacting(3, contact=OWN), "radius", some=range(0, 9, 2))
+    for by in ("height", "radius"):
+        assert_derivatives(surface, mf.Interacting(3, contact=OWN), by, some=range(0, 9, 2))
 
 
-@pytest.mark.parametrize(("order", "by"), [(1, "radius"), (3, "exponent"), (3, "coefficient")])
+@pytest.mark.parametrize(("order", "by"), [(1, "radius"), (3, "exponent")])
 def test_fast_sums_have_the_derivatives_of_dense_matrices(order, by, monkeypatch):
-    surface, model = scene(MIXED, 49), mf.Interacting(order, mf.BondedLayer(), OWN)
+    friction = mf.Friction(np.linspace(0.2, 0.4, 49))
+    surface, model = scene(MIXED, 49, friction=friction), mf.Interacting(order, mf.BondedLayer(), OWN)
     dense = model.sensitivity(surface, LOADS[1:], by=by).gradient
     monkeypatch.setattr(interacting, "LATTICE_LIMIT", 10)
     monkeypatch.setattr(interacting, "DENSE_LIMIT", 10)

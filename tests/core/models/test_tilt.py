@@ -9,8 +9,6 @@ from metafem.contact.law import area_change
 from metafem.models.contact_tables import tables
 
 RADIUS = 0.526
-
-
 LAWS = [mf.PowerCap(1.5), mf.PowerCap(4), mf.SphericalCap()]
 
 

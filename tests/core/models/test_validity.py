@@ -1,6 +1,5 @@
 """What models leave out: estimated against resolved contacts, and said where it matters."""
 
-import pickle
 from functools import partial
 
 import numpy as np
@@ -9,7 +8,7 @@ from scipy.optimize import brentq
 
 import metafem as mf
 from metafem.models.truncation import truncation
-from metafem.prediction.validity import BOUND, base_contact_load
+from metafem.prediction.validity import base_contact_load
 from tests.models.scenes import lattice, said, scene
 
 CLOSE = [[0.0, 0.0], [0.1, 0.0]]
@@ -74,13 +73,6 @@ def test_the_cause_is_named_by_the_model():
     assert "changes A0" not in said(mf.friction_law(surface, LAYER, load=[0.1, 0.3]))
 
 
-def test_the_change_told_is_that_of_the_layer():
-    surface, load = rough(thickness=0.4), [0.05]
-    change = mf.friction_law(surface, LAYER, load=load).area / mf.friction_law(surface, load=load).area - 1.0
-    assert abs(change[0]) > BOUND
-    assert f"by up to {100.0 * change[0]:+.2g} %, at 0.05 N" in said(mf.friction_law(surface, load=load))
-
-
 def test_the_error_of_order_3_on_a_thin_layer():
     """Against a contact that is resolved by 60 cells per radius, and not more than three times as large."""
     for ratio, poisson_ratio in ((0.28, 0.5), (0.5, 0.3)):
@@ -142,17 +134,6 @@ def test_the_base_sinks_with_the_summits():
     resolved = mf.equilibrium(rough(side=2), mf.BoundaryElements(0.008), load=0.02)
     third = mf.equilibrium(rough(side=2), mf.Interacting(), load=0.02)
     assert resolved.base_gap == pytest.approx(third.base_gap, abs=1e-4)
-
-
-def test_notes_are_estimated_when_read_and_kept(monkeypatch):
-    state, law = mf.equilibrium(rough(), load=0.1), mf.friction_law(rough(), load=[0.1])
-    for result in (state, law):
-        again = pickle.loads(pickle.dumps(result))
-        first = result.notes
-        assert again.notes == first
-        monkeypatch.setattr("metafem.prediction.validity.Validity.notes", None)
-        assert result.notes is first
-        monkeypatch.undo()
 
 
 def test_notes_of_crowded_scenes_never_raise():

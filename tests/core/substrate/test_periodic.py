@@ -1,5 +1,7 @@
 """Lattice sums of a periodic cell: other splittings, and sums over images."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 
@@ -7,11 +9,7 @@ import metafem as mf
 from metafem.substrate.periodic import lattice_sum
 
 CELLS = (mf.PeriodicCell(1.5, 1.5), mf.PeriodicCell(6.0, 2.0))
-
-
 LAYERS = (mf.BondedLayer(1.0, 0.3), mf.BondedLayer(1.0, 0.5), mf.BondedLayer(7.2, 0.5))
-
-
 # Sums of some thousand terms.
 ROUNDING = 1e-12
 
@@ -40,13 +38,12 @@ def by_images(layer, cell, x, y):
 
 
 def test_does_not_depend_on_the_splitting():
-    for substrate in (mf.HalfSpace(), *LAYERS[:2]):
-        for cell in CELLS:
-            x, y = points(cell)
-            given = substrate.periodic(cell, x, y)
-            other = lattice_sum(cell, x, y, substrate.transform, substrate.last_wavenumber, splitting=1.6)
-            for part, same in zip(given, other, strict=True):
-                assert part == pytest.approx(same, rel=ROUNDING, abs=ROUNDING * np.abs(part).max())
+    for substrate, cell in product((mf.HalfSpace(), *LAYERS[:2]), CELLS):
+        x, y = points(cell)
+        given = substrate.periodic(cell, x, y)
+        other = lattice_sum(cell, x, y, substrate.transform, substrate.last_wavenumber, splitting=1.6)
+        for part, same in zip(given, other, strict=True):
+            assert part == pytest.approx(same, rel=ROUNDING, abs=ROUNDING * np.abs(part).max())
 
 
 def test_layer_equals_the_sum_over_images():

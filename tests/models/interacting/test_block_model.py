@@ -9,11 +9,7 @@ from tests.models.scenes import PLACE, scene
 
 # One solution of large cells, a second; the block is twelve times as wide as thick.
 WIDE = mf.fe.Block3D(cell=0.5, edge_cell=0.1)
-
-
 THICKNESS = 5.0
-
-
 LOADS = np.array([0.01, 0.05, 0.1])
 
 

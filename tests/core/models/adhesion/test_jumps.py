@@ -10,8 +10,6 @@ from metafem.models.interacting.influence import coupling_between
 from tests.models.scenes import lattice, said, scene
 
 ENERGY = 9e-6
-
-
 # Part of the largest load to which jumps are located.
 LOCATED = 1e-6
 

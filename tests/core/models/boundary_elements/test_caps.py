@@ -1,5 +1,7 @@
 """Resolved contacts of caps that are no paraboloids."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 
@@ -10,14 +12,8 @@ from tests.models.interacting.dense_twin import Twin
 from tests.models.scenes import lattice, scene, single_contact
 
 RADIUS, CONTACT = 0.526, 0.2
-
-
 RHO = np.linspace(0.0, 0.45, 80)
-
-
 SPHERE = mf.AxisymmetricCap([RHO, sphere_profile(RHO, RADIUS)])
-
-
 LAWS = [*(mf.PowerCap(n) for n in (1.5, 8)), mf.SphericalCap(), SPHERE]
 
 
@@ -78,3 +74,11 @@ def test_a_flat_summit_on_a_slope_touches_beside_its_axis():
     assert areas[0][1] > 0.01
     # seven cells for the deformed one
     np.testing.assert_allclose(*areas, atol=7.0 * 0.008**2 + 7.0 * 0.004**2, rtol=1e-4)
+
+
+def test_contacts_of_few_cells_keep_the_area_of_their_law():
+    """Their edges are not found: the pressure is steep or flat at the axis, some cells from the edge."""
+    for exponent, offset in product((1.2, 8), np.random.default_rng(5).random((2, 2))):
+        state, exact = single_contact(mf.PowerCap(exponent), 5, offset, 0.05)
+        missing = abs(state.area - exact.area) / (0.05 / 5) ** 2
+        assert missing < 1.25 * (0.37 * np.pi)  # LAWFUL_ERROR

@@ -8,17 +8,9 @@ from metafem.models.boundary_elements.periodic import fitting_side, spectrum
 from metafem.models.boundary_elements.solve import Scene
 
 MATERIAL, BLOCK = mf.Material(1.36), mf.Block(20.0, 20.0, 7.2)
-
-
 CELL = mf.PeriodicCell(3.0, 2.0)
-
-
 SITES = np.array([[0.3, 0.4], [2.1, 0.6], [1.2, 1.6]])
-
-
 SURFACE = mf.Surface(SITES, [0.1, 0.11, 0.12], 0.526, MATERIAL, block=BLOCK, cell=CELL)
-
-
 SUBSTRATES = (mf.HalfSpace(), mf.BondedLayer())
 
 
