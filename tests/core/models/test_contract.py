@@ -128,9 +128,8 @@ class Contract:
         law = mf.friction_law(scene(), model, load=loads)
         for k in (0, 4, 8):
             state = mf.equilibrium(scene(), model, load=loads[k])
-            if (
-                model in AUTOMATIC
-            ):  # one load may need a cheaper model than a curve: each is within the tolerance
+            # one load may need a cheaper model than a curve: each is within the tolerance
+            if model in AUTOMATIC:
                 assert law.area[k] == pytest.approx(state.area, rel=2 * model.tolerance)
             else:
                 assert law.area[k] == pytest.approx(state.area, rel=rounding(model))
