@@ -56,3 +56,17 @@ def test_a_table_is_a_value():
     assert hash(law) == hash(mf.TabulatedContact(*table))
     assert law.for_material(MATERIAL) != law
     assert repr(law) == "TabulatedContact(<8 points>, up to 0.01 mm)"
+
+
+def test_a_table_of_another_law_converges_with_its_points():
+    """Slopes of first to second order, in logarithms, away from the straight line at the first point."""
+    law = mf.JacksonGreen(0.01).for_material(MATERIAL)
+    ends = law.yield_indentation(RADIUS) * np.array([5.0, 50.0])
+    x = np.geomspace(*ends, 500)[100:]
+    errors = []
+    for count in (9, 17, 33):
+        table = mf.TabulatedContact(*table_of(law, np.geomspace(*ends, count))).for_material(MATERIAL)
+        loads = (one.load(one.contact_radius(x, RADIUS), RADIUS) for one in (table, law))
+        errors.append(abs(next(loads) / next(loads) - 1.0).max())
+    assert errors[-1] < 1e-5
+    assert np.log2(errors[0] / errors[-1]) / 2 > 1.9

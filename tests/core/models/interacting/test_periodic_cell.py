@@ -49,17 +49,6 @@ def test_shifted_and_wrapped_sites_are_the_same_surface():
         assert second.separation == pytest.approx(first.separation, rel=1e-11)
 
 
-def test_layer_equals_the_middle_of_many_copies():
-    # the layer of 1 mm ends the influence within the 7 periods (21 mm) around the middle: exp(-.739 * 21)
-    thin = THREE.replaced(block=mf.Block(60.0, 60.0, 1.0))
-    copies = repeated(thin, 15).replaced(cell=None)
-    model = mf.Interacting(substrate=mf.BondedLayer())
-    alone = mf.equilibrium(thin, model, load=0.05)
-    many = mf.equilibrium(copies, model, separation=alone.separation)
-    middle = many.asperity_load.reshape(-1, 3)[112]
-    assert middle == pytest.approx(alone.asperity_load, rel=1e-6)
-
-
 def test_adhesive_contacts_have_images():
     model = mf.Interacting(contact=mf.JKR(9e-6))
     single, several = (
@@ -75,13 +64,6 @@ def test_mean_field_and_notes_state_the_convention():
         assert any("mean plane" in str(note.text) for note in state.notes)
     layer = mf.equilibrium(THREE, mf.Interacting(substrate=mf.BondedLayer()), load=0.05)
     assert not any("mean plane" in str(note.text) for note in layer.notes)
-
-
-def test_automatic_knows_the_images():
-    state = mf.equilibrium(ONE, mf.Automatic(1e-3), load=0.05)
-    order_3 = mf.equilibrium(ONE, mf.Interacting(), load=0.05)
-    assert state.area == pytest.approx(order_3.area, rel=1e-3)
-    assert state.area != mf.equilibrium(ONE, mf.Independent(), load=0.05).area
 
 
 def test_the_surface_says_its_cell():
