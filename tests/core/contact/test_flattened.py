@@ -1,5 +1,7 @@
 """Elastic unloading of asperities that a load has flattened, and their second loading."""
 
+import itertools
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -32,6 +34,25 @@ def test_the_law_continues_where_the_first_loading_ended():
         )
         assert (loss[LARGEST > 1.0] > 0.0).all()
         assert not loss[LARGEST <= 1.0].any()
+
+
+def test_a_cycle_loses_energy():
+    """The loading's work exceeds that of the unloading, which the power of its load gives."""
+    node, weight = np.polynomial.legendre.leggauss(40)
+    for law in LAWS:
+        bound, d, after, loss = unloaded(law)
+        for i in np.flatnonzero(LARGEST > 0.0):
+            ends = bound.indentation(np.append(0.0, bound.breaks(RADIUS[i])), RADIUS[i])
+            taken = 0.0
+            for low, high in itertools.pairwise(np.append(ends[ends < d[i]], d[i])):
+                x = low + 0.5 * (high - low) * (node + 1.0)
+                load = bound.load(bound.contact_radius(x, RADIUS[i]), RADIUS[i])
+                taken += 0.5 * (high - low) * float(weight @ load)
+            power = after.load_exponent[i] if loss[i] else 1.5
+            largest = bound.load(bound.contact_radius(d[i], RADIUS[i]), RADIUS[i])
+            returned = largest * (d[i] - loss[i]) / (power + 1.0)
+            # the quadrature of a power 3/2
+            assert taken - returned >= (0.0 if LARGEST[i] > 1.2 else -1e-5) * taken
 
 
 def test_the_unloading_is_the_published_one():

@@ -1,6 +1,5 @@
 """Asperities coupled through the true block."""
 
-import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
@@ -9,8 +8,6 @@ from tests.models.scenes import PLACE, scene
 
 # One solution of large cells, a second; the block is twelve times as wide as thick.
 WIDE = mf.fe.Block3D(cell=0.5, edge_cell=0.1)
-THICKNESS = 5.0
-LOADS = np.array([0.01, 0.05, 0.1])
 
 
 @pytest.fixture(autouse=True, scope="module")
@@ -23,9 +20,9 @@ def cache_folder(tmp_path_factory):
 
 
 def test_a_wide_block_is_the_layer():
-    surface = scene(PLACE - PLACE.mean(axis=0)).replaced(block=mf.Block(60.0, 60.0, THICKNESS))
+    surface = scene(PLACE - PLACE.mean(axis=0)).replaced(block=mf.Block(60.0, 60.0, 5.0))
     laws = [
-        mf.friction_law(surface, mf.Interacting(substrate=substrate), load=LOADS)
+        mf.friction_law(surface, mf.Interacting(substrate=substrate), load=[0.01, 0.05, 0.1])
         for substrate in (WIDE, mf.BondedLayer())
     ]
     # these cells err by 1e-4 /mm, that is by 1e-5 mm at 0.1 N

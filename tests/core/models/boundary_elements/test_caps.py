@@ -41,15 +41,6 @@ def test_areas_from_moments_hold_for_any_extra_curvature():
         assert (summits.areas(np.zeros(6), np.ones(6), np.ones(6)) == 0.0).all()  # on one cell
 
 
-def test_a_power_of_two_is_the_paraboloid():
-    cells = mf.BoundaryElements(0.012), mf.BoundaryElements(0.012, contact=mf.PowerCap(2))
-    hertz, power = (mf.equilibrium(scene(), model, load=0.1) for model in cells)
-    assert power.area == pytest.approx(hertz.area, rel=1e-8)
-    np.testing.assert_allclose(power.asperity_load, hertz.asperity_load, rtol=1e-8)
-    again = mf.equilibrium(scene(), cells[1], approach=power.approach)
-    assert again.load == pytest.approx(0.1, rel=1e-8)
-
-
 def test_coupled_contacts_are_those_of_order_3():
     for law, surface in ((mf.PowerCap(4), lattice(0.5 * np.ones(9))), (mf.SphericalCap(), scene())):
         twin, approach = Twin(surface, law), float(law.indentation(0.18, RADIUS))

@@ -82,12 +82,6 @@ def test_product_in_single_precision_is_near_that_in_double():
         assert np.abs(found - exact).max() <= far_field.SINGLE_TOLERANCE * np.abs(exact).max()
 
 
-def test_product_is_symmetric():
-    operator = Influence(patches_of(*SCENES["apart"]), point, none)
-    a, b = np.random.default_rng(0).random((2, operator.size))
-    assert a @ operator.product(b) == pytest.approx(b @ operator.product(a), rel=1e-13)
-
-
 def test_preconditioner_is_positive_and_near_the_inverse():
     operator = Influence(patches_of([[0.0, 0.0]], [12.0]), point, none)
     matrix = dense(patches_of([[0.0, 0.0]], [12.0]), none)
