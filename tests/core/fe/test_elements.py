@@ -1,4 +1,4 @@
-"""The elements: patch test, the linear solver's fallback, the geometries."""
+"""The elements: patch test and the geometries."""
 
 import numpy as np
 import pytest
@@ -9,7 +9,7 @@ from metafem.fe.axisymmetric.geometry import Cap, Flat, Oblate
 from metafem.fe.axisymmetric.mesh import named
 
 
-@pytest.mark.parametrize("poisson_ratio", [0.0, 0.3, 0.5])
+@pytest.mark.parametrize("poisson_ratio", [0.3, 0.5])
 def test_uniaxial_compression_is_exact(poisson_ratio):
     mesh = named(MeshQuad.init_tensor(np.array([0.0, 0.3, 1.0]), np.array([0.0, 0.5, 2.0])), 1.5, 1.0, 2.0)
     body = Body(mesh, Flat(), 4, poisson_ratio)
@@ -29,9 +29,7 @@ def test_uniaxial_compression_is_exact(poisson_ratio):
     assert u.shape == (2, 1)
 
 
-@pytest.mark.parametrize(
-    "geometry", [Flat(), Oblate(0.4), Cap(0.5, 0.2, 3.0, 2.0), Cap(0.5, 0.5, 3.0, 2.0)], ids=repr
-)
+@pytest.mark.parametrize("geometry", [Flat(), Oblate(0.4), Cap(0.5, 0.2, 3.0, 2.0)], ids=repr)
 def test_jacobians_are_the_maps_derivatives(geometry):
     plane = np.array([[0.05, 0.3, 0.45, 1.2, 2.5], [0.02, 1.0, 0.5, 0.3, 1.9]])
     step = 1e-6

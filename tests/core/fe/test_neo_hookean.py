@@ -6,8 +6,11 @@ import pytest
 from metafem.fe.large_strain import neo_hookean
 
 MU = 0.25
+
 RNG = np.random.default_rng(3)
+
 STRAIN = 0.2 * RNG.normal(size=(4, 5))
+
 PRESSURE = 0.1 * RNG.normal(size=4)
 
 

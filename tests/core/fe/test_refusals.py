@@ -1,0 +1,69 @@
+"""Wrong input of the finite elements is refused by its name and value."""
+
+import numpy as np
+import pytest
+
+import metafem as mf
+from metafem.fe import Block3D
+
+BLOCK, MATERIAL = mf.Block(20.0, 20.0, 7.2), mf.Material(1.36)
+LAYER = {"contact_radius": 0.1, "radius": 0.526, "thickness": 7.2}
+CAP = {**LAYER, "height": 0.2, "block_radius": 10.0}
+
+
+def press(**change):
+    mf.fe.press(**{**LAYER, **change})
+
+
+def search(**change):
+    mf.fe.search_contact(**{"indentation": 0.01, "radius": 1.0, "cell": 0.01, **change})
+
+
+def finite(**change):
+    mf.fe.press_finite(**{**CAP, **change})
+
+
+def table(radii, material=MATERIAL):
+    mf.fe.tabulated_contact(**{**CAP, "contact_radius": radii}, material=material)
+
+
+def block(position=((0.0, 0.0),), block=BLOCK, **values):
+    height = np.full(len(position), 0.1)
+    Block3D(**values).for_surface(mf.Surface(position, height, 0.526, MATERIAL, block=block))
+
+
+# Two of the words that an error must hold: the argument and the given value, or what limits it.
+REFUSALS = [
+    (lambda: press(contact_radius=0.0), "contact_radius", "0"),
+    (lambda: press(poisson_ratio=0.51), "poisson_ratio", "0.51"),
+    (lambda: press(radius=None), "radius", "missing"),
+    (lambda: press(profile=np.square), "profile", "radius"),
+    (lambda: press(thickness=None, height=0.1), "height", "thickness"),
+    (lambda: press(height=0.12, contact_radius=0.4), "contact_radius = 0.4", "0.334"),
+    (lambda: press(height=0.6), "height", "0.6"),
+    (lambda: press(height=0.12, thickness=0.1), "thickness = 0.1", "0.12"),
+    (lambda: press(cell_radius=0.846, contact_radius=0.9), "contact_radius = 0.9", "cell_radius = 0.846"),
+    (lambda: press(height=0.2, block_radius=0.2), "block_radius = 0.2", "foot"),
+    (lambda: mf.fe.press(0.1, profile=lambda r: -(r**2)), "profile", "load"),
+    (lambda: mf.fe.press(0.2, 0.526, thickness=1.0, block_radius=2.0).displacement(3.0), "r", "body"),
+    (lambda: mf.fe.measure_pedestal(0.1, 0.5), "contact_ratio = 0.5", "0.43"),
+    (lambda: search(cell=0.5), "cell", "0.5"),
+    (lambda: search(height=0.2), "height", "together"),
+    (lambda: finite(contact_radius=0.42), "contact_radius = 0.42", "0.412"),
+    (lambda: finite(stick="no"), "stick", "no"),
+    (lambda: table([0.2, 0.1, 0.3]), "contact_radius[1]", "0.1"),
+    (lambda: table([0.1, 0.2], mf.Material(1.36, 0.3)), "poisson_ratio", "0.5"),
+    (lambda: block(block=None), "block", "Block3D"),
+    (lambda: block([[0.0, 0.0], [11.0, 0.0]]), "position[1]", "(11, 0)"),
+    (lambda: block(cell=0.0), "cell", "0"),
+    (lambda: block(edge_cell=2.0), "edge_cell", "2"),
+    (lambda: block(block=BLOCK, poisson_ratio=0.3), "poisson_ratio", "0.3"),
+]
+
+
+@pytest.mark.parametrize(("call", "key", "value"), REFUSALS)
+def test_wrong_input_is_refused_with_its_name_and_value(call, key, value):
+    with pytest.raises(mf.InvalidInput) as caught:
+        call()
+    assert key in str(caught.value)
+    assert value in str(caught.value)
