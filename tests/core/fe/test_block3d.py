@@ -70,8 +70,8 @@ def test_half_space_traction_on_the_axis_is_the_limit_beside_it():
     np.testing.assert_allclose(traction(zero, zero, depth, 0, 0.3), beside, atol=1e-8)
 
 
-@pytest.mark.parametrize("poisson_ratio", [0.3, 0.5])
-def test_matrix_is_that_of_scikit_fem_hexahedra(poisson_ratio):
+def test_matrix_is_that_of_scikit_fem_hexahedra():
+    poisson_ratio = 0.3
     lines = np.array([[0.0, 1.0, 1.5], [0.0, 0.7, 2.0], [0.0, 0.4, 0.6]])
     quarter = Quarter.on(lines, poisson_ratio)
     mesh = skfem.MeshHex.init_tensor(*lines)
@@ -127,10 +127,10 @@ def test_influence_is_reciprocal(coarse):
     np.testing.assert_array_equal(coarse.matrix, coarse.matrix.T)
 
 
-@pytest.mark.parametrize(("turn", "rows"), [([[0, -1], [1, 0]], range(4)), (np.eye(2), [2, 0])])
-def test_mirrored_or_turned_sites_and_some_of_them_have_the_same_influence(coarse, turn, rows):
-    found = Block3D(**COARSE).influence_matrix(scene(SITES[rows] @ turn))
-    np.testing.assert_allclose(found, coarse.matrix[np.ix_(rows, rows)], atol=1e-11)
+def test_mirrored_or_turned_sites_and_some_of_them_have_the_same_influence(coarse):
+    for turn, rows in [([[0, -1], [1, 0]], range(4)), (np.eye(2), [2, 0])]:
+        found = Block3D(**COARSE).influence_matrix(scene(SITES[rows] @ turn))
+        np.testing.assert_allclose(found, coarse.matrix[np.ix_(rows, rows)], atol=1e-11)
 
 
 def test_lengths_scale(coarse):
@@ -185,7 +185,7 @@ def test_each_block_has_its_own_file(stored):
 
 
 def test_changed_code_computes_anew(stored, monkeypatch):
-    stored()
+    assert stored().notes[-1].startswith("stored in")
     monkeypatch.setattr(cache_module, "code_version", lambda: b"another")
     assert stored().notes[-1].startswith("stored in")
 

@@ -36,23 +36,25 @@ def test_hertz_field_meets_the_contact_and_decays_as_a_point_load():
     )
 
 
-@pytest.mark.parametrize("poisson_ratio", [0.3])
-@pytest.mark.parametrize("r", [0.0, 1.3])
-def test_hankel_integral_against_adaptive_quadrature(poisson_ratio, r):
-    value, _ = quad(
-        lambda x: (layer.multiplier(np.array(x), poisson_ratio) - 1.0) * j0(x * r),
-        0.0,
-        50.0,
-        limit=400,
-        epsabs=1e-12,
-    )
-    assert layer.regular_influence(r, 1.0, poisson_ratio) == pytest.approx(value / math.pi, abs=1e-11)
+def test_hankel_integral_against_adaptive_quadrature():
+    for r in (0.0, 1.3):
+        value, _ = quad(
+            lambda x, r: (layer.multiplier(np.array(x), 0.3) - 1.0) * j0(x * r),
+            0.0,
+            50.0,
+            args=(r,),
+            limit=400,
+            epsabs=1e-12,
+        )
+        assert layer.regular_influence(r, 1.0, 0.3) == pytest.approx(value / math.pi, abs=1e-11)
 
 
 # Printed to three decimals: half of the last digit.
-@pytest.mark.parametrize(("poisson_ratio", "self_term"), [(0.5, 1.770), (0.45, 1.625), (0.3, 1.377)])
-def test_self_term(poisson_ratio, self_term):
-    assert -math.pi * layer.regular_influence(0.0, 1.0, poisson_ratio) == pytest.approx(self_term, abs=5e-4)
+def test_self_term():
+    for poisson_ratio, self_term in [(0.5, 1.770), (0.45, 1.625), (0.3, 1.377)]:
+        assert -math.pi * layer.regular_influence(0.0, 1.0, poisson_ratio) == pytest.approx(
+            self_term, abs=5e-4
+        )
 
 
 def test_laplacian_is_the_influences():

@@ -5,9 +5,9 @@ import pytest
 from metafem.reference.elastic_plastic import jackson_green, kogut_etsion
 
 
-@pytest.mark.parametrize("law", [lambda w: kogut_etsion(w, 0.3), lambda w: jackson_green(w, 0.3, 2e-3)])
-def test_below_yield_the_contact_is_hertz(law):
-    assert law(0.5) == pytest.approx((0.5**1.5, 0.5), rel=1e-15)
+def test_below_yield_the_contact_is_hertz():
+    for law in [lambda w: kogut_etsion(w, 0.3), lambda w: jackson_green(w, 0.3, 2e-3)]:
+        assert law(0.5) == pytest.approx((0.5**1.5, 0.5), rel=1e-15)
 
 
 def test_fully_plastic_pressure_is_the_hardness():

@@ -17,7 +17,7 @@ def test_slope_tends_to_its_limits():
     )
 
 
-@pytest.mark.parametrize("x", [0.01, 0.02])
-def test_series_is_the_slope_up_to_the_third_order(x):
-    excess = printed.slope(TOP / x, RADIUS, TOP) / printed.smallest_slope(RADIUS, TOP) - 1.0
-    assert excess == pytest.approx(printed.slope_series(x), abs=0.01 * x**3 + 1e-9)
+def test_series_is_the_slope_up_to_the_third_order():
+    for x in [0.01, 0.02]:
+        excess = printed.slope(TOP / x, RADIUS, TOP) / printed.smallest_slope(RADIUS, TOP) - 1.0
+        assert excess == pytest.approx(printed.slope_series(x), abs=0.01 * x**3 + 1e-9)

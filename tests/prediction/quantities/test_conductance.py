@@ -6,7 +6,6 @@ from numpy.testing import assert_allclose
 
 import metafem as mf
 from validation.fidelity.order3_against_resolved import irregular as irregular_scene
-from validation.scenes.quantities import exact_stiffness
 
 LOADS = np.array([0.01, 0.05, 0.1, 0.3])
 
@@ -14,58 +13,6 @@ LOADS = np.array([0.01, 0.05, 0.1, 0.3])
 @pytest.fixture
 def irregular():
     return irregular_scene().surface
-
-
-@pytest.mark.parametrize(
-    "model", [mf.Independent(), mf.MeanField(), mf.Independent(mf.Elastic()), mf.Independent(mf.PowerCap(4))]
-)
-def test_barbers_identity_without_interaction(model, irregular):
-    """The tables of laws other than Hertz's resolve the stiffness to 1e-13."""
-    found = mf.conductance(irregular, model, load=LOADS, resistivity=1.0).rescaled_conductance
-    assert_allclose(found, model.curve(irregular, LOADS).stiffness, rtol=1e-12)
-
-
-@pytest.mark.parametrize("order", [1, 3])
-@pytest.mark.parametrize("cell", [None, mf.PeriodicCell(4.0, 4.0)])
-def test_barbers_identity_with_interaction(order, cell, irregular):
-    """Currents through discs and loads on contacts are different systems with the same sum."""
-    model, surface = mf.Interacting(order), irregular.replaced(cell=cell)
-    found = mf.conductance(surface, model, load=LOADS, resistivity=1.0).rescaled_conductance
-    assert_allclose(found, exact_stiffness(model, surface, LOADS), rtol=1e-12)
-    # the compiled curve solves the tangent to 1e-4, and for order 3 without terms of second order
-    assert_allclose(found, model.curve(surface, LOADS).stiffness, rtol=1e-8 if order == 1 else 2e-5)
-
-
-def test_identity_of_other_caps_holds_to_the_order_of_the_expansion(irregular):
-    model = mf.Interacting(contact=mf.Elastic())
-    found = mf.conductance(irregular, model, load=LOADS, resistivity=1.0).rescaled_conductance
-    assert_allclose(found, model.curve(irregular, LOADS).stiffness, rtol=2e-5)
-
-
-def test_conductance_depends_on_the_sum_of_resistivities_on_a_half_space(irregular):
-    model = mf.Interacting()
-    one = mf.conductance(irregular, model, load=LOADS, resistivity=3.0)
-    other = mf.conductance(irregular, model, load=LOADS[::-1], resistivity=1.0, plane_resistivity=2.0)
-    assert_allclose(one.conductance, other.conductance, rtol=1e-14)
-    assert_allclose(one.conductance, 2.0 / 3.0 * one.rescaled_conductance, rtol=1e-15)
-
-
-def test_one_disc_has_maxwells_resistance():
-    """(rho_1 + rho_2)/(4 a)."""
-    surface = mf.Surface([[0.0, 0.0]], [0.1], 0.5, mf.Material(1.36))
-    area = mf.equilibrium(surface, load=0.02).area
-    found = mf.conductance(surface, load=[0.02], resistivity=1.0, plane_resistivity=0.5)
-    assert found.conductance[0] == pytest.approx(4.0 * np.sqrt(area / np.pi) / 1.5, rel=1e-14)
-
-
-def test_one_disc_on_a_thin_layer():
-    """Resistance of the disc and of its images, up to the terms of order 3 of the expansion."""
-    surface = mf.Surface([[0, 0]], [0.1], 0.5, mf.Material(1.0), block=mf.Block(20.0, 20.0, 2.0))
-    model = mf.Interacting(1, substrate=mf.BondedLayer())
-    radius = np.sqrt(mf.equilibrium(surface, model, load=0.02).area / np.pi)
-    found = mf.conductance(surface, model, load=[0.02], resistivity=2.0, plane_resistivity=1.0)
-    own = 2.0 * (1.0 / (4.0 * radius) - np.log(2.0) / (2.0 * np.pi * 2.0))
-    assert found.conductance[0] == pytest.approx(1.0 / (own + 1.0 / (4.0 * radius)), rel=1e-12)
 
 
 @pytest.mark.slow
@@ -81,53 +28,3 @@ def test_resolved_contacts_on_a_layer(share, irregular):
         )
     )
     assert_allclose(order3, resolved, rtol=1e-3)
-
-
-def test_resolved_contacts_on_a_half_space_carry_the_stiffness(irregular):
-    model = mf.BoundaryElements(0.02)
-    found = mf.conductance(irregular, model, load=LOADS[2:], resistivity=1.0).rescaled_conductance
-    assert_allclose(found, model.curve(irregular, LOADS[2:]).stiffness, rtol=1e-12)
-
-
-def test_no_contact_has_no_conductance(irregular):
-    for model in (mf.Independent(), mf.Interacting(), mf.BoundaryElements(0.02)):
-        assert mf.conductance(irregular, model, load=[0.0], resistivity=1.0).conductance[0] == 0.0
-
-
-class Curves:
-    """A model of a user that has no conductance."""
-
-    name = "curves"
-
-    def curve(self, surface, load=None, *, approach=None):
-        return mf.Independent().curve(surface, load, approach=approach)
-
-
-def test_the_automatic_model_has_the_conductance_of_the_chosen_one(irregular):
-    found, expected = (
-        mf.conductance(irregular, model, load=[0.0, 0.1], resistivity=1.0).conductance
-        for model in (mf.Automatic(1e-2), mf.Interacting(1))
-    )
-    assert mf.equilibrium(irregular, mf.Automatic(1e-2), load=0.1).model in (
-        mf.Independent(),
-        mf.Interacting(1),
-    )
-    assert (found == expected).all()
-
-
-def test_refusals(irregular):
-    with pytest.raises(mf.InvalidInput, match="both 0"):
-        mf.conductance(irregular, load=[0.1], resistivity=0.0)
-    with pytest.raises(mf.InvalidInput, match="has no conductance"):
-        mf.conductance(irregular, Curves(), load=[0.1], resistivity=1.0)
-    with pytest.raises(mf.InvalidInput, match="at least 0 N"):
-        mf.conductance(irregular, load=[-0.1], resistivity=1.0)
-
-
-def test_notes_tell_where_the_model_leaves_its_range():
-    """Contacts that overlap are named, as in the friction law."""
-    near = mf.Surface.square_lattice(0.3, (2, 2), 0.5, radius=0.526, material=mf.Material(1.0))
-    model = mf.Interacting()
-    found = mf.conductance(near, model, load=[0.0, 0.4], resistivity=1.0)
-    assert found.notes == mf.friction_law(near, model, load=[0.4]).notes
-    assert found.notes

@@ -3,7 +3,6 @@
 import math
 
 import numpy as np
-import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 import metafem as mf
@@ -18,18 +17,12 @@ def drawn(tolerances, count=20_000):
     )
 
 
-@pytest.mark.parametrize(
-    ("tolerances", "dimensions"),
-    [
-        (mf.Tolerances(), 0),
-        (mf.Tolerances(height_sd=0.003), 3),
-        (mf.Tolerances(angle=0.1), 2),
-        (mf.Tolerances(radius_sd=0.01, position_sd=0.02), 9),
-        (EVERY, 14),
-    ],
-)
-def test_each_error_has_its_own_numbers(tolerances, dimensions):
-    assert tolerances.dimensions(SURFACE) == dimensions
+def test_each_error_has_its_own_numbers():
+    assert mf.Tolerances().dimensions(SURFACE) == 0
+    assert mf.Tolerances(height_sd=0.003).dimensions(SURFACE) == 3
+    assert mf.Tolerances(angle=0.1).dimensions(SURFACE) == 2
+    assert mf.Tolerances(radius_sd=0.01, position_sd=0.02).dimensions(SURFACE) == 9
+    assert EVERY.dimensions(SURFACE) == 14
 
 
 def test_without_errors_a_draw_is_the_surface():
@@ -81,21 +74,3 @@ def test_the_covariance_of_linear_functions_is_that_of_draws():
 def test_scaled_tolerances():
     assert EVERY.scaled(0.5) == mf.Tolerances(0.0015, 0.2, 0.005, 0.01)
     assert mf.Tolerances().scaled(3.0) == mf.Tolerances()
-
-
-@pytest.mark.parametrize(
-    ("call", "words"),
-    [
-        (lambda: mf.Tolerances(height_sd=-0.001), r"height_sd = -0.001 must be at least 0"),
-        (lambda: mf.Tolerances(angle=0.8), r"angle = 0.8 must be at most 0.785"),
-        (lambda: mf.Tolerances(radius_sd=float("nan")), "radius_sd = nan must be finite"),
-        (
-            lambda: drawn(mf.Tolerances(radius_sd=0.06)),
-            "radius_sd = 0.06 must be at most a tenth of the sm",
-        ),
-        (lambda: EVERY.perturbed(SURFACE, np.ones((2, 3))), r"unit has shape \(2, 3\)"),
-    ],
-)
-def test_what_cannot_be_drawn_is_refused(call, words):
-    with pytest.raises(mf.InvalidInput, match=words):
-        call()

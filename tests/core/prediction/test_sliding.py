@@ -18,17 +18,19 @@ def rough(ratio=0.5, seed=0, side=5):
     )
 
 
-@pytest.mark.parametrize("ratio", [0.0, 0.3, 0.5])
-def test_one_contact_is_mindlins(ratio):
+def test_one_contact_is_mindlins():
     """8 a G/(2 - nu) with G = E/(2 (1 + nu)): 2/3 of the normal stiffness for nu = 1/2, equal to it for 0."""
-    surface = mf.Surface([[0.0, 0.0]], [0.1], 0.5, mf.Material.from_young(1.0, ratio), FRICTION)
-    found = mf.onset(surface, load=0.01)
-    radius = np.sqrt(found.state.area / np.pi)
-    shear_modulus = 1.0 / (2.0 * (1.0 + ratio))
-    assert found.stiffness == pytest.approx(8.0 * radius * shear_modulus / (2.0 - ratio), rel=1e-12)
-    expected = 2.0 * (1.0 - ratio) / (2.0 - ratio) * found.state.stiffness
-    assert found.stiffness == pytest.approx(expected, rel=1e-12)
-    assert found.sliding_displacement * found.stiffness == pytest.approx(found.friction_force[0], rel=1e-12)
+    for ratio in [0.0, 0.3, 0.5]:
+        surface = mf.Surface([[0.0, 0.0]], [0.1], 0.5, mf.Material.from_young(1.0, ratio), FRICTION)
+        found = mf.onset(surface, load=0.01)
+        radius = np.sqrt(found.state.area / np.pi)
+        shear_modulus = 1.0 / (2.0 * (1.0 + ratio))
+        assert found.stiffness == pytest.approx(8.0 * radius * shear_modulus / (2.0 - ratio), rel=1e-12)
+        expected = 2.0 * (1.0 - ratio) / (2.0 - ratio) * found.state.stiffness
+        assert found.stiffness == pytest.approx(expected, rel=1e-12)
+        assert found.sliding_displacement * found.stiffness == pytest.approx(
+            found.friction_force[0], rel=1e-12
+        )
 
 
 @given(st.integers(0, 1000), st.floats(0.01, 0.5), st.floats(0.0, 0.5))
@@ -50,16 +52,6 @@ def test_every_model_predicts_an_onset():
     models = (mf.Independent(), mf.Interacting(), mf.BoundaryElements(0.01), mf.Independent(mf.JKR(9e-6)))
     ends = [mf.onset(surface, model, load=0.05).sliding_displacement for model in models]
     assert ends == pytest.approx([ends[0]] * len(ends), rel=0.1)
-
-
-def test_bad_input_is_named():
-    surface = rough(side=2)
-    with pytest.raises(mf.InvalidInput, match="load = 0"):
-        mf.onset(surface, load=0.0)
-    with pytest.raises(mf.InvalidInput, match="friction"):
-        mf.onset(surface.replaced(friction=None), load=0.1)
-    with pytest.raises(mf.InvalidInput, match="displacement"):
-        mf.onset(surface, load=0.1).force([-0.1, 0.2])
 
 
 def test_picture_has_a_mark_for_each_contact():

@@ -1,0 +1,82 @@
+"""Wrong input of the predictions is refused by its name and value."""
+
+from functools import partial
+
+import numpy as np
+import pytest
+
+import metafem as mf
+
+RING = mf.Surface.square_lattice([0.1, 0.11, 0.12, 0.13], (2, 2), radius=0.526, material=mf.Material(1.36))
+PLASTIC, STICKY = mf.Independent(mf.KogutEtsion(0.05)), mf.Independent(mf.JKR(9e-6))
+RUBBED = RING.replaced(friction=mf.Friction(0.4))
+law = partial(mf.friction_law, RING)
+conductance = partial(mf.conductance, RING, load=[0.1])
+
+
+class Curves:
+    """A model of a user that has curves alone."""
+
+    name = "curves"
+
+    def curve(self, surface, load=None, *, approach=None):
+        return mf.Independent().curve(surface, load, approach=approach)
+
+
+def drawn(errors, cap=None):
+    surface = RING if cap is None else RING.replaced(cap=cap)
+    unit = np.full((1, errors.dimensions(surface)), 0.5)
+    errors.areas(mf.Independent(mf.Elastic()), surface, [0.1], unit)
+
+
+def robust(**errors):
+    mf.design(mf.PowerLaw(0.7, (0.05, 0.1)), RING, robust=mf.Tolerances(**errors))
+
+
+# Two of the words that an error must hold: the argument and the given value, or what limits it.
+REFUSALS = [
+    (lambda: mf.friction_law(3), "surface", "3"),
+    (lambda: law(load=[0.1], separation=[0.1]), "load", "separation"),
+    (lambda: law(load=[-0.1, 0.2]), "load", "-0.1"),
+    (lambda: law(load=[]), "load", "empty"),
+    (lambda: law(separation=[np.nan]), "separation", "nan"),
+    (lambda: law(STICKY, separation=[0.1]), "separation", "load"),
+    (lambda: law(load=[0.1], unloading=1), "unloading", "1"),
+    (lambda: law(Curves(), load=[0.1], unloading=True), "unloading", "curves"),
+    (lambda: law(load=[0.0], unloading=True), "load", "contact"),
+    (lambda: law(load=[0.1]).friction_force, "friction", "Friction"),
+    (lambda: law(load=[0.1]).friction_coefficient, "friction", "Friction"),
+    (lambda: law().fit((5.0, 6.0)), "load_range", "(5, 6)"),
+    (lambda: law().fit((0.4, 0.1)), "load_range", "(0.4, 0.1)"),
+    (lambda: law().fit((1.0,)), "load_range", "1 number"),
+    (lambda: law().fit(), "load_range", "load"),
+    (lambda: law(load=[0.1]).plot(units="kN"), "units", "kN"),
+    (lambda: mf.equilibrium(RING, load=0.1, approach=0.1), "load", "approach"),
+    (lambda: mf.equilibrium(RING, load=-1.0), "load", "-1"),
+    (lambda: mf.equilibrium(RING, load=0.1).field, "field", "Independent()"),
+    (lambda: mf.flattened(RING, load=-1.0), "load", "-1"),
+    (lambda: mf.Interacting(contact=mf.KogutEtsion(0.05)), "order", "3"),
+    (lambda: conductance(resistivity=0.0), "resistivity", "0"),
+    (lambda: conductance(Curves(), resistivity=1.0), "conductance", "curves"),
+    (lambda: mf.conductance(RING, load=[-0.1], resistivity=1.0), "load", "-0.1"),
+    (lambda: mf.pull_off(RING, mf.Independent()), "pull-off", "independent"),
+    (lambda: mf.onset(RUBBED, load=0.0), "load", "0"),
+    (lambda: mf.onset(RING, load=0.1), "friction", "Friction"),
+    (lambda: mf.onset(RUBBED, load=0.1).force([-0.1]), "displacement", "-0.1"),
+    (lambda: mf.Tolerances(height_sd=-0.001), "height_sd", "-0.001"),
+    (lambda: mf.Tolerances(angle=0.8), "angle", "0.8"),
+    (lambda: drawn(mf.Tolerances(radius_sd=0.06)), "radius_sd", "0.06"),
+    (lambda: mf.Tolerances(height_sd=0.1).perturbed(RING, np.ones((2, 3))), "unit", "(2, 3)"),
+    (lambda: drawn(mf.Tolerances(exponent_sd=0.01), mf.Sphere()), "exponent_sd", "0.01"),
+    (lambda: drawn(mf.Tolerances(exponent_sd=0.03), mf.Power(1.2)), "exponent_sd", "0.03"),
+    (lambda: drawn(mf.Tolerances(coefficient_sd=0.02), mf.Power(3, 0.1)), "coefficient_sd", "0.02"),
+    (lambda: robust(exponent_sd=0.01), "exponent_sd", "robust"),
+]
+
+
+@pytest.mark.parametrize(("call", "key", "value"), REFUSALS)
+def test_wrong_input_is_refused_with_its_name_and_value(call, key, value):
+    with pytest.raises(mf.InvalidInput) as caught:
+        call()
+    assert key in str(caught.value)
+    assert value in str(caught.value)
