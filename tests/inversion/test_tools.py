@@ -6,10 +6,6 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.inversion.search.asperities import OfExponents
-from metafem.inversion.search.mixed_tools import grouped
-from metafem.inversion.search.target_law import TargetLaw
-from metafem.inversion.tools.kit_bounds import least_ratio
 from validation.scenes.cells import cell
 
 LATTICE = mf.Surface.square_lattice(0.3, radius=0.526, material=mf.Material(1.36))
@@ -87,127 +83,6 @@ def test_a_single_tool_is_used_if_it_reaches_the_target():
     assert found.parameters["tool_counts"].tolist() == [0, found.surface.count, 0]
 
 
-@pytest.mark.parametrize(
-    "target",
-    [
-        mf.OperatingPoints([0.05, 0.1, 0.2], [0.8, 1.15, 2.0]),
-        mf.MultilinearLaw([9.0, 3.5], [(0.1, 0.15)], (0.05, 0.3)),
-        mf.LinearLaw(8.0, (0.05, 0.1)),
-        mf.Band([0.05, 0.1, 0.2], [0.4, 0.6, 0.9], [0.5, 0.7, 1.0]),
-        mf.LinearLaw(7.0),
-    ],
-    ids=lambda target: type(target).__name__,
-)
-def test_every_kind_of_target_is_met_by_a_kit(target):
-    found = mf.design(target, LATTICE, limits=LIMITS, tools=KIT)
-    assert found.misfit <= (0.1 if found.density else 0.01)
-    if isinstance(target, mf.OperatingPoints):
-        assert found.misfit <= 1e-9
-    assert found.parameters["tool_counts"].sum() == found.surface.count
-
-
-def test_plain_radii_and_tools_of_one_cap_are_the_same():
-    target = mf.PowerLaw(0.64, (0.1, 0.2))
-    plain = mf.design(target, LATTICE, limits=LIMITS, tools=[0.2, 0.8])
-    tools = mf.design(target, LATTICE, limits=LIMITS, tools=[mf.Tool(0.8), mf.Tool(0.2)])
-    assert plain == tools
-    assert plain.tools == (0.2, 0.8)
-
-
-@pytest.mark.parametrize("area", [(math.pi, 2.0), (2.0, 1.0)], ids=["area", "stiffness"])
-def test_gradients_by_exponents_are_those_of_differences(area):
-    rng = np.random.default_rng(3)
-    space = OfExponents(1.0, 9, range=mf.PowerRange(1.1, 7.0), radius=0.526, depth=0.05, area=area)
-    residual = space.residual(ELASTIC, TargetLaw.fixed(np.array([0.05, 0.2]), np.ones(2)))
-    at = space.joined(rng.uniform(0.1, 0.2, 9), rng.uniform(1.3, 5.0, 9))
-    gradient, step = residual(at)[1](), 1e-5
-    for i in range(18):
-        e = step * np.eye(18)[i]
-        first, second = (residual(at + k * e)[0] - residual(at - k * e)[0] for k in (1, 2))
-        np.testing.assert_allclose(gradient[:, i], (8.0 * first - second) / (12.0 * step), atol=1e-7)
-
-
-def test_no_random_contacts_have_a_smaller_local_exponent_than_the_bound():
-    rng, least = np.random.default_rng(0), least_ratio(8)
-    for _ in range(20000):
-        count = int(rng.integers(1, 9))
-        a, n = np.exp(rng.uniform(-9.0, 0.0, count)), rng.uniform(1.2, 6.0, count)
-        depth = np.exp(rng.uniform(-9.0, 0.0, count))  # any size of the caps, so that d is free
-        load, stiffness = 2.0 * n / (n + 1.0) * a * depth, 2.0 * a
-        area, growth = a * a, 2.0 * a * a / (n * depth)
-        exponent = load.sum() / stiffness.sum() * growth.sum() / area.sum()
-        assert exponent >= 2.0 / 7.0 * least * (1.0 - 1e-12)
-
-
-def test_the_least_ratio_of_sums_is_that_of_random_sizes():
-    rng = np.random.default_rng(1)
-    a = np.exp(rng.uniform(-6.0, 0.0, (100000, 3)))
-    ratio = (a**1.5).sum(axis=1) ** 2 / (a.sum(axis=1) * (a**2).sum(axis=1))
-    assert least_ratio(3) <= ratio.min() <= least_ratio(3) * 1.001
-
-
-def test_laws_of_random_kits_are_within_their_bounds():
-    rng, load = np.random.default_rng(2), np.geomspace(0.01, 0.5, 20)
-    low, high = mf.feasible_region(CELL, load, mf.Limits(1.0), KIT, mf.Elastic())
-    for _ in range(50):
-        which = rng.integers(3, size=6)
-        caps, radius = [KIT[i].cap for i in which], [KIT[i].radius for i in which]
-        surface = CELL.replaced(height=rng.uniform(0.0, 0.05, 6), cap=caps, radius=radius)
-        area = ELASTIC.curve(surface, load).area
-        assert (low * (1.0 - 1e-9) <= area).all()
-        assert (area <= high).all()
-
-
-def test_exponents_that_no_tool_reaches_are_refused_with_the_bound():
-    with pytest.raises(
-        mf.Infeasible, match=r"at least 0\.1647 .* with 64 asperities of power caps of exponents"
-    ):
-        mf.design(mf.PowerLaw(0.1, (0.1, 0.4)), LATTICE, limits=LIMITS, tools=RANGE)
-    with pytest.raises(mf.Infeasible, match=r"of 3 tools"):
-        mf.design(mf.PowerLaw(9.0, (0.1, 0.4)), LATTICE, limits=LIMITS, tools=KIT)
-
-
-@pytest.mark.parametrize(
-    ("tools", "words"),
-    [
-        (lambda: [mf.Tool(0.0)], "radius = 0 must be greater than 0"),
-        (lambda: [mf.Tool(0.3, mf.Power(1.0))], "exponent = 1 must be greater than 1"),
-        (lambda: [mf.Tool(0.3, "sphere")], "cap = 'sphere' must be one cap"),
-        (lambda: mf.PowerRange(1.0, 3.0), "low = 1 must be greater than 1"),
-        (lambda: mf.PowerRange(4.0, 3.0), "high = 3 must be greater than 4"),
-        (lambda: mf.PowerRange(2.0, 3.0, step=2.0), "step = 2 exceeds the range"),
-        (lambda: [mf.Tool(0.3), "x"], r"tools\[1\] = 'x' must be a list of metafem.Tool"),
-        (lambda: 3, "tools = 3 must be a list of metafem.Tool"),
-        (lambda: [mf.Tool(0.9, mf.Power(4)), mf.Tool(0.3)], "a foot 1.6.* mm wide .* sites are 1.5 mm apart"),
-        (lambda: [mf.Tool(0.2), mf.Tool(0.5, mf.Power(4))], "caps of at most 0.2 mm, but limits allow"),
-    ],
-)
-def test_tools_that_do_not_fit_are_named(tools, words):
-    with pytest.raises(mf.InvalidInput, match=words):
-        mf.design(mf.PowerLaw(1.0, (0.1, 0.2)), LATTICE, limits=LIMITS, tools=tools())
-
-
-def test_a_hollow_profile_is_no_tool():
-    with pytest.raises(mf.InvalidInput, match="must begin with 0 and increase"):
-        mf.Tool(0.5, mf.Profile([[0.0, 0.1, 0.2], [0.0, -0.01, 0.02]]))
-
-
-def test_hertz_contacts_need_caps_with_a_curvature():
-    with pytest.raises(mf.InvalidInput, match=r"use contact = Elastic\(\)"):
-        mf.design(mf.PowerLaw(1.0, (0.1, 0.2)), LATTICE, mf.Independent(), LIMITS, tools=RANGE)
-
-
-def test_a_template_with_several_caps_needs_tools():
-    mixed = CELL.replaced(cap=[mf.Power(n) for n in (2, 3, 2, 3, 4, 4)])
-    with pytest.raises(mf.InvalidInput, match="one common cap is needed here, and the argument tools allows"):
-        mf.design(mf.PowerLaw(1.0, (0.1, 0.2)), mixed, ELASTIC)
-
-
-def test_groups_of_exponents_are_means_of_neighbours():
-    found = grouped(np.array([1.5, 1.6, 4.0, 4.1, 4.2]), 2)
-    np.testing.assert_allclose(np.unique(found), [math.sqrt(2.4), (4.0 * 4.1 * 4.2) ** (1 / 3)])
-
-
 def test_a_design_with_tools_is_loaded_as_it_was_saved(tmp_path):
     found = mf.design(scene(0), CELL, limits=mf.Limits(0.15), tools=RANGE)
     mf.save(found, tmp_path / "design")
@@ -227,17 +102,6 @@ def test_prescribed_heights_steps_and_layouts_keep_the_caps():
     assert found.parameters["tool_counts"].sum() == found.surface.count
     assert 3 not in found.sites
     np.testing.assert_array_equal(found.surface.height[found.sites == 9], [0.25])
-
-
-def test_all_asperities_may_have_one_tool():
-    found = mf.design(mf.LinearLaw(7.0), LATTICE, limits=LIMITS, tools=KIT, common_radius=True)
-    assert sorted(found.parameters["tool_counts"].tolist())[:2] == [0, 0]
-
-
-def test_points_that_no_tools_meet_are_refused():
-    points = mf.OperatingPoints([0.05, 0.1, 0.2], [0.8, 1.0, 2.5])
-    with pytest.raises(mf.Infeasible, match="use more tools or a wider range"):
-        mf.design(points, LATTICE, limits=LIMITS, tools=KIT)
 
 
 def test_tools_that_others_can_replace_are_left_out():
@@ -293,12 +157,6 @@ def test_a_line_that_is_missed_states_the_range_that_tools_reach():
     assert found.misfit <= 0.01
 
 
-def test_a_hardness_is_checked_with_tools():
-    tools, target = [mf.Tool(0.526), mf.Tool(0.3, mf.Paraboloid())], mf.PowerLaw(0.9, (0.1, 0.4))
-    found = mf.design_for_hardness(target, LATTICE, 10.0, limits=LIMITS, tools=tools)
-    assert "the contacts stay elastic" in str(found.notes[0])
-
-
 @pytest.mark.parametrize("tools", [RANGE, KIT], ids=["range", "kit"])
 @pytest.mark.parametrize("of", ["stiffness", "tangential_stiffness", "conductance"])
 def test_other_quantities_are_met_by_tools(of, tools):
@@ -309,15 +167,3 @@ def test_other_quantities_are_met_by_tools(of, tools):
     if of == "stiffness":
         stiffness = ELASTIC.curve(found.surface, load).stiffness
         np.testing.assert_allclose(stiffness, 8.0 * load**0.6, rtol=0.02)
-
-
-def test_a_range_of_exponents_needs_contacts_without_adhesion():
-    sticky = mf.Independent(mf.JKR(9e-6, mf.Elastic()))
-    with pytest.raises(mf.InvalidInput, match="a range of exponents needs contacts without adhesion"):
-        mf.design(mf.PowerLaw(0.9, (0.1, 0.4)), LATTICE, sticky, LIMITS, tools=RANGE)
-
-
-def test_two_targets_need_caps_of_one_shape():
-    friction = mf.PowerLaw(0.9, (0.1, 0.4))
-    with pytest.raises(mf.InvalidInput, match="must have caps of one shape and one friction for two targets"):
-        mf.trade_off(friction, friction, LATTICE, limits=LIMITS, tools=KIT)

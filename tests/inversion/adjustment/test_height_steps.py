@@ -1,38 +1,17 @@
 """Heights on the steps of a machine, for every kind of law."""
 
 import numpy as np
-import pytest
 
 import metafem as mf
-from metafem.inversion import DesignStatus
-from metafem.inversion.adjustment import height_steps
-from metafem.inversion.design_notes import step_note
-from tests.models.scenes import said
 
 STEP = 0.006
-LIMITS = mf.Limits(0.27, offset=0.05, height_step=STEP)
+
 TARGETS = {
     "points": mf.OperatingPoints([0.144, 0.336, 0.649], [0.84, 1.68, 4.12]),
     "sampled": mf.SampledLaw([0.1, 0.2, 0.3, 0.4], [0.9, 1.6, 2.3, 3.0]),
     "power": mf.PowerLaw(1.2, (0.1, 0.4)),
     "multilinear": mf.MultilinearLaw([9.5, 7.0], [(0.07, 0.18)], (0.03, 0.26)),
 }
-
-
-@pytest.mark.parametrize("model", [mf.Independent(), mf.Interacting(order=1)], ids=["alone", "coupled"])
-@pytest.mark.parametrize("name", TARGETS)
-def test_heights_stand_on_steps_and_the_loss_is_told(template, name, model):
-    result = mf.design(TARGETS[name], template, model, LIMITS)
-    steps = (result.surface.height - LIMITS.foot) / STEP - 0.5
-    np.testing.assert_allclose(steps, np.rint(steps), atol=1e-9)
-    assert result.misfit < 0.006
-    assert result.status is DesignStatus.REFINED
-    assert f"the misfit is {100 * result.misfit:.3g} %" in said(result)
-    before = mf.design(TARGETS[name], template, model, mf.Limits(0.27, offset=0.05)).misfit
-    assert result.parameters["step_loss"] == pytest.approx(result.misfit - before, abs=1e-12)
-    used, counts = np.unique(result.surface.height, return_counts=True)
-    np.testing.assert_array_equal(result.parameters["step_levels"], used)
-    np.testing.assert_array_equal(result.parameters["step_counts"], counts)
 
 
 def test_moves_win_over_rounding(template):
@@ -44,58 +23,9 @@ def test_moves_win_over_rounding(template):
     assert stepped.misfit < 0.5 * float(ratio.std() / ratio.mean())
 
 
-@pytest.mark.parametrize("model", [mf.Independent(), mf.Interacting(order=1)], ids=["alone", "coupled"])
-def test_bounds_of_the_sum_exclude_no_change_that_would_be_taken(template, model, monkeypatch):
-    line = mf.LinearLaw(7.0, (0.1, 0.3))
-    found = mf.design(line, template, model, LIMITS)
-    monkeypatch.setattr(height_steps, "LARGEST_LOADS", len(line.curve().load))
-    np.testing.assert_array_equal(
-        found.surface.height, mf.design(line, template, model, LIMITS).surface.height
-    )
-
-
 def test_bilinear_law_stands_on_steps(template):
     limits = mf.Limits(0.12, offset=0.05, height_step=0.001)
     result = mf.design(mf.BilinearLaw((7.15, 12.52), 0.038), template, limits=limits)
     steps = (result.surface.height - limits.foot) / 0.001 - 0.5
     np.testing.assert_allclose(steps, np.rint(steps), atol=1e-9)
     assert result.misfit < 0.1
-
-
-def test_linear_law_keeps_its_whole_numbers_alone_and_moves_for_interaction(template):
-    limits = mf.Limits(0.12, offset=0.084, height_step=STEP)
-    alone = mf.design(mf.LinearLaw(6.87), template, limits=limits)
-    coupled = mf.design(mf.LinearLaw(6.87), template, mf.Interacting(order=1), limits)
-    assert "step_loss" not in alone.parameters
-    assert coupled.parameters["step_loss"] <= 0.0
-    steps = (coupled.surface.height - limits.foot) / STEP - 0.5
-    np.testing.assert_allclose(steps, np.rint(steps), atol=1e-9)
-
-
-@pytest.mark.parametrize(("step", "levels"), [(0.135, 2), (0.27, 1)])
-def test_coarse_steps_miss_and_say_so(template, step, levels):
-    limits = mf.Limits(0.27, height_step=step)
-    result = mf.design(TARGETS["power"], template, limits=limits)
-    assert len(limits.levels) == levels
-    assert set(result.surface.height) <= set(limits.levels)
-    assert result.status is DesignStatus.MISSED
-
-
-def test_levels_need_a_step():
-    with pytest.raises(mf.InvalidInput, match="height_step is None"):
-        _ = mf.Limits(0.1).levels
-
-
-def test_steps_with_a_smaller_misfit_say_why():
-    note = str(step_note(LIMITS, before=0.02, after=0.015))
-    assert "6 um: the misfit is 1.5 %; before rounding to them it was 2 %" in note
-    assert "the search over steps found a better law" in note
-
-
-def test_trial_steps_are_evaluated_without_gradients(template, monkeypatch):
-    gradients, steps = [], mf.Independent.sensitivity
-    monkeypatch.setattr(mf.Independent, "sensitivity", lambda *given: gradients.append(1) or steps(*given))
-    mf.design(TARGETS["power"], template, limits=LIMITS)
-    assert (
-        1 <= len(gradients) < 10
-    )  # one for each change of a height, not for each of the 20 it is chosen from

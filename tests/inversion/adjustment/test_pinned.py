@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.inversion import DesignStatus
 
 TEMPLATE = mf.Surface.square_lattice(
     0.12, (6, 6), radius=0.526, material=mf.Material(1.36), block=mf.Block(12.0, 12.0, 7.2)
@@ -65,14 +64,6 @@ def made_law(model=None):
     return made, mf.SampledLaw(law.rescaled_load, law.rescaled_friction)
 
 
-@pytest.mark.parametrize("name", TARGETS)
-def test_every_target_is_met_with_given_heights(name):
-    pinned = near(designed(TARGETS[name], {3: None}))
-    result = designed(TARGETS[name], pinned)
-    assert_kept(result, pinned)
-    assert result.misfit <= LARGEST.get(name, 0.01)
-
-
 @pytest.mark.parametrize(
     ("name", "model"),
     [
@@ -90,85 +81,12 @@ def test_targets_are_met_under_every_model(name, model):
     assert result.law.model == MODELS[model]
 
 
-@pytest.mark.parametrize("name", ["points", "linear", "power"])
-def test_given_heights_that_are_designed_leave_the_design_as_it_is(name):
-    before = designed(TARGETS[name])
-    pinned = dict(list(heights(before).items())[::5])
-    after = designed(TARGETS[name], pinned)
-    assert after.surface == before.surface
-    assert (after.misfit, after.status, after.law) == (before.misfit, before.status, before.law)
-
-
 @pytest.mark.slow
 def test_they_leave_interacting_heights_on_steps_as_they_are():
     limits = mf.Limits(0.12, offset=0.08, height_step=0.006)
     before = designed(TARGETS["power"], None, MODELS["layer"], limits=limits)
     pinned = dict(list(heights(before).items())[::5])
     assert designed(TARGETS["power"], pinned, MODELS["layer"], limits=limits).surface == before.surface
-
-
-@pytest.mark.parametrize("given", [0.17, 0.1, TOP])
-def test_the_other_height_of_two_follows_the_given_one(given):
-    """The law of two asperities determines the difference of their heights."""
-    pair = TEMPLATE.replaced(position=TEMPLATE.position[:2], height=[0.2, 0.18], radius=0.526)
-    law = mf.friction_law(pair, load=1.36 * np.linspace(0.002, 0.05, 30))
-    target = mf.SampledLaw(law.rescaled_load, law.rescaled_friction)
-    result = designed(target, {1: given}, template=pair)
-    assert result.misfit < 1e-3
-    assert result.surface.height[1] == given
-    assert abs(result.surface.height[0] - given) == pytest.approx(0.02, rel=1e-2)
-
-
-@pytest.mark.parametrize("model", ["independent", "layer"])
-def test_heights_of_a_surface_are_completed_for_its_law(model):
-    """The target is the law of a surface, some of whose heights are given: the others reach it."""
-    solver = MODELS.get(model)
-    made, target = made_law(solver)
-    pinned = dict(list(enumerate(made.height.tolist()))[::3])
-    result = designed(target, pinned, solver)
-    assert_kept(result, pinned)
-    assert result.misfit < 0.002
-
-
-def test_a_height_below_the_contacts_changes_nothing_where_sites_are_left():
-    target = mf.SampledLaw([0.005, 0.01, 0.02], [0.05, 0.1, 0.2])
-    before = designed(target)
-    assert before.surface.count < 36
-    after = designed(target, {4: 0.09})
-    assert after.misfit == pytest.approx(before.misfit, rel=1e-9)
-    assert 0.09 in after.surface.height
-
-
-def test_the_others_are_adjusted_no_worse_than_left_alone():
-    """The misfit is at most that of the designed heights among which the given ones are put."""
-    rng = np.random.default_rng(5)
-    plain = designed(TARGETS["power"])
-    for _ in range(3):
-        sites = rng.choice(36, 4, replace=False)
-        pinned = dict(zip(sites.tolist(), rng.uniform(0.1, TOP, 4).tolist(), strict=True))
-        put = {**heights(plain), **pinned}
-        alone = TEMPLATE.replaced(
-            position=TEMPLATE.position[list(put)], height=list(put.values()), radius=0.526
-        )
-        target = TARGETS["power"].curve()
-        area = mf.Independent().curve(alone, target.load).area
-        assert designed(TARGETS["power"], pinned).misfit <= max(target.misfit(area), 1e-3)
-
-
-def test_too_many_given_heights_miss_the_target_and_say_so():
-    pinned = dict.fromkeys(range(34), TOP)
-    result = designed(TARGETS["power"], pinned)
-    assert_kept(result, pinned)
-    assert result.status is DesignStatus.MISSED
-    notes = [note.text for note in result.notes]
-    assert any(text.startswith("with the heights of 34 sites given the misfit is ") for text in notes)
-    assert not any("raise max_height" in text for text in notes)
-
-
-def test_all_heights_may_be_given():
-    pinned = dict(enumerate(np.linspace(0.1, TOP, 36).tolist()))
-    result = designed(TARGETS["power"], pinned)
-    assert heights(result) == pinned
 
 
 @pytest.mark.parametrize(
@@ -204,32 +122,6 @@ def test_all_of_a_design_works_with_given_heights(rest):
     assert result.misfit < 0.02
 
 
-@pytest.mark.parametrize("name", TARGETS)
-def test_without_pins_the_design_is_unchanged_to_the_bit(name):
-    assert designed(TARGETS[name], {}) == mf.design(TARGETS[name], TEMPLATE, limits=LIMITS)
-
-
-@pytest.mark.parametrize("name", ["points", "linear", "bilinear"])
-def test_the_heights_are_those_of_a_template_without_the_empty_sites(name):
-    result = designed(TARGETS[name], EMPTY)
-    assert not set(EMPTY) & set(result.sites.tolist())
-    assert dict(result.pinned) == EMPTY
-    assert result.template is TEMPLATE
-    left = np.setdiff1d(np.arange(36), list(EMPTY))
-    fewer = mf.Surface(TEMPLATE.position[left], TEMPLATE.height[left], 0.526, TEMPLATE.material)
-    alone = mf.design(TARGETS[name], fewer, limits=LIMITS)
-    # the law of independent asperities does not depend on the sites
-    np.testing.assert_array_equal(np.sort(result.surface.height), np.sort(alone.surface.height))
-    assert result.misfit == pytest.approx(alone.misfit, rel=1e-9, abs=1e-12)
-
-
-@pytest.mark.parametrize("name", ["line", "sampled", "power", "multilinear"])
-def test_laws_of_any_shape_are_met_without_the_empty_sites(name):
-    result = designed(TARGETS[name], EMPTY)
-    assert not set(EMPTY) & set(result.sites.tolist())
-    assert result.misfit < 0.01
-
-
 @pytest.mark.parametrize(
     "rest",
     [
@@ -253,11 +145,6 @@ def test_heights_stay_on_their_steps_without_the_empty_sites():
     limits = mf.Limits(0.12, offset=0.08, height_step=0.006)
     result = designed(TARGETS["power"], EMPTY, limits=limits)
     assert np.isin(result.surface.height.round(9), limits.levels.round(9)).all()
-
-
-def test_too_few_sites_are_refused_with_their_number():
-    with pytest.raises(mf.Infeasible, match="with 2 summits of the largest height"):
-        designed(mf.LinearLaw(6.0, (0.05, 0.2)), dict.fromkeys(range(34)))
 
 
 def test_the_files_of_a_part_leave_the_sites_out(tmp_path):

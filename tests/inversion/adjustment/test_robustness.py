@@ -4,11 +4,9 @@ import math
 
 import numpy as np
 import pytest
-from numpy.polynomial.hermite_e import hermegauss
 
 import metafem as mf
 from metafem.inversion import DesignStatus
-from metafem.inversion.adjustment.robustness import _orthogonal
 from tests.inversion.test_design import deepest_call
 
 SOFT = mf.Material(1.36, 0.5)
@@ -28,79 +26,6 @@ def expected(design, rng, draws=1000):
     height = surface.height + np.concatenate([error, -error])
     area = design.law.model.areas(surface, law.load, height)
     return np.array([law.misfit(row) ** 2 for row in area]).reshape(2, -1).mean(axis=0)
-
-
-def test_sum_of_squared_sensitivities_of_independent_asperities():
-    # equation (2) of the module
-    R, height = 0.526, np.random.default_rng(1).uniform(0.0, 0.1, 64)
-    surface, load = TEMPLATE.replaced(height=height), np.linspace(0.01, 0.5, 9)
-    found = mf.Independent().sensitivity(surface, load)
-    closed = found.indentation > 0.0
-    # dA0/dP = pi R n / (2 sqrt(R) sum sqrt(d))
-    rate = math.pi * math.sqrt(R) * closed.sum(axis=1)
-    rate /= 2.0 * np.sqrt(np.maximum(found.indentation, 0.0)).sum(axis=1)
-    expected = 4.0 / math.pi * found.curve.area * rate**2 - (math.pi * R) ** 2 * closed.sum(axis=1)
-    np.testing.assert_allclose((found.gradient**2).sum(axis=1), expected, rtol=1e-9)
-
-
-def test_fixed_errors_have_unit_mean_squares():
-    lines = _orthogonal(5, 12, 100, np.random.default_rng(0))
-    assert lines.shape == (15, 5)
-    np.testing.assert_allclose(lines.T @ lines / 15, np.eye(5), atol=1e-12)
-    assert _orthogonal(300, 32, 128, np.random.default_rng(0)).shape == (128, 300)
-
-
-def test_two_asperities_have_the_expected_misfit_of_a_quadrature():
-    pair = mf.Surface.square_lattice(0.12, (1, 2), radius=0.526, material=SOFT)
-    true = pair.replaced(height=[0.12, 0.09])
-    load = np.linspace(0.03, 0.06, 5)
-    target = mf.SampledLaw(load, mf.Independent().curve(true, load).area)
-    tolerances = mf.Tolerances(height_sd=0.003)
-    found = mf.design(target, pair, robust=tolerances)
-    # only the difference of the heights matters, whose standard deviation is sqrt(2) times that of a height
-    node, weight = hermegauss(40)
-    difference = 0.03 + math.sqrt(2.0) * 0.003 * node
-    areas = [mf.Independent().curve(pair.replaced(height=[0.12, 0.12 - d]), load).area for d in difference]
-    squares = np.array([target.curve().misfit(area) ** 2 for area in areas])
-    mean, square = weight @ squares / weight.sum(), weight @ squares**2 / weight.sum()
-    # a mean over 1000 pairs has at most the error of 1000 draws
-    error = math.sqrt((square - mean**2) / 1000)
-    assert found.parameters["plain_expected_misfit"] ** 2 == pytest.approx(mean, abs=3.0 * error)
-
-
-def test_errors_of_a_single_contact_cannot_be_reduced():
-    one = mf.Surface.square_lattice(0.1, (1, 1), radius=0.526, material=SOFT)
-    target = LAWS["6.87"]
-    plain = mf.design(target, one)
-    found = mf.design(target, one, robust=mf.Tolerances(height_sd=0.003))
-    # its law does not depend on the height
-    area = mf.Independent().curve(plain.surface, plain.target_law.load).area
-    assert found.parameters["expected_misfit"] == pytest.approx(plain.target_law.misfit(area), rel=1e-6)
-    assert found.parameters["robust_gain"] == found.parameters["irreducible_share"] == 0.0
-    assert found.surface == plain.surface
-    assert any("those of the plain design" in note.text for note in found.notes)
-
-
-def test_zero_tolerances_are_the_plain_design():
-    plain = mf.design(LAWS["9.46"], TEMPLATE)
-    found = mf.design(LAWS["9.46"], TEMPLATE, robust=mf.Tolerances())
-    assert found.surface == plain.surface
-    assert found.parameters == plain.parameters
-    assert any("tolerances of the robust design are 0" in note.text for note in found.notes)
-
-
-@pytest.mark.parametrize("law", LAWS)
-def test_made_surfaces_have_a_smaller_expected_misfit(law):
-    plain = mf.design(LAWS[law], TEMPLATE)
-    robust = mf.design(LAWS[law], TEMPLATE, robust=TOLERANCES)
-    gain = expected(plain, 99) - expected(robust, 99)
-    error = gain.std(ddof=1) / math.sqrt(len(gain))
-    assert gain.mean() > 3.0 * error
-    stated = robust.parameters
-    assert stated["robust_gain"] > 3.0 * stated["robust_gain_error"]
-    assert stated["expected_misfit"] == pytest.approx(math.sqrt(expected(robust, 98).mean()), rel=0.05)
-    assert 0.5 < stated["irreducible_share"] < 1.0
-    assert sorted(robust.surface.radius) == sorted(plain.surface.radius)
 
 
 @pytest.mark.slow
@@ -171,9 +96,3 @@ def test_a_kernel_is_called_within_ten_frames(monkeypatch):
     target, limits = mf.PowerLaw(0.9, (0.02, 0.06)), mf.Limits(0.27, height_step=0.006)
     model = mf.Interacting(order=1)
     assert 0 < deepest_call(monkeypatch, target, small, model, limits, robust=TOLERANCES) <= 10
-
-
-@pytest.mark.parametrize("robust", [0.003, mf.Tolerances, "3 um"])
-def test_other_values_are_refused(robust):
-    with pytest.raises(mf.InvalidInput, match=r"robust = .* must be metafem\.Tolerances"):
-        mf.design(LAWS["power"], TEMPLATE, robust=robust)

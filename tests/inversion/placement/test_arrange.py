@@ -1,15 +1,12 @@
 """Arrangements: forecasts that price every exchange, and laws that the sites make better."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.inversion.placement.exchange import sites_for, swap
 
 LOAD = np.array([0.05, 0.15, 0.3])
-LAYER = mf.Interacting(substrate=mf.BondedLayer())
+
 TILT = mf.InsensitiveToTilt(LOAD)
 BOTH = mf.WeightedObjectives([mf.FollowLaw(LOAD), TILT], [3.0, 1.0])
 
@@ -26,85 +23,11 @@ def uneven():
     )
 
 
-def exchanged(surface, i, j):
-    order = np.arange(surface.count)
-    swap(order, i, j)
-    return surface.replaced(height=surface.height[order], radius=surface.radius[order])
-
-
-@pytest.mark.parametrize("objective", [mf.FollowLaw(LOAD), TILT, BOTH], ids=["law", "tilt", "both"])
-def test_forecast_prices_every_exchange_as_if_it_were_made(uneven, objective):
-    more = np.vstack([uneven.position, [[9.0, 0.0], [0.0, 9.0]]])
-    sites, model = sites_for(uneven, mf.Interacting(), more)
-    forecast = objective.forecast(uneven, model, sites)
-    changes = forecast.changes(np.arange(38))
-    for i, j in [(0, 1), (3, 30), (35, 7), (12, 12), (4, 36), (36, 37)]:
-        after = forecast.swapped(i, j)
-        np.testing.assert_allclose(changes[:, i, j], after.residual() - forecast.residual(), atol=1e-15)
-        again = after.swapped(i, j)
-        np.testing.assert_allclose(again.residual(), forecast.residual(), atol=1e-15)
-
-
-@pytest.mark.parametrize("model", [mf.Interacting(), LAYER], ids=["half-space", "layer"])
-def test_forecast_of_the_law_is_its_first_order_change(uneven, model):
-    """A slight shift of a place is felt as the forecast says."""
-    objective = mf.FollowLaw(LOAD)
-    moved = uneven.position.copy()
-    moved[7, 0] += 1e-5
-    here, there = (sites_for(uneven.replaced(position=p), model, None)[0] for p in (uneven.position, moved))
-    forecast = objective.forecast(uneven, model, here)
-    foreseen = replace(forecast, influence=there.influence).residual() - forecast.residual()
-    made = objective.residual(uneven.replaced(position=moved), model) - objective.residual(uneven, model)
-    # the forecast holds the point loads of order 1 alone
-    np.testing.assert_allclose(foreseen, made, rtol=0.02, atol=0.02 * np.abs(made).max())
-
-
-def test_small_tilts_change_the_law_by_the_first_moments(uneven):
-    angle = 1e-7
-    model = mf.Interacting()
-    found = model.sensitivity(uneven, LOAD)
-    moments = found.gradient @ uneven.position / found.curve.area[:, None] * angle
-    change = mf.InsensitiveToTilt(LOAD, angle).residual(uneven, model).reshape(6, 3) * np.sqrt(18)
-    scale = np.abs(moments).max()
-    np.testing.assert_allclose(change[0], moments[:, 0], atol=1e-3 * scale)
-    np.testing.assert_allclose((change[1] + change[2]) / np.sqrt(3.0), moments[:, 1], atol=1e-3 * scale)
-
-
-def test_forecast_of_tilt_is_that_of_independent_asperities(uneven):
-    found = TILT.residual(uneven, mf.Independent())
-    sites, model = sites_for(uneven, mf.Independent(), None)
-    forecast = TILT.forecast(uneven, model, sites).residual()
-    # the shift of the plane is taken to first order
-    np.testing.assert_allclose(forecast, found, atol=0.25 * np.abs(found).max())
-    assert np.linalg.norm(forecast - found) < 0.2 * np.linalg.norm(found)
-
-
-@pytest.mark.parametrize("model", [mf.Interacting(), LAYER], ids=["half-space", "layer"])
-def test_arranged_laws_follow_the_independent_one(uneven, model):
-    result = mf.arrange(uneven, mf.FollowLaw(LOAD), model)
-    assert result.after < 0.1 * result.before
-    again = mf.FollowLaw(LOAD).residual(result.surface, model)
-    assert np.linalg.norm(again) == pytest.approx(result.after, rel=1e-12)
-
-
 def test_arrangement_is_the_same_for_the_same_seed(uneven):
     parts = ("position", "height", "radius")
     few = uneven.replaced(**{name: getattr(uneven, name)[:12] for name in parts})
     first, second = (mf.arrange(few, BOTH, rng=3).order for _ in range(2))
     np.testing.assert_array_equal(first, second)
-
-
-def test_places_of_independent_asperities_stay(uneven):
-    result = mf.arrange(uneven, mf.FollowLaw(LOAD), mf.Independent())
-    np.testing.assert_array_equal(result.order, np.arange(36))
-    assert result.after == 0.0
-
-
-def test_a_law_of_ones_own_can_be_followed(uneven):
-    area = 1.005 * mf.Interacting().curve(uneven, LOAD).area
-    result = mf.arrange(uneven, mf.FollowLaw(LOAD, area))
-    assert result.before == pytest.approx(1.0 - 1.0 / 1.005, rel=1e-9)
-    assert result.after < 0.5 * result.before
 
 
 def test_many_places_are_drawn(template):
@@ -116,26 +39,6 @@ def test_many_places_are_drawn(template):
     assert result.after < 0.3 * result.before
 
 
-CORNERS = np.array([[9.0, 9.0], [-9.0, 9.0], [9.0, -9.0], [-9.0, -9.0]])
-
-
-class Dear:
-    """The half-space as a substrate of no radial kind, which counts how often it is asked."""
-
-    def __init__(self):
-        self.asked = 0
-
-    def for_surface(self, surface):
-        return self
-
-    def influence_matrix(self, surface):
-        self.asked += 1
-        return mf.HalfSpace().influence_matrix(surface)
-
-    def influence_derivatives(self, surface):
-        return mf.HalfSpace().influence_derivatives(surface)
-
-
 def test_empty_places_are_taken_where_they_help():
     """Two asperities as near as they can be move as far apart as they can."""
     row = np.column_stack([1.5 * np.arange(6), np.zeros(6)])
@@ -143,53 +46,3 @@ def test_empty_places_are_taken_where_they_help():
     result = mf.arrange(pair, mf.FollowLaw([0.02, 0.04]), position=row)
     assert np.abs(np.diff(result.sites)) == [5]
     assert result.after < 0.3 * result.before
-
-
-def test_places_that_stay_empty_are_told(uneven):
-    more = np.vstack([CORNERS, uneven.position])
-    result = mf.arrange(uneven, mf.FollowLaw(LOAD), position=more)
-    assert result.after < result.before == mf.arrange(uneven, mf.FollowLaw(LOAD)).before
-    np.testing.assert_array_equal(result.position, more)
-    assert (result.order == -1).sum() == 4
-    np.testing.assert_array_equal(np.sort(result.order[result.sites]), np.arange(36))
-    np.testing.assert_array_equal(result.surface.position, more[result.sites])
-    np.testing.assert_array_equal(result.surface.height, uneven.height[result.order[result.sites]])
-    np.testing.assert_array_equal(result.surface.radius, uneven.radius[result.order[result.sites]])
-
-
-def test_a_substrate_without_a_formula_is_asked_once_for_all_sites(uneven):
-    more, law = np.vstack([CORNERS, uneven.position]), mf.FollowLaw(LOAD)
-    substrate = Dear()
-    result = mf.arrange(uneven, law, mf.Interacting(substrate=substrate), position=more)
-    assert substrate.asked == 1
-    assert result.after < 0.1 * result.before
-    assert result.after == pytest.approx(np.linalg.norm(law.residual(result.surface, mf.Interacting())))
-    assert result.model.substrate is substrate
-
-
-@pytest.mark.parametrize(
-    ("build", "words"),
-    [
-        (lambda s: mf.FollowLaw([0.2, 0.1]), r"rescaled_load\[1\] = 0.1 does not exceed"),
-        (lambda s: mf.FollowLaw([0.1], [1.0, 2.0]), "rescaled_friction has 2 numbers"),
-        (lambda s: mf.InsensitiveToTilt([0.1], angle=0.0), "angle = 0 must be greater than 0"),
-        (lambda s: mf.WeightedObjectives([]), "objectives is empty"),
-        (lambda s: mf.WeightedObjectives([TILT], [0.0]), "weights holds 0"),
-        (lambda s: mf.WeightedObjectives([3]), r"objectives\[0\] = 3 must be"),
-        (lambda s: mf.arrange(s, "tilt"), "objective = 'tilt' must be"),
-        (
-            lambda s: mf.arrange(s, TILT, position=s.position[1:]),
-            r"position\[0\] = .* is not among the given ones",
-        ),
-        (lambda s: mf.arrange(s, TILT, position=np.vstack([s.position, s.position[:1]])), "coincide"),
-        (lambda s: mf.arrange(s, TILT, position=[1.0, 2.0]), r"position has shape \(2,\)"),
-        (
-            lambda s: mf.arrange(s, TILT, position=np.random.default_rng(0).uniform(size=(10**6, 2))),
-            "the influence between 1000000 sites would need",
-        ),
-        (lambda s: mf.arrange(3, TILT), "surface = 3 must be a metafem.Surface"),
-    ],
-)
-def test_bad_arrangements_are_named(uneven, build, words):
-    with pytest.raises(mf.InvalidInput, match=words):
-        build(uneven)

@@ -3,30 +3,18 @@
 import math
 
 import numpy as np
-import pytest
 
 import metafem as mf
 from metafem.inversion import DesignStatus
-from metafem.inversion.candidate import Candidate
-from metafem.inversion.placement.layout import LAW_LOADS, NO_EFFECT, TILT_LOADS, aims_of, arranged
-from metafem.inversion.problem import Problem
-from metafem.inversion.search.target_law import TargetLaw
+from metafem.inversion.placement.layout import NO_EFFECT
 from metafem.notes import information
 
 LAYER = mf.Interacting(substrate=mf.BondedLayer())
 POWER, LIMITS = mf.PowerLaw(1.2, (0.1, 0.4)), mf.Limits(0.27)
 TILT = math.radians(0.1)
-LOAD = np.linspace(0.1, 0.4, 8)
+
 SMALL = mf.Surface.square_lattice(0.12, (4, 4), radius=0.526, material=mf.Material(1.36))
 SMALL_POWER = mf.PowerLaw(1.1, (0.03, 0.1))
-
-
-def rms(surface, model, wanted):
-    return math.sqrt(((model.curve(surface, LOAD).area / wanted - 1.0) ** 2).mean())
-
-
-def tilting(surface, model):
-    return float(np.linalg.norm(mf.InsensitiveToTilt(LOAD, TILT).residual(surface, model)))
 
 
 def test_heights_that_follow_the_law_need_less_refinement(template):
@@ -39,61 +27,12 @@ def test_heights_that_follow_the_law_need_less_refinement(template):
     assert (placed.layout, dealt.layout) == (mf.Layout(), None)
 
 
-@pytest.mark.parametrize(
-    "model",
-    [
-        pytest.param(mf.Independent(), id="independent"),
-        pytest.param(LAYER, id="layer", marks=pytest.mark.slow),
-    ],
-)
-def test_a_tilt_changes_the_law_of_an_arranged_design_less(template, model):
-    dealt = [tilting(mf.design(POWER, template, model, LIMITS, seed).surface, model) for seed in range(3)]
-    placed = mf.design(POWER, template, model, LIMITS, layout=mf.Layout(False, TILT))
-    assert tilting(placed.surface, model) < 0.4 * np.mean(dealt)
-    assert "the change by a tilt of 0.1 deg from" in " ".join(map(str, placed.notes))
-
-
-def test_sites_are_those_of_the_places(template):
-    target = mf.OperatingPoints([0.144, 0.336], [0.84, 1.68])
-    placed = mf.design(target, template, limits=LIMITS, layout=mf.Layout(tilt=TILT), rng=4)
-    np.testing.assert_array_equal(template.position[placed.sites], placed.surface.position)
-    dealt = mf.design(target, template, limits=LIMITS, rng=4)
-    np.testing.assert_array_equal(np.sort(placed.surface.height), np.sort(dealt.surface.height))
-    assert placed.misfit == pytest.approx(dealt.misfit, abs=1e-12)
-
-
 def test_following_the_law_means_nothing_without_interaction(template):
     placed = mf.design(POWER, template, limits=LIMITS, layout=mf.Layout())
     assert information(NO_EFFECT) in placed.notes
     np.testing.assert_array_equal(
         placed.surface.height, mf.design(POWER, template, limits=LIMITS).surface.height
     )
-
-
-def test_slow_models_are_arranged_under_the_interacting_one(rough):
-    law = TargetLaw.fixed(LOAD, mf.Independent().curve(rough, LOAD).area)
-    model = mf.BoundaryElements(0.01, substrate=mf.BondedLayer())
-    problem = Problem.checked(POWER, rough, model, LIMITS, mf.Layout())
-    given = Candidate(rough.height, rough.radius, {}, law, sites=np.arange(rough.count))
-    found = arranged(problem, given, np.random.default_rng(0))
-    assert "under the model layer" in found.notes[0].text
-    after = rms(found.surface(rough), LAYER, law.base)
-    assert after == pytest.approx(found.parameters["layout_after"], rel=1e-9)
-
-
-def test_many_loads_are_thinned_between_their_ends(rough):
-    load = np.linspace(0.01, 0.5, 61)
-    law = TargetLaw.fixed(load, mf.Independent().curve(rough, load).area)
-    aims = aims_of(mf.Layout(tilt=TILT), rough, LAYER, law)
-    for (_, part, _), most in zip(aims, (LAW_LOADS, TILT_LOADS), strict=True):
-        assert len(part.rescaled_load) == most
-        assert part.rescaled_load[[0, -1]].tolist() == load[[0, -1]].tolist()
-
-
-def test_a_target_law_that_falls_gives_way_to_that_of_independent_asperities(rough):
-    law = TargetLaw.fixed(LOAD, np.linspace(2.0, 1.0, len(LOAD)))
-    aims = aims_of(mf.Layout(), rough, LAYER, law)
-    np.testing.assert_array_equal(aims[0][1].rescaled_friction, mf.Independent().curve(rough, LOAD).area)
 
 
 def test_the_best_radius_is_arranged():
@@ -104,19 +43,3 @@ def test_the_best_radius_is_arranged():
     assert found.parameters["layout_after"] < found.parameters["layout_before"]
     assert found.layout == mf.Layout(tilt=TILT)
     assert (found.surface.radius == found.parameters["radius"]).all()
-
-
-@pytest.mark.parametrize(
-    ("build", "words"),
-    [
-        (lambda t: mf.Layout(False), "the layout has no aim"),
-        (lambda t: mf.Layout(1), "follow_law = 1 must be True or False"),
-        (lambda t: mf.Layout(tilt=0.0), "tilt = 0 must be greater than 0"),
-        (lambda t: mf.Layout(tilt=math.nan), "tilt = nan"),
-        (lambda t: mf.Layout(tilt=0.1, tilt_weight=0.0), "tilt_weight = 0 must be greater than 0"),
-        (lambda t: mf.design(POWER, t, layout="tilt"), "layout = 'tilt' must be metafem.Layout"),
-    ],
-)
-def test_bad_layouts_are_named(template, build, words):
-    with pytest.raises(mf.InvalidInput, match=words):
-        build(template)

@@ -18,41 +18,10 @@ def nearest(load, friction, template):
     return target, caught.value.nearest
 
 
-@pytest.mark.parametrize(("load", "share"), [(0.25, 0.9), (0.25, 1.06), (0.4, 1.1)])
-def test_the_nearest_points_keep_all_points_and_move_one(template, load, share):
-    row = int(np.searchsorted(LOADS, load))
-    friction = share * float(np.interp(load, LOADS, FRICTION))
-    target, near = nearest(np.insert(LOADS, row, load), np.insert(FRICTION, row, friction), template)
-    assert np.array_equal(near.rescaled_load, target.rescaled_load)
-    assert np.count_nonzero(near.rescaled_friction != target.rescaled_friction) == 1
-    found = mf.design(near, template, limits=LIMITS)
-    assert found.misfit < 1e-9
-
-
 def test_later_points_move_as_well_where_the_moved_one_needs_all_asperities(template):
     target, near = nearest(LOADS, [4.0, 4.1, 4.2], template)
     assert np.array_equal(near.rescaled_load, target.rescaled_load)
     assert mf.design(near, template, limits=LIMITS).misfit < 1e-9
-
-
-def test_empty_sites_have_a_reason_that_holds(template):
-    """A further asperity adds friction at the loads of the points where it touches, and else none."""
-    target, limits = mf.OperatingPoints([0.05, 0.1], [0.5, 0.9]), mf.Limits(0.12)
-    design = mf.design(target, template, limits=limits)
-    assert design.surface.count < template.count
-    assert "sites; one more asperity in contact would exceed the target\n" in repr(design)
-    surface, model = design.surface, design.law.model
-    area = model.curve(surface, target.rescaled_load).area
-    for depth in np.linspace(0.0, np.ptp(surface.height) + 0.02, 12):
-        height = [*surface.height, surface.height.max() - depth]
-        position, radius = template.position[: len(height)], template.radius[: len(height)]
-        more = template.replaced(position=position, height=height, radius=radius)
-        assert (model.curve(more, target.rescaled_load).area >= area * (1.0 - 1e-12)).all()
-
-
-def test_a_full_lattice_and_empty_sites_of_the_user_need_no_reason(template):
-    design = mf.design(mf.LinearLaw(6.87), template, limits=mf.Limits(0.12, pinned={0: None}))
-    assert "63 on 64 sites\n" in repr(design)
 
 
 COUPLED = [

@@ -4,51 +4,9 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.inversion import DesignStatus
 from validation.scenes.random_laws import LATTICE, random_law
 
 LIMITS = mf.Limits(0.6)
-LOAD = np.array([0.05, 0.1, 0.2])
-
-
-def hertz(count: int, load=LOAD, radius=0.526):
-    """Return A0 [mm^2] of equal asperities, ``N pi R (3p/(4 N sqrt R))^(2/3)``."""
-    return count * np.pi * radius * (3.0 * load / (4.0 * count * np.sqrt(radius))) ** (2.0 / 3.0)
-
-
-def template(count):
-    return mf.Surface.square_lattice(
-        np.full(count, 0.12), (1, count), radius=0.526, material=mf.Material(1.36)
-    )
-
-
-@pytest.mark.parametrize("count", [1, 4])
-def test_equal_asperities_are_found_in_a_band_around_their_law(count):
-    law = hertz(count)
-    found = mf.design(mf.Band(LOAD, 0.99 * law, 1.01 * law), template(count), limits=LIMITS)
-    assert found.misfit == 0.0
-    assert found.status is DesignStatus.EXACT
-    # the law is in the middle to the goal of the search, 6e-4 of the law, for a half-width of 1e-2
-    assert found.parameters["band_margin"] > 0.9
-
-
-def test_one_asperity_has_the_margin_of_the_closed_form():
-    law = hertz(1)
-    found = mf.design(mf.Band(LOAD, 0.97 * law, 1.01 * law), template(1), limits=LIMITS)
-    assert found.parameters["band_margin"] == pytest.approx(0.5, abs=1e-9)
-
-
-@pytest.mark.parametrize("factor", [(0.8, 0.95), (1.05, 1.2)])
-def test_bands_that_one_asperity_misses_are_refused(factor):
-    law = hertz(1)
-    with pytest.raises(mf.Infeasible, match="end of the band is"):
-        mf.design(mf.Band(LOAD, factor[0] * law, factor[1] * law), template(1), limits=LIMITS)
-
-
-def test_a_band_that_falls_is_refused():
-    law = hertz(8)
-    with pytest.raises(mf.Infeasible, match="in contact at smaller loads"):
-        mf.design(mf.Band(LOAD, law * [0.95, 0.5, 0.5], law * [1.0, 0.6, 0.6]), template(16), limits=LIMITS)
 
 
 @pytest.mark.slow
@@ -70,12 +28,3 @@ def test_the_model_decides():
     area = mf.friction_law(found.surface, model, load=1.36 * law.rescaled_load).area
     assert found.misfit == 0.0
     assert np.all((area >= low) & (area <= high))
-
-
-def test_forces_and_wrong_bands():
-    friction = mf.Friction(0.4, 0.5)
-    band = mf.Band.from_forces([0.1, 0.2], [0.1, 0.2], [0.2, 0.3], mf.Material(2.0), friction)
-    np.testing.assert_allclose(band.rescaled_load, [0.05, 0.1], rtol=1e-12)
-    np.testing.assert_allclose(band.highest, [1.0, 1.5], rtol=1e-12)
-    with pytest.raises(mf.InvalidInput, match=r"lowest.*must be below highest"):
-        mf.Band([0.1, 0.2], [0.5, 0.9], [0.6, 0.9])

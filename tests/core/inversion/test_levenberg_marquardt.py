@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from metafem.inversion.search.levenberg_marquardt import SearchOptions, descend, search
+from metafem.inversion.search.levenberg_marquardt import SearchOptions, descend
 from metafem.inversion.search.spaces import Heights
 
 START = np.array([0.3, 0.2, 0.1])
@@ -51,10 +51,3 @@ def test_the_jacobian_is_computed_only_where_a_step_starts():
     assert found.misfit <= 1e-14
     assert calls[-1] == "residual"
     assert calls.count("jacobian") < calls.count("residual")
-
-
-def test_random_changes_follow_the_best_start():
-    rng = np.random.default_rng(0)
-    starts = [START, np.array([0.5, 0.1, 0.0])]
-    found = search(bent, starts, Heights(1.0), 1e-6, 5, rng)
-    assert found.misfit <= 1e-6

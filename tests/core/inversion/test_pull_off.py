@@ -36,13 +36,3 @@ def test_two_contacts_against_the_sum_of_their_curves():
     rising = slice(int(d.argmin()), None)  # the stable branch
     both = p[rising] + np.interp(d[rising] - gap, d[rising], p[rising], left=0.0)
     assert -1.36 * both.min() == pytest.approx(1.7 * SINGLE, rel=1e-6)
-
-
-def test_refusals():
-    model = mf.Independent(LAW)
-    with pytest.raises(mf.Infeasible, match="not reached by scaling"):
-        mf.scaled_to_pull_off(pattern(), 10 * SINGLE, model, load=0.05)
-    with pytest.raises(mf.InvalidInput, match="equal heights"):
-        mf.scaled_to_pull_off(pattern().replaced(height=np.full(9, 0.1)), SINGLE, model, load=0.05)
-    with pytest.raises(mf.InvalidInput, match="do not adhere"):
-        mf.scaled_to_pull_off(pattern(), SINGLE, mf.Independent(), load=0.05)

@@ -81,22 +81,6 @@ def test_only_lowered():
     assert found.change[1] < 0.0
 
 
-def test_one_asperity_has_only_one_law():
-    surface = equal(0.1, 1)
-    area = mf.Independent().curve(surface, np.array([0.02])).area[0]
-    with pytest.raises(mf.Infeasible, match="outside by"):
-        mf.brought_into(surface, mf.Band([0.02], [1.1 * area], [1.2 * area]))
-
-
-def test_under_interaction():
-    _, made, _ = scene(1)
-    model, load = mf.Interacting(), scene(1)[2].rescaled_load[::3]
-    area = model.curve(made, load).area
-    band = mf.Band(load, 0.97 * area, 0.995 * area)
-    found = mf.brought_into(made, band, model)
-    assert within(model.curve(found.surface, load).area, band)
-
-
 @pytest.mark.parametrize("only_lower", [False, True])
 def test_equal_heights_are_moved_apart(only_lower):
     part = mf.Surface.square_lattice(0.1, (1, 2), radius=0.5, material=mf.Material(1.36))

@@ -3,7 +3,6 @@
 from dataclasses import replace
 
 import numpy as np
-import pytest
 
 import metafem as mf
 from metafem.inversion.limits import Pins
@@ -32,28 +31,3 @@ def test_without_pins_the_template_is_the_given_one():
     pins = Pins.given(TEMPLATE, LIMITS)
     assert pins.reduced is TEMPLATE
     assert list(pins.placed(np.arange(16)[::-1])) == list(range(16))[::-1]
-
-
-@pytest.mark.parametrize(
-    ("given", "words"),
-    [
-        ([3], r"pinned = \[3\] must be a mapping of site numbers to heights \[mm\] or None"),
-        ({16: None}, r"pinned\[16\] is not a site: the template has the sites 0 to 15"),
-        ({-1: None}, r"pinned\[-1\] is not a site"),
-        ({2.0: None}, r"pinned\[2.0\] is not a site"),
-        ({True: None}, r"pinned\[True\] is not a site"),
-        ({2: 0.21}, r"pinned\[2\] = 0.21 must be at most 0.2, limits.offset \+ limits.max_height"),
-        ({2: -0.01}, r"pinned\[2\] = -0.01 must be at least 0"),
-        ({2: "high"}, r"pinned\[2\] = 'high' is not a number"),
-        (dict.fromkeys(range(16)), "pinned leaves all 16 sites empty"),
-    ],
-)
-def test_pins_that_do_not_fit_are_refused(given, words):
-    with pytest.raises(mf.InvalidInput, match=words):
-        Pins.given(TEMPLATE, replace(LIMITS, pinned=given))
-
-
-def test_a_part_has_no_summit_of_height_0():
-    part = TEMPLATE.replaced(block=mf.Block(20.0, 20.0, 7.0))
-    with pytest.raises(mf.InvalidInput, match=r"pinned\[2\] = 0 is no summit of a part; write None"):
-        Pins.given(part, replace(LIMITS, pinned={2: 0.0}))

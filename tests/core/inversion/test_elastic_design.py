@@ -58,14 +58,6 @@ def test_a_plastic_law_is_taken_where_nothing_stays_elastic(template):
     assert coupled.law.model == mf.Interacting(order=1, contact=mf.KogutEtsion(hardness))
 
 
-def test_a_plastic_law_that_is_given_is_kept(template):
-    target = mf.SampledLaw([0.05, 0.1, 0.2], [0.6, 1.1, 1.9])
-    model = mf.Independent(mf.JacksonGreen(1.0))
-    found = mf.design_for_hardness(target, template, 2.8, model, limits=LIMITS)
-    assert found.law.model == model
-    assert found.notes[0].text == "the contacts are those of JacksonGreen(yield_strength=1.0)"
-
-
 def test_what_no_plastic_contacts_reach_is_infeasible(template):
     with pytest.raises(
         mf.Infeasible, match=r"E\*/H below .* and under KogutEtsion\(hardness=0\.1\) no surface"

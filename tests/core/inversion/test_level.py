@@ -2,17 +2,8 @@
 
 import math
 
-import pytest
-
 import metafem as mf
-from metafem.errors import Infeasible
 from metafem.inversion.strategies.level import Level, Step
-
-
-def test_a_first_branch_that_leaves_no_load_at_the_crossover_is_refused(template):
-    limits = mf.Limits(0.12, offset=0.05)
-    with pytest.raises(Infeasible, match="double precision resolves no load at the crossover"):
-        mf.design(mf.BilinearLaw((120.7, 160.9), 4.97e-5), template, limits=limits)
 
 
 def test_no_number_of_asperities_meets_a_point_whose_load_the_earlier_ones_exceed(template):

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.files.result.records import from_record, to_record
 from metafem.inversion.targets.wording import Wording
 
 PAIR = mf.Material(1.36), mf.Friction(0.358, 0.85)
@@ -18,34 +17,6 @@ def test_a_friction_coefficient_is_kept_and_told():
     assert law.slope == pytest.approx(1.4 / PER_SLOPE, rel=1e-15)
     assert law.title == "Linear friction law of friction coefficient 1.4"
     assert mf.LinearLaw(6.87).friction_coefficient is None
-
-
-@pytest.mark.parametrize(
-    ("law", "title"),
-    [
-        (
-            mf.LinearLaw.from_friction_coefficient(1.4, *PAIR, load_range_N=(0.068, 0.272)),
-            "Friction proportional to load: friction coefficient 1.4 from 0.068 to 0.272 N",
-        ),
-        (
-            mf.BilinearLaw.from_friction_coefficients((1.2, 1.9), 0.1088, *PAIR, load_range_N=(0.068, 0.272)),
-            "Bilinear friction law of friction coefficients 1.2 and 1.9 through the origin from 0.068 to "
-            "0.272 N",
-        ),
-        (
-            mf.MultilinearLaw.from_friction_coefficients((1.2, 1.9), [0.1088], (0.068, 0.272), *PAIR),
-            "Friction law of friction coefficients 1.2 and 1.9",
-        ),
-        (mf.MultilinearLaw((9.5, 8, 7), [0.07, 0.1], (0.03, 0.2)), "Friction law of slopes 9.5, 8 and 7"),
-        (
-            mf.PowerLaw.from_forces([0.136, 0.272], [0.1, 0.2], *PAIR),
-            "Power law of exponent 1 from 0.136 to 0.272 N",
-        ),
-    ],
-)
-def test_titles_speak_as_the_target_was_asked(law, title):
-    assert law.title == title
-    assert from_record(to_record(law)).title == title
 
 
 def test_loads_of_coefficients_are_newtons():
@@ -64,15 +35,6 @@ def test_loads_of_coefficients_are_newtons():
             make()
     with pytest.raises(mf.InvalidInput, match=r"crossover_load = 0.8 N \(0.588235 mm\^2\) must lie inside"):
         mf.BilinearLaw.from_friction_coefficients((1.2, 1.7), 0.8, *PAIR, load_range_N=(0.1, 0.6))
-
-
-def test_a_design_prints_crossovers_and_ranges_in_both_units(template):
-    printed = str(mf.design(mf.BilinearLaw((7.15, 12.52), 0.038), template, limits=LIMITS))
-    assert "crossover   0.038 mm^2 (0.05168 N)" in printed
-    given = mf.LinearLaw.from_friction_coefficient(1.5, *PAIR, load_range_N=(0.068, 0.272))
-    assert "load range  0.068 to 0.272 N (0.05 to 0.2 mm^2)" in str(mf.design(given, template, limits=LIMITS))
-    with pytest.raises(mf.Infeasible, match=r"load 90 mm\^2 \(122.4 N\) is beyond [\d.]+ mm\^2 \([\d.]+ N\)"):
-        mf.design(mf.LinearLaw(7.0, (0.1, 90.0)), template, limits=LIMITS)
 
 
 def test_two_targets_of_one_law_are_equal_however_asked():
@@ -109,15 +71,6 @@ def test_what_cannot_be_reached_is_answered_as_it_was_asked(template, law, words
     assert near is None or "friction coefficient" in near.title
     if near is not None:
         mf.design(near, template, limits=LIMITS)
-
-
-def test_samples_and_points_in_newtons_are_answered_in_newtons(template):
-    points = mf.OperatingPoints.from_forces([0.2], [50.0], *PAIR)
-    with pytest.raises(mf.Infeasible, match=r"\(load 0.2 N \(0.147059 mm\^2\), friction 50 N\) .* N$"):
-        mf.design(points, template, limits=LIMITS)
-    samples = mf.SampledLaw.from_forces([0.2, 0.3], [50.0, 60.0], *PAIR)
-    with pytest.raises(mf.Infeasible, match=r"sample 1 \(load 0.2 N \(0.147.*\), friction 50 N\) is above"):
-        mf.design(samples, template, limits=LIMITS)
 
 
 def test_bounds_are_rounded_to_the_side_that_can_be_had():

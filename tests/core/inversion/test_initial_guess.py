@@ -19,12 +19,3 @@ def test_no_asperity_enters_where_the_earlier_ones_have_load_and_area(law):
         height, radius, _ = initial_heights(own, one.load, one.area, np.full(6, 0.526), 4)
         assert len(height) == len(radius) >= 1
         assert ((-depth <= height) & (height <= 0.0)).all()
-
-
-def test_cones_have_the_same_load_over_area_at_any_depth():
-    """Friction of cones is in proportion to the load: any heights have this law, and no other."""
-    lattice = mf.Surface.square_lattice(0.0, (4, 4), radius=0.526, material=MATERIAL)
-    cones, limits = mf.Independent(contact=mf.PowerCap(1.0)), mf.Limits(0.27)
-    assert mf.design(mf.PowerLaw(1.0, (0.1, 0.4)), lattice, cones, limits).misfit < 1e-12
-    with pytest.raises(mf.Infeasible, match="at least 1 and at most 1"):
-        mf.design(mf.PowerLaw(1.2, (0.1, 0.4)), lattice, cones, limits)
