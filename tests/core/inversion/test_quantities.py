@@ -9,6 +9,7 @@ from metafem.inversion.quantities.quantity import measured
 
 LOADS = np.linspace(0.02, 0.3, 12)
 QUANTITIES = ("stiffness", "tangential_stiffness", "conductance")
+BLOCK, LAYER = mf.Block(20.0, 20.0, 7.2), mf.Interacting(substrate=mf.BondedLayer())
 
 
 def template(ratio=0.5, **more):
@@ -16,27 +17,33 @@ def template(ratio=0.5, **more):
 
 
 def known(seed=0, **more):
-    rng = np.random.default_rng(seed)
-    return template(**more).replaced(height=0.12 * rng.beta(2.0, 2.0, 64))
+    return template(**more).replaced(height=0.12 * np.random.default_rng(seed).beta(2.0, 2.0, 64))
 
 
 def predicted(surface, of, model=None):
     """Return the rescaled quantity [mm] by the predictions, which do not know the inversion."""
-    modulus = surface.material.composite_modulus
-    newtons = modulus * LOADS
+    newtons = 1.36 * LOADS
     if of == "stiffness":
         return mf.friction_law(surface, model, load=newtons).rescaled_stiffness
     if of == "conductance":
         return mf.conductance(surface, model, load=newtons, resistivity=1.0).rescaled_conductance
-    return mf.tangential_stiffness(surface, model, load=newtons) / modulus
+    return mf.tangential_stiffness(surface, model, load=newtons) / 1.36
 
 
-@pytest.mark.parametrize("of", QUANTITIES)
-@pytest.mark.parametrize("ratio", [0.3, 0.5])
-def test_measured_contacts_have_the_quantity_as_their_area(of, ratio):
-    surface = known(ratio=ratio)
-    model = measured(mf.Independent(), of, surface)
-    assert_allclose(model.curve(surface, LOADS).area, predicted(surface, of), rtol=1e-12)
+def rms(found, wanted):
+    return np.sqrt(np.mean((found / wanted - 1.0) ** 2))
+
+
+@pytest.mark.parametrize(
+    "model", [mf.Independent(), mf.Interacting(1), mf.Interacting(), LAYER, mf.MeanField()], ids=repr
+)
+def test_measured_models_have_the_quantity_as_their_area(model):
+    surface = known(ratio=0.3, block=BLOCK)
+    for of in QUANTITIES:
+        expected, found = predicted(surface, of, model), measured(model, of, surface)
+        assert_allclose(found.curve(surface, LOADS).area, expected, rtol=1e-12)
+        # the dense systems of the sensitivities are solved once more
+        assert_allclose(found.sensitivity(surface, LOADS).curve.area, expected, rtol=1e-10)
 
 
 def test_caps_that_differ_have_the_quantity_as_their_area():
@@ -46,34 +53,50 @@ def test_caps_that_differ_have_the_quantity_as_their_area():
     assert_allclose(found, predicted(surface, "stiffness", model), rtol=1e-12)
 
 
-def test_gradients_are_those_of_the_quantity():
-    surface, step = known(), 1e-7
-    model = measured(mf.Independent(), "stiffness", surface)
-    found = model.sensitivity(surface, LOADS).gradient
-    for i in (0, 20, 63):
-        moved = surface.height + step * np.eye(64)[i], surface.height - step * np.eye(64)[i]
-        high, low = (predicted(surface.replaced(height=h), "stiffness") for h in moved)
-        expected = (high - low) / (2.0 * step)
-        # differences lose 1e-10/1e-7 of the quantity, which rises as a root where contacts begin
-        assert_allclose(found[:, i], expected, rtol=1e-3, atol=1e-3 * np.abs(expected).max())
+# The error of the gradients relative to the largest of each load. Differences lose 1e-10/1e-6 of the
+# quantity, which rises as a root where contacts begin; order 3 leaves out changes of its terms.
+@pytest.mark.parametrize(
+    ("model", "tolerance"),
+    [
+        (mf.Independent(), 1e-3),
+        (mf.Interacting(1), 1e-6),
+        (mf.Interacting(pedestal=True), 1e-3),
+        (LAYER, 1e-3),
+        (mf.Interacting(contact=mf.PowerCap(4)), 1e-2),
+        (mf.MeanField(), 1e-6),
+    ],
+)
+def test_gradients_are_those_of_the_quantity(model, tolerance):
+    surface, step = known(block=BLOCK), 1e-6
+    for of in QUANTITIES:
+        solver = measured(model, of, surface)
+        gradient = solver.sensitivity(surface, LOADS[::4]).gradient
+        for i in (0, 20, 63):
+            moved = surface.height + step * np.eye(64)[i], surface.height - step * np.eye(64)[i]
+            high, low = (solver.sensitivity(surface, LOADS[::4], height).curve.area for height in moved)
+            error = np.abs((high - low) / (2.0 * step) - gradient[:, i])
+            assert (error <= tolerance * np.abs(gradient).max(axis=1)).all()
 
 
-@pytest.mark.parametrize("of", QUANTITIES)
-@pytest.mark.parametrize("seed", range(3))
-def test_laws_of_known_surfaces_are_found(of, seed):
-    design = mf.design(mf.SampledLaw(LOADS, predicted(known(seed), of), of=of), template())
+@pytest.mark.parametrize(
+    ("of", "model"),
+    [(QUANTITIES[1], mf.Independent()), (QUANTITIES[2], mf.MeanField()), (QUANTITIES[0], LAYER)],
+)
+def test_laws_of_known_surfaces_are_found(of, model):
+    wanted = predicted(known(1, block=BLOCK), of, model)
+    design = mf.design(mf.SampledLaw(LOADS, wanted, of=of), template(block=BLOCK), model, rng=3)
     assert design.misfit <= 5e-3
-    assert design.law.model == mf.Independent()
-    wanted, found = predicted(known(seed), of), predicted(design.surface, of)
-    assert np.sqrt(np.mean((found / wanted - 1.0) ** 2)) == pytest.approx(design.misfit, rel=1e-9)
+    assert rms(predicted(design.surface, of, model), wanted) == pytest.approx(design.misfit, rel=1e-6)
     # the law of the design is its friction law
-    assert_allclose(design.law.area, mf.friction_law(design.surface, load=design.law.load).area, rtol=1e-12)
+    assert design.law.model == model
+    law = mf.friction_law(design.surface, model, load=design.law.load)
+    assert_allclose(design.law.area, law.area, rtol=1e-12)
 
 
-def test_quantities_cannot_exceed_their_bounds():
-    """64 equal contacts have the highest stiffness, one contact the lowest."""
+def test_the_highest_stiffness_is_that_of_equal_contacts():
     highest = 64 * 2.0 * np.cbrt(0.75 * 0.526 * LOADS / 64)
-    with pytest.raises(mf.Infeasible, match=r"at least 0\.3333"):
-        mf.design(mf.PowerLaw(0.25, (0.05, 0.2), of="stiffness"), template())
     with pytest.raises(mf.Infeasible):
         mf.design(mf.OperatingPoints(LOADS, 1.01 * highest, of="stiffness"), template())
+    assert_allclose(
+        measured(mf.Independent(), "stiffness", template()).curve(template(), LOADS).area, highest
+    )
