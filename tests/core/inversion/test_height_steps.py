@@ -41,16 +41,6 @@ def test_bounds_of_the_sum_exclude_no_change_that_would_be_taken(template, monke
     np.testing.assert_array_equal(found, mf.design(line, template, model, LIMITS).surface.height)
 
 
-def test_linear_law_keeps_its_whole_numbers_alone_and_moves_for_interaction(template):
-    limits = mf.Limits(0.12, offset=0.084, height_step=STEP)
-    alone = mf.design(mf.LinearLaw(6.87), template, limits=limits)
-    coupled = mf.design(mf.LinearLaw(6.87), template, mf.Interacting(order=1), limits)
-    assert "step_loss" not in alone.parameters
-    assert coupled.parameters["step_loss"] <= 0.0
-    steps = (coupled.surface.height - limits.foot) / STEP - 0.5
-    np.testing.assert_allclose(steps, np.rint(steps), atol=1e-9)
-
-
 def test_coarse_steps_miss_and_say_so(template):
     for step, levels in [(0.135, 2), (0.27, 1)]:
         limits = mf.Limits(0.27, height_step=step)
@@ -58,11 +48,3 @@ def test_coarse_steps_miss_and_say_so(template):
         assert len(limits.levels) == levels
         assert set(result.surface.height) <= set(limits.levels)
         assert result.status is DesignStatus.MISSED
-
-
-def test_trial_steps_are_evaluated_without_gradients(template, monkeypatch):
-    gradients, steps = [], mf.Independent.sensitivity
-    monkeypatch.setattr(mf.Independent, "sensitivity", lambda *given: gradients.append(1) or steps(*given))
-    mf.design(TARGETS["power"], template, limits=LIMITS)
-    # one for each change of a height, not for each of the 20 it is chosen from
-    assert 1 <= len(gradients) < 10

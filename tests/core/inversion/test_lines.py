@@ -27,22 +27,15 @@ def test_range_ends_where_the_line_meets_the_bounds():
         friction = line.line(np.array([low, high]))
         least, _ = bounds.friction(np.array([low]))
         assert least[0] == pytest.approx(friction[0])
-        # of 64 contacts that enter at once, dA0/dp = (pi/2) N R/(N a) at p = 4/3 N a^3/R or A0 = N pi a^2
-        together = 64 * (0.75 * 0.526 * high / friction[1] * np.pi) ** 2 * np.pi
+        # of 64 contacts that enter at once, dA0/dp = (pi/2) N R/(N a) at p = 4/3 N a^3/R
         steepest = 0.5 * np.pi * 64 * 0.526**2 * 0.75 * high / (friction[1] / np.pi) ** 2
-        assert together >= friction[1]
         assert steepest == pytest.approx(line.lines[-1][0])
 
 
 @pytest.mark.parametrize("model", MODELS, ids=["alone", "coupled"])
 @pytest.mark.parametrize(
     ("target", "limits"),
-    [
-        (mf.LinearLaw(6.87, (0.05, 0.2)), DEMO),
-        (mf.BilinearLaw((7.15, 12.52), 0.038, (0.02, 0.1)), mf.Limits(0.12, offset=0.05)),
-        (mf.BilinearLaw((6.0, 9.0), 0.08, (0.03, 0.3)), TALL),
-    ],
-    ids=["linear demo", "bilinear demo", "6 and 9"],
+    [(mf.LinearLaw(6.87, (0.05, 0.2)), DEMO), (mf.BilinearLaw((6.0, 9.0), 0.08, (0.03, 0.3)), TALL)],
 )
 def test_a_line_is_met_within_a_hundredth(template, target, limits, model):
     result = mf.design(target, template, model, limits)

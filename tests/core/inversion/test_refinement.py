@@ -40,18 +40,6 @@ def test_heights_that_no_search_improves_are_not_called_refined(monkeypatch):
     assert refinement.refined(problem, start, np.random.default_rng(0)) == start
 
 
-def test_no_heights_are_evaluated_twice_in_a_refinement(template, monkeypatch):
-    seen, sensitivity = [], mf.Interacting.sensitivity
-
-    def recorded(model, surface, load, height=None):
-        seen.append((surface.height if height is None else height).tobytes())
-        return sensitivity(model, surface, load, height)
-
-    monkeypatch.setattr(mf.Interacting, "sensitivity", recorded)
-    mf.design(mf.PowerLaw(1.2, (0.1, 0.4)), template, mf.Interacting(), mf.Limits(0.27))
-    assert len(seen) == len(set(seen)) > 1
-
-
 def shifted(height, model):
     count = len(height)
     template = mf.Surface.square_lattice(0.3, (1, count), radius=0.526, material=mf.Material(1.36))

@@ -28,19 +28,6 @@ def expected(design, rng, draws=1000):
     return np.array([law.misfit(row) ** 2 for row in area]).reshape(2, -1).mean(axis=0)
 
 
-def test_sum_of_squared_sensitivities_of_independent_asperities():
-    # equation (2) of the module
-    R, height = 0.526, np.random.default_rng(1).uniform(0.0, 0.1, 64)
-    surface, load = TEMPLATE.replaced(height=height), np.linspace(0.01, 0.5, 9)
-    found = mf.Independent().sensitivity(surface, load)
-    closed = found.indentation > 0.0
-    # dA0/dP = pi R n / (2 sqrt(R) sum sqrt(d))
-    rate = math.pi * math.sqrt(R) * closed.sum(axis=1)
-    rate /= 2.0 * np.sqrt(np.maximum(found.indentation, 0.0)).sum(axis=1)
-    expected = 4.0 / math.pi * found.curve.area * rate**2 - (math.pi * R) ** 2 * closed.sum(axis=1)
-    np.testing.assert_allclose((found.gradient**2).sum(axis=1), expected, rtol=1e-9)
-
-
 def test_fixed_errors_have_unit_mean_squares():
     lines = _orthogonal(5, 12, 100, np.random.default_rng(0))
     assert lines.shape == (15, 5)

@@ -40,13 +40,6 @@ def test_rescaling_and_friction_force(rough):
     assert law.friction_force[0] == pytest.approx(0.358 * 0.85 * law.area[0], rel=1e-12)
 
 
-def test_rescaled_law_does_not_depend_on_the_material(rough):
-    hard = rough.replaced(material=mf.Material(1.36e6))
-    soft_law, hard_law = mf.friction_law(rough), mf.friction_law(hard)
-    np.testing.assert_allclose(hard_law.rescaled_load, soft_law.rescaled_load, rtol=1e-12)
-    np.testing.assert_allclose(hard_law.rescaled_friction, soft_law.rescaled_friction, rtol=1e-12)
-
-
 def test_fit_is_the_regression_with_its_interval(rough):
     law = mf.friction_law(rough, load=np.linspace(0.1, 0.6, 26))
     fit = law.fit((0.1, 0.4))

@@ -43,17 +43,3 @@ def test_a_data_set_has_units_and_is_written(law, tmp_path):
     data.to_netcdf(tmp_path / "law.nc", engine="h5netcdf")
     with xr.open_dataset(tmp_path / "law.nc", engine="h5netcdf") as again:
         assert again.identical(data)
-
-
-def test_without_friction_there_is_no_force(template):
-    law = mf.friction_law(template.replaced(friction=None), load=[0.1])
-    assert "friction_force_N" not in law.to_dataframe()
-    assert "friction_force" not in law.to_xarray()
-
-
-def test_a_table_is_a_copy(law):
-    table, data = law.to_dataframe(), law.to_xarray()
-    table.loc[0, "load_N"] = 9.0
-    data.area[0] = 9.0
-    assert law.load[0] == pytest.approx(0.1)
-    assert law.area[0] < 9.0
