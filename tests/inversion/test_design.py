@@ -7,8 +7,10 @@ from hypothesis import strategies as st
 
 import metafem as mf
 from metafem.inversion import DesignStatus
+from tests.core.inversion.test_joint_targets import FRICTION, STIFFNESS, assert_both_are_met
 from tests.models.scenes import said
-from validation.scenes.random_laws import LATTICE, RADIUS, random_law
+from validation.scenes.random_laws import LATTICE, RADIUS, noisy_law, random_law
+from validation.scenes.real_targets import outcome, real_target
 
 LIMITS = mf.Limits(max_height=0.12, offset=0.05)
 RHO = np.linspace(0.0, 0.5, 120)
@@ -118,3 +120,37 @@ def test_a_design_under_resolved_contacts_is_refined_and_drawn():
     result = mf.design(target, template, mf.BoundaryElements(0.013))
     assert result.misfit <= 1e-6
     assert "the law is that of the model half-space" in said(result.law)
+
+
+def test_the_nearest_law_of_a_refusal_is_that_of_a_surface():
+    """It is met to the goal of the search, which is far below the 1 % that counts as reached."""
+    for seed in range(3):
+        law, rng = random_law(seed, 20), np.random.default_rng(seed)
+        friction = law.rescaled_friction * (1.0 + rng.normal(0.0, 0.05, 20))
+        with pytest.raises(mf.Infeasible) as caught:
+            mf.design(mf.SampledLaw(law.rescaled_load, friction), LATTICE, limits=mf.Limits(0.6))
+        assert mf.design(caught.value.nearest, LATTICE, limits=mf.Limits(0.6)).misfit < 1e-3
+
+
+def test_no_noisy_law_is_refused_whose_best_surface_is_within_a_percent_of_the_noise():
+    for seed in range(20):
+        target, true = noisy_law(seed)
+        design = mf.design(target, LATTICE, limits=mf.Limits(0.6))
+        assert design.misfit <= min(target.curve().misfit(true), design.largest_misfit)
+
+
+@pytest.mark.parametrize("first", range(0, 60, 12))
+def test_targets_of_real_surfaces_are_neither_refused_nor_missed(first):
+    """Height errors change a law by more than 0.2 %."""
+    found = [outcome(real_target(seed)) for seed in range(first, first + 12)]
+    assert [each for each in found if each.misfit > 2e-3] == []
+
+
+def test_two_laws_are_met_together_under_order_three_and_by_several_radii():
+    assert_both_are_met(1, mf.Interacting())
+    radii = [0.2, 0.526, 1.0]
+    found = mf.trade_off(
+        FRICTION, STIFFNESS, LATTICE, limits=mf.Limits(0.12), tools=radii, weights=[0.3, 0.5, 0.7]
+    )
+    assert found.misfits.max(axis=1).min() < 0.01
+    assert set(found.surfaces[found.best].radius) <= set(radii)

@@ -121,19 +121,6 @@ def test_influence_is_reciprocal(coarse):
     np.testing.assert_array_equal(coarse.matrix, coarse.matrix.T)
 
 
-def test_mirrored_or_turned_sites_and_some_of_them_have_the_same_influence(coarse):
-    for turn, rows in [([[0, -1], [1, 0]], range(4)), (np.eye(2), [2, 0])]:
-        found = Block3D(**COARSE).influence_matrix(scene(SITES[rows] @ turn))
-        np.testing.assert_allclose(found, coarse.matrix[np.ix_(rows, rows)], atol=1e-11)
-
-
-def test_lengths_scale(coarse):
-    twice = Block3D(**COARSE).solution(scene(2.0 * SITES, mf.Block(40.0, 40.0, 14.4)))
-    np.testing.assert_allclose(2.0 * twice.matrix, coarse.matrix, rtol=1e-9, atol=1e-12)
-    np.testing.assert_allclose(4.0 * twice.gradient_x, coarse.gradient_x, rtol=1e-9, atol=1e-12)
-    np.testing.assert_allclose(8.0 * twice.laplacian, coarse.laplacian, rtol=1e-7, atol=1e-12)
-
-
 def test_derivatives_are_those_of_the_influence(coarse):
     step = 0.05
     moved = SITES[1] + step * np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]])
@@ -149,12 +136,6 @@ def test_derivatives_are_those_of_the_influence(coarse):
 def test_block_lies_between_layer_and_half_space(coarse):
     r = math.dist(SITES[0], SITES[1])
     assert bonded_layer.influence(r, 7.2, 0.5) < coarse.matrix[0, 1] < 1.0 / (math.pi * r)
-
-
-def test_loads_beside_a_side_warn():
-    surface = scene(np.array([[9.9, 0.0], [9.0, 0.0]]))
-    with pytest.warns(mf.MetafemWarning, match="smaller cells"):
-        Block3D(**COARSE).influence_matrix(surface)
 
 
 def test_result_is_read_back(coarse, monkeypatch):

@@ -84,13 +84,6 @@ def test_pressure_on_the_cap_carries_the_load():
     assert total == pytest.approx(contact.rescaled_load, rel=1e-3)
 
 
-def test_lengths_scale():
-    big = mf.fe.press(1e3 * 0.26, 1e3 * R, height=1e3 * 0.2, thickness=7.2e3, block_radius=1e4)
-    small = block(0.20, 0.26)
-    assert big.rescaled_load == pytest.approx(1e6 * small.rescaled_load, rel=1e-9)
-    assert big.indentation == pytest.approx(1e3 * small.indentation, rel=1e-9)
-
-
 def test_a_residual_that_stays_is_reported_with_the_state(monkeypatch):
     monkeypatch.setattr("metafem.fe.linear_solve.RESIDUAL", 0.0)
     with pytest.raises(mf.NotConverged, match="residual") as caught:

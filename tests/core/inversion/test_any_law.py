@@ -48,22 +48,22 @@ def test_a_model_without_gradients_names_whose_it_uses():
     assert any("gradients were those of the model half-space" in str(note) for note in found.notes)
 
 
-@pytest.mark.parametrize("model", MODELS, ids=repr)
-def test_power_laws_are_met_under_every_model(model):
-    for exponent in (2 / 3, 1.35):
-        result = mf.design(mf.PowerLaw(exponent, (0.1, 0.4)), LATTICE, model, LIMITS)
-        assert result.misfit <= 1.5e-3
-        load = np.array([0.1, 0.2, 0.4])
-        area = mf.friction_law(result.surface, model, load=1.36 * load).area
-        wanted = result.parameters["prefactor"] * load**exponent
-        np.testing.assert_allclose(area, wanted, rtol=1e-2)  # single loads against the rms of 30
+def test_power_laws_are_met_under_every_model():
+    for model in MODELS:
+        for exponent in (2 / 3, 1.35):
+            result = mf.design(mf.PowerLaw(exponent, (0.1, 0.4)), LATTICE, model, LIMITS)
+            assert result.misfit <= 1.5e-3
+            load = np.array([0.1, 0.2, 0.4])
+            area = mf.friction_law(result.surface, model, load=1.36 * load).area
+            wanted = result.parameters["prefactor"] * load**exponent
+            np.testing.assert_allclose(area, wanted, rtol=1e-2)  # single loads against the rms of 30
 
 
-@pytest.mark.parametrize("model", MODELS, ids=repr)
-def test_a_smaller_second_slope(model):
-    target = mf.MultilinearLaw([9.5, 7.0], [(0.07, 0.18)], (0.03, 0.26))
-    for branch, fit in mf.design(target, LATTICE, model, LIMITS).fits:
-        assert fit.slope == pytest.approx(branch.slope, rel=0.01)
+def test_a_smaller_second_slope():
+    for model in MODELS:
+        target = mf.MultilinearLaw([9.5, 7.0], [(0.07, 0.18)], (0.03, 0.26))
+        for branch, fit in mf.design(target, LATTICE, model, LIMITS).fits:
+            assert fit.slope == pytest.approx(branch.slope, rel=0.01)
 
 
 def test_branches_that_meet_share_one_intercept():
@@ -82,9 +82,7 @@ def test_feasible_region_ends_where_the_base_plane_begins():
 
 
 def test_heights_of_a_density_have_its_slope_under_other_caps():
-    rho = np.linspace(0.0, 0.5, 120)
-    table = mf.AxisymmetricCap([rho, RADIUS - np.sqrt(RADIUS**2 - rho**2)])
-    for cap in (mf.PowerCap(3), mf.SphericalCap(), table):
+    for cap in (mf.PowerCap(3), mf.SphericalCap()):
         result = mf.design(mf.LinearLaw(6.87), LATTICE, mf.Independent(contact=cap), mf.Limits(0.12))
         assert result.misfit <= 0.1
         assert result.density.asymptotic_slope(RADIUS, cap) == pytest.approx(6.87, rel=1e-9)

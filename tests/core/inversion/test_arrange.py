@@ -68,23 +68,6 @@ def test_arranged_laws_follow_the_independent_one(uneven):
 CORNERS = np.array([[9.0, 9.0], [-9.0, 9.0], [9.0, -9.0], [-9.0, -9.0]])
 
 
-class Dear:
-    """The half-space as a substrate of no radial kind, which counts how often it is asked."""
-
-    def __init__(self):
-        self.asked = 0
-
-    def for_surface(self, surface):
-        return self
-
-    def influence_matrix(self, surface):
-        self.asked += 1
-        return mf.HalfSpace().influence_matrix(surface)
-
-    def influence_derivatives(self, surface):
-        return mf.HalfSpace().influence_derivatives(surface)
-
-
 def test_places_that_stay_empty_are_told(uneven):
     more = np.vstack([CORNERS, uneven.position])
     result = mf.arrange(uneven, mf.FollowLaw(LOAD), position=more)
@@ -95,13 +78,3 @@ def test_places_that_stay_empty_are_told(uneven):
     np.testing.assert_array_equal(result.surface.position, more[result.sites])
     np.testing.assert_array_equal(result.surface.height, uneven.height[result.order[result.sites]])
     np.testing.assert_array_equal(result.surface.radius, uneven.radius[result.order[result.sites]])
-
-
-def test_a_substrate_without_a_formula_is_asked_once_for_all_sites(uneven):
-    more, law = np.vstack([CORNERS, uneven.position]), mf.FollowLaw(LOAD)
-    substrate = Dear()
-    result = mf.arrange(uneven, law, mf.Interacting(substrate=substrate), position=more)
-    assert substrate.asked == 1
-    assert result.after < 0.1 * result.before
-    assert result.after == pytest.approx(np.linalg.norm(law.residual(result.surface, mf.Interacting())))
-    assert result.model.substrate is substrate

@@ -48,12 +48,6 @@ def scene(seed, tools, count=8):
     return CELL.only(slice(count), height=rng.uniform(0.08, 0.15, count), friction=friction, **shape)
 
 
-def sampled(surface, load, model=None):
-    """Return the friction forces of a surface at loads [N] as a target, and the forces."""
-    force = mf.friction_law(surface, model, load=load).friction_force
-    return mf.SampledLaw.from_forces(load, force, MATERIAL, FRICTION), force
-
-
 def template(friction=COATED):
     """Return sixteen asperities that differ in friction."""
     return mf.Surface.square_lattice(0.12, (4, 4), radius=0.526, material=MATERIAL, friction=friction)
@@ -95,12 +89,6 @@ def test_a_common_coated_tool():
     ((branch, fit),) = found.fits
     assert fit.slope == pytest.approx(branch.slope, rel=0.1)
     assert fit.friction_coefficient == pytest.approx(fit.slope * 0.34 / 1.36, rel=1e-12)
-
-
-def test_shear_strengths_of_the_template_are_those_of_no_coating():
-    plain = mf.design(mf.LinearLaw(7.0), LATTICE, limits=mf.Limits(0.3), tools=[0.2, 0.8])
-    coated = [mf.Tool(0.2, shear_strength=0.4), mf.Tool(0.8)]
-    assert mf.design(mf.LinearLaw(7.0), LATTICE, limits=mf.Limits(0.3), tools=coated) == plain
 
 
 def test_random_coated_surfaces_are_within_the_bounds_of_their_kit():

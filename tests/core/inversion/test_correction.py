@@ -1,7 +1,6 @@
 """Smallest changes of heights that bring a law into a band."""
 
 import numpy as np
-import pytest
 
 import metafem as mf
 from validation.scenes.bands import scene
@@ -15,29 +14,29 @@ def within(area, band):
     return bool(np.all((area >= band.lowest) & (area <= band.highest)))
 
 
-@pytest.mark.parametrize("seed", range(2))
-def test_a_perturbed_surface_is_brought_into_the_band_of_the_known_one(seed):
-    known, made, band = scene(seed)
-    found = mf.brought_into(made, band)
-    assert within(mf.Independent().curve(found.surface, band.rescaled_load).area, band)
-    np.testing.assert_allclose(found.surface.height, made.height + found.change, rtol=1e-12)
-    # the known heights are a solution, so the smallest change is no larger
-    assert np.linalg.norm(found.change) <= np.linalg.norm(known.height - made.height)
+def test_a_perturbed_surface_is_brought_into_the_band_of_the_known_one():
+    for seed in range(2):
+        known, made, band = scene(seed)
+        found = mf.brought_into(made, band)
+        assert within(mf.Independent().curve(found.surface, band.rescaled_load).area, band)
+        np.testing.assert_allclose(found.surface.height, made.height + found.change, rtol=1e-12)
+        # the known heights are a solution, so the smallest change is no larger
+        assert np.linalg.norm(found.change) <= np.linalg.norm(known.height - made.height)
 
 
 MODELS = (mf.MeanField(), mf.Interacting(substrate=mf.BondedLayer()), mf.Independent(mf.JKR(9e-6)))
 
 
-@pytest.mark.parametrize("model", MODELS, ids=lambda model: model.name)
-def test_bands_of_every_model_are_met(model):
-    block = mf.Block(20.0, 20.0, 7.2)
-    known, made, band = scene(1)
-    known, made = known.replaced(block=block), made.replaced(block=block)
-    area = model.curve(known, band.rescaled_load).area
-    band = mf.Band(band.rescaled_load, 0.999 * area, 1.001 * area)
-    assert not within(model.curve(made, band.rescaled_load).area, band)
-    found = mf.brought_into(made, band, model)
-    assert within(model.curve(found.surface, band.rescaled_load).area, band)
+def test_bands_of_every_model_are_met():
+    for model in MODELS:
+        block = mf.Block(20.0, 20.0, 7.2)
+        known, made, band = scene(1)
+        known, made = known.replaced(block=block), made.replaced(block=block)
+        area = model.curve(known, band.rescaled_load).area
+        band = mf.Band(band.rescaled_load, 0.999 * area, 1.001 * area)
+        assert not within(model.curve(made, band.rescaled_load).area, band)
+        found = mf.brought_into(made, band, model)
+        assert within(model.curve(found.surface, band.rescaled_load).area, band)
 
 
 def test_a_law_inside_needs_no_change():

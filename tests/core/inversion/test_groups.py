@@ -4,7 +4,6 @@ import math
 from itertools import islice
 
 import numpy as np
-import pytest
 
 import metafem as mf
 from metafem.inversion.strategies.groups import GroupStep
@@ -12,7 +11,7 @@ from metafem.inversion.strategies.level import asperities
 from metafem.models import Independent
 
 RADIUS, MATERIAL = 0.526, mf.Material(1.36)
-LAWS = [mf.Hertz(), mf.SphericalCap(), mf.JKR(9e-6, mf.PowerCap(3.0)).for_material(MATERIAL)]
+LAWS = [mf.Hertz(), mf.SphericalCap(), mf.JKR(9e-6).for_material(MATERIAL)]
 
 
 def law_of(contact, height, load):
@@ -43,14 +42,14 @@ def test_the_groups_of_a_surface_are_found():
             assert any(abs(level.depth - level.adjustment - gap) < 1e-9 for level in same)
 
 
-@pytest.mark.parametrize("contact", LAWS, ids=repr)
-def test_all_groups_have_the_law_of_the_points(contact):
+def test_all_groups_have_the_law_of_the_points():
     """The law is that of the first state on loading, recomputed from the heights."""
-    height = 0.3 - np.array([0.0, 0.001, 0.002, 0.004, 0.006, 0.011, 0.012, 0.018])
-    loads = [0.004, 0.03]
-    paths = steps(contact, height, loads, 4)
-    assert paths
-    for path in paths:
-        np.testing.assert_allclose(
-            law_of(contact, asperities(path)[0], loads), law_of(contact, height, loads), rtol=1e-9
-        )
+    for contact in LAWS:
+        height = 0.3 - np.array([0.0, 0.001, 0.002, 0.004, 0.006, 0.011, 0.012, 0.018])
+        loads = [0.004, 0.03]
+        paths = steps(contact, height, loads, 4)
+        assert paths
+        for path in paths:
+            np.testing.assert_allclose(
+                law_of(contact, asperities(path)[0], loads), law_of(contact, height, loads), rtol=1e-9
+            )

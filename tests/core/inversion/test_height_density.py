@@ -121,22 +121,22 @@ def test_means_and_slopes_of_any_law(kind):
     law, density, delta = law_named(kind), ExponentialDensity(0.03, TOP, 0.05, 0.5), 0.03
     exact = kind is not mf.TabulatedContact
 
-    def mean(index):
-        def value(depth, piece):
-            found = contacts(law, np.array(depth), np.array(RADIUS))[index]
-            return float(found) * piece.alpha * math.exp(-(depth + delta) / density.scale)
+    def value(depth, piece, index):
+        found = contacts(law, np.array(depth), np.array(RADIUS))[index]
+        return float(found) * piece.alpha * math.exp(-(depth + delta) / density.scale)
 
-        return sum(
-            quad(value, max(piece.low - delta, 0.0), piece.high - delta, (piece,), epsabs=0, epsrel=1e-10)[0]
-            for piece in density.pieces
-            if piece.high > delta
+    expected = [
+        sum(
+            quad(value, max(p.low - delta, 0.0), p.high - delta, (p, i), epsabs=0, epsrel=1e-10)[0]
+            for p in density.pieces
+            if p.high > delta
         )
-
+        for i in range(2)
+    ]
     means = density.rescaled_load(delta, 1, RADIUS, law), density.area(delta, 1, RADIUS, law)
-    np.testing.assert_allclose(means, [mean(0), mean(1)], rtol=1e-9 if exact else 1e-5)
-    step = 1e-6 * np.array([-1.0, 1.0])
-    area = density.area(delta + step, 1, RADIUS, law)
-    load = density.rescaled_load(delta + step, 1, RADIUS, law)
+    np.testing.assert_allclose(means, expected, rtol=1e-9 if exact else 1e-5)
+    at = delta + 1e-6 * np.array([-1.0, 1.0])
+    area, load = density.area(at, 1, RADIUS, law), density.rescaled_load(at, 1, RADIUS, law)
     slope = float(density.slope(delta, RADIUS, law))
     assert slope == pytest.approx(np.diff(area)[0] / np.diff(load)[0], rel=1e-7 if exact else 1e-3)
 

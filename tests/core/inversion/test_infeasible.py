@@ -78,18 +78,18 @@ BOUNDS = [
 ]
 
 
-@pytest.mark.parametrize("first", range(0, len(BOUNDS), 4))
+@pytest.mark.parametrize("first", range(0, len(BOUNDS), 6))
 def test_the_refused_and_the_nearest_target(first):
-    for target, limits, rest, words in BOUNDS[first : first + 4]:
+    for target, limits, rest, words in BOUNDS[first : first + 6]:
         options = {"template": LATTICE, "limits": limits, **rest}
         with pytest.raises(mf.Infeasible) as caught:
             mf.design(target, **options)
         for word in words:
             assert word in str(caught.value)
-        if caught.value.nearest is not None:
+        # the exponents of powers are those of a bound, which no surface attains
+        if caught.value.nearest is not None and not isinstance(target, mf.PowerLaw):
             near = mf.design(caught.value.nearest, **options)
-            # only the exponents of powers are those of a bound
-            assert near.misfit <= 0.01 or near.density or isinstance(target, mf.PowerLaw)
+            assert near.misfit <= 0.01 or near.density
 
 
 def test_one_asperity_has_no_line():

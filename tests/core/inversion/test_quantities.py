@@ -34,16 +34,14 @@ def rms(found, wanted):
     return np.sqrt(np.mean((found / wanted - 1.0) ** 2))
 
 
-@pytest.mark.parametrize(
-    "model", [mf.Independent(), mf.Interacting(1), mf.Interacting(), LAYER, mf.MeanField()], ids=repr
-)
-def test_measured_models_have_the_quantity_as_their_area(model):
-    surface = known(ratio=0.3, block=BLOCK)
-    for of in QUANTITIES:
-        expected, found = predicted(surface, of, model), measured(model, of, surface)
-        assert_allclose(found.curve(surface, LOADS).area, expected, rtol=1e-12)
-        # the dense systems of the sensitivities are solved once more
-        assert_allclose(found.sensitivity(surface, LOADS).curve.area, expected, rtol=1e-10)
+def test_measured_models_have_the_quantity_as_their_area():
+    for model in [mf.Independent(), mf.Interacting(1), mf.Interacting(), LAYER, mf.MeanField()]:
+        surface = known(ratio=0.3, block=BLOCK)
+        for of in QUANTITIES:
+            expected, found = predicted(surface, of, model), measured(model, of, surface)
+            assert_allclose(found.curve(surface, LOADS).area, expected, rtol=1e-12)
+            # the dense systems of the sensitivities are solved once more
+            assert_allclose(found.sensitivity(surface, LOADS).curve.area, expected, rtol=1e-10)
 
 
 def test_caps_that_differ_have_the_quantity_as_their_area():
@@ -55,27 +53,24 @@ def test_caps_that_differ_have_the_quantity_as_their_area():
 
 # The error of the gradients relative to the largest of each load. Differences lose 1e-10/1e-6 of the
 # quantity, which rises as a root where contacts begin; order 3 leaves out changes of its terms.
-@pytest.mark.parametrize(
-    ("model", "tolerance"),
-    [
+def test_gradients_are_those_of_the_quantity():
+    for model, tolerance in [
         (mf.Independent(), 1e-3),
         (mf.Interacting(1), 1e-6),
         (mf.Interacting(pedestal=True), 1e-3),
         (LAYER, 1e-3),
         (mf.Interacting(contact=mf.PowerCap(4)), 1e-2),
         (mf.MeanField(), 1e-6),
-    ],
-)
-def test_gradients_are_those_of_the_quantity(model, tolerance):
-    surface, step = known(block=BLOCK), 1e-6
-    for of in QUANTITIES:
-        solver = measured(model, of, surface)
-        gradient = solver.sensitivity(surface, LOADS[::4]).gradient
-        for i in (0, 20, 63):
-            moved = surface.height + step * np.eye(64)[i], surface.height - step * np.eye(64)[i]
-            high, low = (solver.sensitivity(surface, LOADS[::4], height).curve.area for height in moved)
-            error = np.abs((high - low) / (2.0 * step) - gradient[:, i])
-            assert (error <= tolerance * np.abs(gradient).max(axis=1)).all()
+    ]:
+        surface, step = known(block=BLOCK), 1e-6
+        for of in QUANTITIES:
+            solver = measured(model, of, surface)
+            gradient = solver.sensitivity(surface, LOADS[::4]).gradient
+            for i in (0, 20, 63):
+                moved = surface.height + step * np.eye(64)[i], surface.height - step * np.eye(64)[i]
+                high, low = (solver.sensitivity(surface, LOADS[::4], height).curve.area for height in moved)
+                error = np.abs((high - low) / (2.0 * step) - gradient[:, i])
+                assert (error <= tolerance * np.abs(gradient).max(axis=1)).all()
 
 
 @pytest.mark.parametrize(

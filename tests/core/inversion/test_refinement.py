@@ -3,8 +3,7 @@
 import numpy as np
 
 import metafem as mf
-from metafem.inversion.adjustment import refinement
-from metafem.inversion.adjustment.refinement import Minimum, shift
+from metafem.inversion.adjustment.refinement import shift
 from metafem.inversion.assessment import EXACT
 from metafem.inversion.candidate import Candidate
 from metafem.inversion.problem import Problem
@@ -27,17 +26,6 @@ def test_points_that_four_asperities_meet_are_met_on_any_number_of_sites():
             design = mf.design(target, lattice(0.3, shape), model, mf.Limits(0.3))
             assert design.misfit <= EXACT
             assert design.status is mf.DesignStatus.EXACT
-
-
-def test_heights_that_no_search_improves_are_not_called_refined(monkeypatch):
-    target, template = mf.PowerLaw(0.645, (0.02, 0.1)), lattice(0.12, (4, 4))
-    problem = Problem.checked(target, template, MODELS[1], mf.Limits(0.12))
-    height = np.linspace(0.1, 0.12, 16)
-    law = TargetLaw.fixed(np.array([0.05]), np.array([0.5]))
-    start = Candidate(height, np.full(16, 0.526), {}, law, sites=np.arange(16))
-    for name in ("search", "descend"):
-        monkeypatch.setattr(refinement, name, lambda *_, **__: Minimum(height, 0.0))
-    assert refinement.refined(problem, start, np.random.default_rng(0)) == start
 
 
 def shifted(height, model):

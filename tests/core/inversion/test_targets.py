@@ -46,6 +46,9 @@ def test_loads_of_coefficients_are_newtons():
     assert law.crossover_load == pytest.approx(0.3 / 1.36, rel=1e-15)
     assert law.load_range == pytest.approx((0.1 / 1.36, 0.6 / 1.36), rel=1e-15)
     many = mf.MultilinearLaw.from_friction_coefficients((1.2, 1.7), [(0.2, 0.3)], (0.1, 0.6), *PAIR)
+    for target in (law, many):
+        assert target.friction_coefficients == pytest.approx((1.2, 1.7), rel=1e-15)
+        assert "1.2 and 1.7" in target.title
     assert many.crossover_loads[0] == pytest.approx((0.2 / 1.36, 0.3 / 1.36), rel=1e-15)
     with pytest.raises(mf.InvalidInput, match=r"crossover_load = 0.8 N \(0.588235 mm\^2\)"):
         mf.BilinearLaw.from_friction_coefficients((1.2, 1.7), 0.8, *PAIR, load_range_N=(0.1, 0.6))

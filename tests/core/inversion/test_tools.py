@@ -54,12 +54,12 @@ def test_no_random_contacts_have_a_smaller_local_exponent_than_the_bound():
         assert exponent >= 2.0 / 7.0 * least * (1.0 - 1e-12)
 
 
-@pytest.mark.parametrize("weight", [1.0, 0.2])
-def test_the_least_ratio_of_weighted_sums_is_that_of_random_sizes_and_weights(weight):
-    rng = np.random.default_rng(1)
-    a, w = np.exp(rng.uniform(-8.0, 0.0, (300000, 3))), rng.choice([1.0, weight], (300000, 3))
-    ratio = (w**0.5 * a**1.5).sum(axis=1) ** 2 / (a.sum(axis=1) * (w * a**2).sum(axis=1))
-    assert least_ratio(3, 1.0 / weight) <= ratio.min() <= least_ratio(3, 1.0 / weight) * 1.001
+def test_the_least_ratio_of_weighted_sums_is_that_of_random_sizes_and_weights():
+    for weight in [1.0, 0.2]:
+        rng = np.random.default_rng(1)
+        a, w = np.exp(rng.uniform(-8.0, 0.0, (300000, 3))), rng.choice([1.0, weight], (300000, 3))
+        ratio = (w**0.5 * a**1.5).sum(axis=1) ** 2 / (a.sum(axis=1) * (w * a**2).sum(axis=1))
+        assert least_ratio(3, 1.0 / weight) <= ratio.min() <= least_ratio(3, 1.0 / weight) * 1.001
 
 
 def test_laws_of_random_kits_are_within_their_bounds():
@@ -80,15 +80,15 @@ def test_groups_of_exponents_are_means_of_neighbours():
     np.testing.assert_allclose(np.unique(found), [math.sqrt(2.4), (4.0 * 4.1 * 4.2) ** (1 / 3)])
 
 
-@pytest.mark.parametrize("cap", [mf.Hertz(), mf.PowerCap(4)], ids=repr)
-def test_a_mixture_has_the_law_of_its_mean_radius(cap):
-    mixture, density = Mixture((0.2, 0.8), (3000, 1000), cap), ExponentialDensity(0.03, 0.12)
-    height = np.sort(-0.03 * np.log1p(-np.linspace(0.0, -np.expm1(-4.0), 4001)[1:]))[::-1]
-    load, delta = np.linspace(1.0, 10.0, 5), np.linspace(0.12, 0.0, 2000)
-    area = mf.Independent(contact=mixture.law).curves(height, mixture.mixed(), load)[2][0]
-    loads, areas = (f(delta, *mixture.asperities) for f in (density.rescaled_load, density.area))
-    # the ends of 4,000 intervals, not their middles
-    np.testing.assert_allclose(area, np.interp(load, loads, areas), rtol=2e-3)
+def test_a_mixture_has_the_law_of_its_mean_radius():
+    for cap in [mf.Hertz(), mf.PowerCap(4)]:
+        mixture, density = Mixture((0.2, 0.8), (3000, 1000), cap), ExponentialDensity(0.03, 0.12)
+        height = np.sort(-0.03 * np.log1p(-np.linspace(0.0, -np.expm1(-4.0), 4001)[1:]))[::-1]
+        load, delta = np.linspace(1.0, 10.0, 5), np.linspace(0.12, 0.0, 2000)
+        area = mf.Independent(contact=mixture.law).curves(height, mixture.mixed(), load)[2][0]
+        loads, areas = (f(delta, *mixture.asperities) for f in (density.rescaled_load, density.area))
+        # the ends of 4,000 intervals, not their middles
+        np.testing.assert_allclose(area, np.interp(load, loads, areas), rtol=2e-3)
 
 
 def test_a_mixture_reaches_between_the_tools(template):
@@ -111,15 +111,15 @@ def test_a_mixture_reaches_between_the_tools(template):
     assert result.parameters["lowest_coefficients"].shape == (2,)
 
 
-@pytest.mark.parametrize(("step", "common"), [(0.07, False), (0.6, True)])
-def test_radii_of_a_range_are_those_of_its_steps(template, step, common):
-    radii = mf.RadiusRange(0.2, 0.8, step)
-    result = mf.design(mf.LinearLaw(4.5), template, limits=LIMITS, tools=radii, common_radius=common)
-    steps = {0.2, 0.8, *(round(i * step, 12) for i in range(12) if 0.2 < i * step < 0.8)}
-    assert {*result.surface.radius, *result.parameters["tried_radii"]} <= steps
-    assert common or result.tools == radii
-    tried = Radii.given(mf.RadiusRange(0.207, 0.803)).tried
-    assert (tried[0], tried[-1]) == (0.207, 0.803)
+def test_radii_of_a_range_are_those_of_its_steps(template):
+    for step, common in [(0.07, False), (0.6, True)]:
+        radii = mf.RadiusRange(0.2, 0.8, step)
+        result = mf.design(mf.LinearLaw(4.5), template, limits=LIMITS, tools=radii, common_radius=common)
+        steps = {0.2, 0.8, *(round(i * step, 12) for i in range(12) if 0.2 < i * step < 0.8)}
+        assert {*result.surface.radius, *result.parameters["tried_radii"]} <= steps
+        assert common or result.tools == radii
+        tried = Radii.given(mf.RadiusRange(0.207, 0.803)).tried
+        assert (tried[0], tried[-1]) == (0.207, 0.803)
 
 
 def test_levels_of_different_radii_meet_points():
@@ -155,6 +155,27 @@ def test_the_best_common_radius_is_that_of_the_law():
     result = mf.design(target, CELL, limits=LIMITS, tools=[0.3, 0.4, 0.5], common_radius=True)
     assert result.misfit < 1e-3
     np.testing.assert_array_equal(result.surface.radius, 0.4)
+
+
+def test_points_below_those_of_one_radius_are_met_by_two():
+    """F grows by less than P^(2/3)."""
+    target = mf.OperatingPoints([0.144, 0.336], [0.84, 0.84 * (0.336 / 0.144) ** 0.65])
+    with pytest.raises(mf.Infeasible, match=r"no radius .* point 2"):
+        mf.design(target, LATTICE, limits=LIMITS, tools=[0.2, 0.8], common_radius=True)
+    assert mf.design(target, LATTICE, limits=LIMITS, tools=[0.2, 0.8]).misfit <= 1e-9
+
+
+def test_exponents_of_periodic_cells_are_corrected_for_interaction():
+    model, rng = mf.Interacting(contact=mf.Elastic()), np.random.default_rng(2)
+    cap = [mf.Power(n) for n in rng.uniform(1.3, 5.0, 6)]
+    sites = mf.Surface.square_lattice(0.15, (2, 3), radius=0.526, material=mf.Material(1.36))
+    template = sites.replaced(cell=mf.PeriodicCell(4.5, 3.0))
+    known, load = template.replaced(cap=cap, height=rng.uniform(0.05, 0.15, 6)), np.linspace(0.005, 0.15, 30)
+    target = mf.SampledLaw(load, model.curve(known, load).area)
+    found = mf.design(target, template, model, mf.Limits(0.15), tools=mf.PowerRange(1.2, 6.0, None))
+    assert found.misfit <= 3e-3
+    area = model.curve(found.surface, load).area
+    assert target.curve().misfit(area) == pytest.approx(found.misfit, rel=1e-9)
 
 
 def test_reach_of_each_tool_is_told(template):

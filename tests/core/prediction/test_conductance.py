@@ -33,12 +33,6 @@ def test_barbers_identity_with_interaction(irregular):
         assert_allclose(found, model.curve(surface, LOADS).stiffness, rtol=1e-8 if order == 1 else 2e-5)
 
 
-def test_identity_of_other_caps_holds_to_the_order_of_the_expansion(irregular):
-    model = mf.Interacting(contact=mf.Elastic())
-    found = mf.conductance(irregular, model, load=LOADS, resistivity=1.0).rescaled_conductance
-    assert_allclose(found, model.curve(irregular, LOADS).stiffness, rtol=2e-5)
-
-
 def test_conductance_depends_on_the_sum_of_resistivities_on_a_half_space(irregular):
     model = mf.Interacting()
     one = mf.conductance(irregular, model, load=LOADS, resistivity=3.0)
@@ -86,12 +80,3 @@ def test_the_automatic_model_has_the_conductance_of_the_chosen_one(irregular):
         mf.Interacting(1),
     )
     assert (found == expected).all()
-
-
-def test_notes_tell_where_the_model_leaves_its_range():
-    """Contacts that overlap are named, as in the friction law."""
-    near = mf.Surface.square_lattice(0.3, (2, 2), 0.5, radius=0.526, material=mf.Material(1.0))
-    model = mf.Interacting()
-    found = mf.conductance(near, model, load=[0.0, 0.4], resistivity=1.0)
-    assert found.notes == mf.friction_law(near, model, load=[0.4]).notes
-    assert found.notes

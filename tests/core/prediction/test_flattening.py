@@ -68,11 +68,3 @@ def test_an_elastic_law_and_a_load_of_zero_change_nothing(surface):
     assert mf.flattened(surface, load=0.1) == (surface, mf.Independent())
     after, _ = mf.flattened(surface, mf.Independent(LAWS[0]), load=0.0)
     assert_allclose(after.height, surface.height, rtol=0)
-
-
-def test_notes_state_plastic_and_flattened_contacts(surface):
-    model = mf.Independent(LAWS[0])
-    notes = [str(note) for note in mf.equilibrium(surface, model, load=0.05).notes]
-    assert any("contacts deform plastically, up to an indentation of" in note for note in notes)
-    state = mf.equilibrium(*mf.flattened(surface, model, load=0.05), load=0.02)
-    assert any("summits are flattened by an earlier load" in str(note) for note in state.notes)

@@ -3,7 +3,6 @@
 from functools import partial
 
 import numpy as np
-import pytest
 
 import metafem as mf
 
@@ -74,9 +73,14 @@ REFUSALS = [
 ]
 
 
-@pytest.mark.parametrize(("call", "key", "value"), REFUSALS)
-def test_wrong_input_is_refused_with_its_name_and_value(call, key, value):
-    with pytest.raises(mf.InvalidInput) as caught:
+def said(call):
+    try:
         call()
-    assert key in str(caught.value)
-    assert value in str(caught.value)
+    except mf.InvalidInput as error:
+        return str(error)
+    return "accepted"
+
+
+def test_wrong_input_is_refused_with_its_name_and_value():
+    found = [(key, value, said(call)) for call, key, value in REFUSALS]
+    assert [row for row in found if row[0] not in row[2] or row[1] not in row[2]] == []

@@ -47,7 +47,7 @@ def test_study_has_the_moments_of_the_closed_form():
     mean = np.einsum("ij,ijk->k", weight, each)
     sd = np.sqrt(np.einsum("ij,ijk->k", weight, (each - mean) ** 2))
     ends, others = (LOAD[0], LOAD[-1]), mf.Tolerances(exponent_sd=0.02, coefficient_sd=0.01)
-    found = manufacturing(surface(), 0.0, draws=256, model=ELASTIC, load_range=ends, others=others)
+    found = manufacturing(surface(), 0.0, draws=128, model=ELASTIC, load_range=ends, others=others)
     np.testing.assert_allclose(found.rescaled_load, LOAD, rtol=1e-12)
     assert (np.abs(found.area_mean[0] - mean) <= 4.0 * found.area_mean_error[0]).all()
     assert (np.abs(found.area_sd[0] - sd) <= 4.0 * found.area_sd_error[0]).all()

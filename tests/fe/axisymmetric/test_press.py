@@ -69,3 +69,20 @@ def test_the_fit_holds_between_the_rows(height_ratio):
     assert pedestal_compliance(height_ratio, 1.0, a) == pytest.approx(
         mf.fe.measure_pedestal(height_ratio, a), rel=1e-3
     )
+
+
+def test_lengths_scale():
+    small, big = (
+        block(0.12, 0.10),
+        mf.fe.press(100.0, 1e3 * R, height=120.0, thickness=7.2e3, block_radius=1e4),
+    )
+    assert big.rescaled_load == pytest.approx(1e6 * small.rescaled_load, rel=1e-9)
+    assert big.indentation == pytest.approx(1e3 * small.indentation, rel=1e-9)
+
+
+def test_the_active_set_finds_hertz_on_a_coarse_mesh_and_in_other_units():
+    contact = mf.fe.search_contact(1e6, 1e6, 0.3, cell=1e6 / 10.3)
+    # Second order from 1e-4 at forty cells: sixteen times that at ten.
+    assert contact.rescaled_load == pytest.approx(4.0 / 3.0 * 1e12, rel=1.6e-3)
+    assert contact.contact_radius == pytest.approx(1e6, rel=1.6e-3)
+    assert contact.last_radius == pytest.approx(1e6, rel=0.1)

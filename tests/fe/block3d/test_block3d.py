@@ -72,6 +72,18 @@ def test_block_of_unequal_sides_turns_with_its_sites():
     np.testing.assert_allclose(turned.laplacian, found.laplacian, atol=1e-9)
 
 
+def test_lengths_scale(coarse):
+    twice = Block3D(**COARSE).solution(scene(2.0 * SITES, mf.Block(40.0, 40.0, 14.4)))
+    np.testing.assert_allclose(2.0 * twice.matrix, coarse.matrix, rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(4.0 * twice.gradient_x, coarse.gradient_x, rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(8.0 * twice.laplacian, coarse.laplacian, rtol=1e-7, atol=1e-12)
+
+
+def test_loads_beside_a_side_warn():
+    with pytest.warns(mf.MetafemWarning, match="smaller cells"):
+        Block3D(**COARSE).influence_matrix(scene(np.array([[9.9, 0.0], [9.0, 0.0]])))
+
+
 def test_nearly_square_block_is_the_square_one(coarse):
     # three problems with the diagonal's symmetry, four without
     found = Block3D(**COARSE).influence_matrix(scene(SITES, mf.Block(20.0, 20.0 + 1e-9, 7.2)))

@@ -8,7 +8,6 @@ from numpy.testing import assert_allclose
 
 import metafem as mf
 from metafem.fe.axisymmetric.geometry import Cap
-from metafem.fe.axisymmetric.mesh import graded_mesh
 from metafem.fe.large_strain import body as soft_body
 from metafem.fe.large_strain import press
 from validation.finite_elements.frozen_meshes import (
@@ -31,20 +30,6 @@ def coarse(stick):
     """Five contacts on the coarsest mesh."""
     radii = R * np.array([0.1, 0.2, 0.3, 0.4, 0.5])
     return press.press_sequence(radii, CAP, stick, (0, 0))
-
-
-def sphere(r):
-    return R - np.sqrt(R**2 - r**2)
-
-
-@functools.cache
-def flattened(place, degree, refinement=0):
-    """One body with its state, the contact ending at a material radius."""
-    mesh = graded_mesh(
-        float(CAP.surface(np.array(place))[0]), 10.0, 7.2, CAP.foot, contact_edge=1e-4, foot_edge=0.05
-    )
-    body = soft_body.SoftBody(mesh.refined(refinement) if refinement else mesh, CAP, degree, 0.5)
-    return body, body.flatten(sphere)
 
 
 def test_small_strain_limit():
@@ -101,27 +86,6 @@ def test_stuck_points_do_not_move():
         place = np.array([contact.material_radius])
         moved = press.stuck_displacement(place, coarse(True), R)
         assert place + moved == pytest.approx(contact.contact_radius, rel=1e-6)
-
-
-@pytest.mark.nightly
-def test_the_estimate_bounds_the_difference_from_other_elements():
-    """Cubic displacements with quadratic pressures, on the coarse mesh."""
-    contact = mf.fe.press_finite(0.35 * R, **BODY)
-    _, cubic = flattened(contact.material_radius, 3)
-    error = abs(
-        contact.rescaled_load / (cubic.rescaled_load * (contact.contact_radius / cubic.contact_radius) ** 3)
-        - 1.0
-    )
-    assert error < contact.error_estimate < 100.0 * error
-
-
-@pytest.mark.nightly
-def test_rate_of_quadratic_elements():
-    place = 0.45 * R
-    loads = [flattened(place, 2, refinement)[1].rescaled_load for refinement in range(3)]
-    # Quadratic displacements give energies of order four; the foot's corner and the growing cells take
-    # up to one from it.
-    assert np.log2((loads[0] - loads[1]) / (loads[1] - loads[2])) > 2.5
 
 
 @pytest.fixture
