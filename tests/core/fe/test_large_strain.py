@@ -1,7 +1,5 @@
 """Large strain against small, Hertz, physics.md's rows, the balance of energy and other elements."""
 
-import functools
-
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -10,9 +8,7 @@ import metafem as mf
 from metafem.fe.axisymmetric.geometry import Cap
 from metafem.fe.axisymmetric.mesh import graded_mesh
 from metafem.fe.large_strain import body as soft_body
-from validation.finite_elements.frozen_meshes import (
-    FOLDER,
-)
+from validation.finite_elements.frozen_meshes import FOLDER
 
 R = 0.526
 
@@ -21,22 +17,11 @@ CAP = Cap(R, 0.2, 10.0, 7.2)
 BODY = {"radius": R, "height": 0.2, "thickness": 7.2, "block_radius": 10.0}
 
 
-def sphere(r):
-    return R - np.sqrt(R**2 - r**2)
-
-
-@functools.cache
-def flattened(place, degree, refinement=0):
-    """One body with its state, the contact ending at a material radius."""
-    mesh = graded_mesh(
-        float(CAP.surface(np.array(place))[0]), 10.0, 7.2, CAP.foot, contact_edge=1e-4, foot_edge=0.05
-    )
-    body = soft_body.SoftBody(mesh.refined(refinement) if refinement else mesh, CAP, degree, 0.5)
-    return body, body.flatten(sphere)
-
-
 def test_the_plane_presses_inside_and_nothing_crosses_it_outside():
-    body, state = flattened(0.5 * R, 2)
+    edge = float(CAP.surface(np.array(0.5 * R))[0])
+    mesh = graded_mesh(edge, 10.0, 7.2, CAP.foot, contact_edge=1e-4, foot_edge=0.05)
+    body = soft_body.SoftBody(mesh, CAP, 2, 0.5)
+    state = body.flatten(lambda r: R - np.sqrt(R**2 - r**2))
     plane = state.indentation - CAP.height
     free = np.unique(body.mesh.facets[:, body.mesh.boundaries["free"]])
     depth = CAP.point(body.mesh.p[:, free])[1] + state.unknowns[body.count + free]
@@ -53,14 +38,9 @@ def test_a_newton_that_does_not_end_is_reported(monkeypatch):
     assert caught.value.state.status is mf.fe.NewtonStatus.NOT_CONVERGED
 
 
-@pytest.fixture
-def frozen():
-    return np.loadtxt(FOLDER / "soft_cap.csv", delimiter=",", skiprows=1)
-
-
-def test_the_frozen_table_is_a_contact_law(frozen):
+def test_the_frozen_table_is_a_contact_law():
     material = mf.Material(1.36)
-    indentation, load, area = frozen.T
+    indentation, load, area = np.loadtxt(FOLDER / "soft_cap.csv", delimiter=",", skiprows=1).T
     law = mf.TabulatedContact(indentation, 1.36 * load, area).for_material(material)
     a = np.array([0.1, 0.19, 0.35, 0.43]) * R
     # printed ratios of finite strain, and 0.2 % of the mesh

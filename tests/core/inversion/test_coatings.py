@@ -11,7 +11,7 @@ MATERIAL, FRICTION = mf.Material(1.36), mf.Friction(0.4, 0.85)
 CELL = mf.Surface.square_lattice(0.15, (3, 4), radius=0.526, material=MATERIAL, friction=FRICTION)
 LATTICE = mf.Surface.square_lattice(0.3, radius=0.526, material=MATERIAL, friction=FRICTION)
 ELASTIC = mf.Independent(mf.Elastic())
-PARABOLOIDS = (mf.Tool(0.526, mf.Paraboloid()), mf.Tool(0.526, mf.Paraboloid(), shear_strength=0.1))
+
 KIT = (mf.Tool(0.5, mf.Power(2)), mf.Tool(0.5, mf.Power(2), 0.1), mf.Tool(0.3, mf.Power(4), 0.8))
 WEIGHT = np.random.default_rng(0).choice([1.0, 0.25], 16)
 COATED = mf.Friction(0.4 * WEIGHT, 0.85)
@@ -80,15 +80,6 @@ def test_forces_are_sums_over_the_tools_of_the_asperities():
     law = mf.friction_law(found.surface, ELASTIC, load=[0.2])
     assert law.friction_force[0] == pytest.approx(0.85 * sigma @ area, rel=1e-10)
     assert law.rescaled_friction[0] == pytest.approx(law.friction_force[0] / (0.85 * sigma.max()), rel=1e-10)
-
-
-def test_a_common_coated_tool():
-    given = {"limits": mf.Limits(0.3), "tools": PARABOLOIDS, "common_radius": True}
-    found = mf.design(mf.LinearLaw(1.5), LATTICE, **given)
-    np.testing.assert_array_equal(found.surface.friction.shear_strength, 0.1)
-    ((branch, fit),) = found.fits
-    assert fit.slope == pytest.approx(branch.slope, rel=0.1)
-    assert fit.friction_coefficient == pytest.approx(fit.slope * 0.34 / 1.36, rel=1e-12)
 
 
 def test_random_coated_surfaces_are_within_the_bounds_of_their_kit():

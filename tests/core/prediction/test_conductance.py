@@ -68,15 +68,3 @@ def test_resolved_contacts_on_a_half_space_carry_the_stiffness(irregular):
 def test_no_contact_has_no_conductance(irregular):
     for model in (mf.Independent(), mf.Interacting(), mf.BoundaryElements(0.02)):
         assert mf.conductance(irregular, model, load=[0.0], resistivity=1.0).conductance[0] == 0.0
-
-
-def test_the_automatic_model_has_the_conductance_of_the_chosen_one(irregular):
-    found, expected = (
-        mf.conductance(irregular, model, load=[0.0, 0.1], resistivity=1.0).conductance
-        for model in (mf.Automatic(1e-2), mf.Interacting(1))
-    )
-    assert mf.equilibrium(irregular, mf.Automatic(1e-2), load=0.1).model in (
-        mf.Independent(),
-        mf.Interacting(1),
-    )
-    assert (found == expected).all()

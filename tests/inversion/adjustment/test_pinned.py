@@ -46,12 +46,6 @@ def test_targets_are_met_under_every_model(name, model, most):
     assert result.law.model == model
 
 
-def test_given_heights_on_steps_leave_interacting_heights_as_they_are():
-    before = designed(TARGETS["power"], None, LAYER, limits=STEPS)
-    pinned = dict(list(heights(before).items())[::5])
-    assert designed(TARGETS["power"], pinned, LAYER, limits=STEPS).surface == before.surface
-
-
 @pytest.mark.parametrize(("name", "model"), [("linear", None), ("sampled", LAYER)])
 def test_the_other_heights_are_on_steps(name, model):
     result = designed(TARGETS[name], PINNED, model, limits=STEPS)
