@@ -4,25 +4,23 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from tests.core.inversion.test_coatings import (
-    CELL,
-    FRICTION,
-    LATTICE,
-    MATERIAL,
-    PARABOLOIDS,
-    forces_of,
-    recovered,
-    sampled,
-    scene,
-)
+from tests.core.inversion import test_coatings as coated
+from tests.core.inversion.test_coatings import CELL, LATTICE, forces_of
 from tests.core.inversion.test_coatings import KIT as POWERS
 from tests.core.inversion.test_tools import ELASTIC, KIT, LIMITS
 from validation.scenes.cells import cell
 
 RANGE, FREE = mf.PowerRange(1.2, 6.0), mf.PowerRange(1.2, 6.0, None)
 TALL, LAYER = mf.Limits(0.27), mf.Interacting(substrate=mf.BondedLayer(7.2, 0.5))
+PARABOLOIDS = (mf.Tool(0.526, mf.Paraboloid()), mf.Tool(0.526, mf.Paraboloid(), shear_strength=0.1))
 COUPLED = mf.Interacting(contact=mf.Elastic())
 TWO, RADII = [mf.Tool(0.526), mf.Tool(0.3, mf.Power(4))], mf.RadiusRange(0.2, 0.8)
+
+
+def sampled(surface, load, model=None):
+    """Return the friction forces of a surface at loads [N] as a target, and the forces."""
+    force = mf.friction_law(surface, model, load=load).friction_force
+    return mf.SampledLaw.from_forces(load, force, coated.MATERIAL, coated.FRICTION), force
 
 
 @pytest.mark.parametrize("exponent", [0.5, 1.4])
@@ -159,8 +157,8 @@ def test_a_range_is_searched_around_its_best(template):
 @pytest.mark.parametrize("seed", [0, 2, 3])
 def test_the_law_of_known_coated_tools_is_recovered(seed):
     load = np.linspace(0.01, 0.3, 30)
-    known = forces_of(scene(seed, POWERS), load)
-    target = mf.SampledLaw.from_forces(load, known, MATERIAL, FRICTION)
+    known = forces_of(coated.scene(seed, POWERS), load)
+    target = mf.SampledLaw.from_forces(load, known, coated.MATERIAL, coated.FRICTION)
     found = mf.design(target, CELL, limits=mf.Limits(0.15), tools=POWERS)
     assert found.misfit <= 2e-3
     np.testing.assert_allclose(forces_of(found.surface, load), known, rtol=0.01)
@@ -170,7 +168,7 @@ def test_the_law_of_known_coated_tools_is_recovered(seed):
 @pytest.mark.parametrize("model", [mf.Independent(), mf.Interacting()], ids=repr)
 def test_a_design_on_coated_sites_states_how_near_it_came(seed, model):
     """The search misses some of these laws: what it states is the misfit of its surface."""
-    design, misfit = recovered(seed, model)
+    design, misfit = coated.recovered(seed, model)
     assert misfit == pytest.approx(design.misfit, rel=1e-9)
     assert (design.status is mf.DesignStatus.MISSED) == (misfit > 0.01)
     assert misfit < 0.05
@@ -179,7 +177,7 @@ def test_a_design_on_coated_sites_states_how_near_it_came(seed, model):
 def test_coated_heights_are_refined_under_the_model():
     tools = [mf.Tool(0.526), mf.Tool(0.526, shear_strength=0.1)]
     for model in (mf.Interacting(), mf.MeanField()):
-        target, force = sampled(scene(3, tools), np.linspace(0.02, 0.3, 30), model)
+        target, force = sampled(coated.scene(3, tools), np.linspace(0.02, 0.3, 30), model)
         found = mf.design(target, CELL, model, mf.Limits(0.15), tools=tools)
         assert found.misfit <= 2e-3
         law = mf.friction_law(found.surface, model, load=target.rescaled_load * 1.36)

@@ -68,6 +68,23 @@ def test_arranged_laws_follow_the_independent_one(uneven):
 CORNERS = np.array([[9.0, 9.0], [-9.0, 9.0], [9.0, -9.0], [-9.0, -9.0]])
 
 
+class Matrices:
+    """The half-space as a substrate of no radial kind."""
+
+    influence_matrix = staticmethod(mf.HalfSpace().influence_matrix)
+    influence_derivatives = staticmethod(mf.HalfSpace().influence_derivatives)
+
+    def for_surface(self, surface):
+        return self
+
+
+def test_a_substrate_without_a_formula_is_arranged_by_its_matrices(uneven):
+    more, law = np.vstack([CORNERS, uneven.position]), mf.FollowLaw(LOAD)
+    result = mf.arrange(uneven, law, mf.Interacting(substrate=Matrices()), position=more)
+    assert result.after < 0.1 * result.before
+    assert result.after == pytest.approx(np.linalg.norm(law.residual(result.surface, mf.Interacting())))
+
+
 def test_places_that_stay_empty_are_told(uneven):
     more = np.vstack([CORNERS, uneven.position])
     result = mf.arrange(uneven, mf.FollowLaw(LOAD), position=more)
