@@ -15,7 +15,6 @@ def irregular():
     return irregular_scene().surface
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("share", [0.5, 1.0])
 def test_resolved_contacts_on_a_layer(share, irregular):
     """Order 3 is off by .03 % from cells of 5 um; the cells themselves by .01 %."""
