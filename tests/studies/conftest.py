@@ -1,26 +1,5 @@
-"""Surfaces that several studies share."""
+"""The surfaces of the core's tests."""
 
-import numpy as np
-import pytest
+from tests.core.studies import conftest as core
 
-import metafem as mf
-from tests.conftest import MATERIAL, RADIUS
-
-
-@pytest.fixture(scope="session")
-def surface():
-    """16 asperities with exponentially distributed heights."""
-    height = 0.1 + np.random.default_rng(3).exponential(0.02, 16)
-    friction, block = mf.Friction(0.404, 0.85), mf.Block(10.0, 10.0, 7.2)
-    return mf.Surface.square_lattice(
-        height, (4, 4), radius=0.526, material=mf.Material(1.36), friction=friction, block=block
-    )
-
-
-@pytest.fixture(scope="session")
-def linear():
-    """The heights of an exponential law on the paper's lattice."""
-    height = 0.2 - 0.02 * np.log(64 / (np.arange(64) + 0.5))
-    return mf.Surface.square_lattice(
-        height, radius=RADIUS, material=MATERIAL, block=mf.Block(20.0, 20.0, 7.2)
-    )
+linear, surface = core.linear, core.surface

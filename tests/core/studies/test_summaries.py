@@ -1,8 +1,6 @@
 """The tables and answers of studies."""
 
 import numpy as np
-import pytest
-import xarray as xr
 
 import metafem as mf
 from metafem.studies import summary
@@ -10,10 +8,10 @@ from metafem.studies.summaries.tolerances import shown
 from tests.conftest import MATERIAL, RADIUS
 
 
-@pytest.mark.parametrize(("count", "step"), [(1, 1), (12, 1), (13, 2), (31, 5), (1000, 100)])
-def test_a_table_has_at_most_twelve_rows_and_the_last(count, step):
-    rows = shown(count)
-    assert (rows[-1], len(rows) <= 12, set(np.diff(rows)) <= {step}) == (count - 1, True, True)
+def test_a_table_has_at_most_twelve_rows_and_the_last():
+    for count, step in ((1, 1), (12, 1), (13, 2), (31, 5), (1000, 100)):
+        rows = shown(count)
+        assert (rows[-1], len(rows) <= 12, set(np.diff(rows)) <= {step}) == (count - 1, True, True)
 
 
 def test_scatter_and_change_of_the_mean_are_sentences_of_their_own(linear):
@@ -62,11 +60,6 @@ def test_correlated_inputs_are_named_together(template):
     assert found.answer.startswith(
         "The composite modulus E* and the radius R matter most: their errors account for 100 %"
     )
-
-
-def test_a_foreign_dataset_has_no_summary():
-    with pytest.raises(mf.InvalidInput, match="no summary"):
-        summary(xr.Dataset())
 
 
 def test_numbers_and_notes_of_a_summary(template):

@@ -18,16 +18,3 @@ def test_the_default_range_ends_where_the_plane_reaches_the_lowest_summit(rough)
     low, high = Slope.of(rough).load_range
     assert low == pytest.approx(0.25 * high)
     assert mf.Independent().curve(rough, np.array([high])).approach[0] == pytest.approx(np.ptp(rough.height))
-
-
-@pytest.mark.parametrize(
-    ("load_range", "words"),
-    [
-        (None, "load_range must be given: all summits have one height"),
-        ((0.3, 0.1), "load_range.* does not exceed"),
-        ((0.1, 0.2, 0.3), "load_range has 3 numbers"),
-    ],
-)
-def test_a_range_that_is_none_is_refused(template, load_range, words):
-    with pytest.raises(mf.InvalidInput, match=words):
-        Slope.of(template, load_range)

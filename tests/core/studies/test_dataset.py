@@ -32,5 +32,5 @@ def test_every_variable_is_described(surface):
 def test_shares_have_no_unit():
     assert described("friction_force_sd")["units"] == "N"
     assert described("friction_force_total_error")["units"] == "1"
-    assert described("nominal_area")["long_name"] == "real contact area, without errors"
+    assert described("nominal_area")["units"] == "mm2"
     assert described("anything_else") == {}

@@ -38,7 +38,4 @@ def test_only_what_metafem_wrote_is_removed(folder):
     assert _caches.size(_caches.kept_kernels()) == 3
     assert _caches.remove([*_caches.kept_kernels(), *_caches.kept_blocks()]) == 8
     assert sorted(path.name for path in folder.rglob("*")) == ["kernels", "mine", "mine.npz"]
-
-
-def test_removing_from_an_empty_cache_frees_nothing(folder):
     assert _caches.remove([*_caches.kept_kernels(), *_caches.kept_blocks()]) == 0

@@ -1,0 +1,94 @@
+"""Runs of batches: the same numbers from any number of workers and from a folder of finished batches."""
+
+import errno
+
+import numpy as np
+import pytest
+
+import metafem as mf
+from metafem.progress import listening
+from metafem.studies import Execution
+from metafem.studies.sampling import store
+from metafem.studies.sampling.batches import opened
+from tests.conftest import MATERIAL, RADIUS
+
+SURFACE = mf.Surface.square_lattice(
+    np.linspace(0.1, 0.2, 16), (4, 4), radius=RADIUS, material=MATERIAL, block=mf.Block(20.0, 20.0, 7.2)
+)
+SQUARES = [0, 1, 4, 9, 16, 25]
+
+
+def study(execution=None, draws=200):
+    return mf.studies.manufacturing(SURFACE, [0.001, 0.003], draws=draws, execution=execution)
+
+
+def squares(batch):
+    return {"value": np.array([batch**2])}
+
+
+def computed(execution, task=squares):
+    with opened(execution, "test", "0" * 32) as compute:
+        return [result["value"].item() for result in compute(task, range(6))]
+
+
+def test_two_processes_give_the_numbers_of_one():
+    assert computed(Execution(workers=2)) == computed(None) == SQUARES
+
+
+def test_a_stopped_run_goes_on_where_it_was(tmp_path):
+    calls, messages = [], []
+
+    def stopped(batch):
+        calls.append(batch)
+        if calls == [0, 1, 2]:
+            raise KeyboardInterrupt
+        return squares(batch)
+
+    execution = Execution(folder=tmp_path / "run")
+    with listening(lambda step, done: None, messages.append), pytest.raises(KeyboardInterrupt):
+        computed(execution, stopped)
+    assert str(tmp_path) in messages[0]
+    assert computed(execution, stopped) == SQUARES
+    (tmp_path / "run" / "batch-00000001.npz").write_bytes(b"damaged")
+    assert computed(execution, stopped) == SQUARES
+    assert computed(execution, stopped) == SQUARES
+    assert calls == [0, 1, 2, 2, 3, 4, 5, 1]
+
+
+def test_on_a_full_disk_what_is_done_is_kept_and_the_run_goes_on(tmp_path, monkeypatch):
+    save, written, messages = np.savez_compressed, [], []
+
+    def full(file, **arrays):
+        if len(written) == 2:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        written.append(file.name)
+        save(file, **arrays)
+
+    monkeypatch.setattr(store.np, "savez_compressed", full)
+    with listening(lambda step, done: None, messages.append):
+        assert computed(Execution(folder=tmp_path)) == SQUARES
+    assert [str(tmp_path) in text for text in messages] == [True]
+    kept = sorted(path.name for path in tmp_path.iterdir())
+    assert kept == ["batch-00000000.npz", "batch-00000001.npz", "run.json"]
+
+
+def test_progress_has_a_rate_and_the_time_left():
+    steps = []
+    with listening(lambda step, done: steps.append(step)):
+        computed(None)
+    assert steps[0] == "batch 1 of 6"
+    assert steps[3].startswith("batch 4 of 6, ")
+    assert steps[3].endswith(" per second, 0 s left")
+
+
+def test_the_hash_of_inputs_is_that_of_their_values():
+    values = (SURFACE, mf.Interacting(), mf.Tolerances(0.001), 3)
+    same = (SURFACE.replaced(), mf.Interacting(), mf.Tolerances(0.001), 3)
+    assert store.inputs_hash(values) == store.inputs_hash(same)
+    changed = [
+        (SURFACE.replaced(height=SURFACE.height + 1e-9), *values[1:]),
+        (SURFACE, mf.Interacting(order=1), *values[2:]),
+        (*values[:2], mf.Tolerances(0.002), 3),
+        (*values[:3], 3.0),
+    ]
+    assert len({store.inputs_hash(each) for each in (values, *changed)}) == 5

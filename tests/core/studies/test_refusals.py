@@ -1,0 +1,173 @@
+"""What studies refuse: the argument and the value that was given are in the message."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import metafem as mf
+from metafem.studies import Draws, Execution, Requirement, summary
+from metafem.studies.cap_contact import caps_of
+from metafem.studies.sampling.batches import opened
+from metafem.studies.sampling.inputs import Inputs
+from metafem.studies.sampling.slope import Slope
+
+MATERIAL, FRICTION = mf.Material(1.36), mf.Friction(0.404, 0.85)
+SURFACE = mf.Surface.square_lattice(
+    [0.1, 0.11, 0.12, 0.13], (2, 2), radius=0.526, material=MATERIAL, friction=FRICTION
+)
+FLAT, BARE = SURFACE.replaced(height=np.full(4, 0.1)), SURFACE.replaced(friction=None)
+COATED = SURFACE.replaced(friction=mf.Friction([0.4, 0.1, 0.2, 0.4], 0.85))
+SIX = mf.Surface.square_lattice(
+    0.12, (2, 3), radius=np.linspace(0.4, 0.6, 6), material=MATERIAL, block=mf.Block(20, 20, 7.2)
+)
+POWERS = SIX.replaced(cap=mf.Power(4))
+MEAN = {"radius": 0.5, "composite_modulus": 1.4, "area_ratio": 0.9, "load": np.array([0.1, 0.2])}
+
+
+def manufacturing(height_sd, surface=SURFACE, **given):
+    return lambda: mf.studies.manufacturing(surface, height_sd, **given)
+
+
+def misalignment(angle, surface=SURFACE, **given):
+    return lambda: mf.studies.misalignment(surface, angle, **given)
+
+
+def uncertainty(surface=SURFACE, **given):
+    return lambda: mf.studies.uncertainty(surface, **({"parameters": {"radius": 0.005}} | given))
+
+
+def combined(friction=FRICTION, **given):
+    def call():
+        design = mf.design(mf.OperatingPoints([0.03], [0.2]), SURFACE, limits=mf.Limits(0.2))
+        surface = design.surface.replaced(friction=friction)
+        mf.studies.combined(replace(design, surface=surface), mf.Tolerances(0.001), **given)
+
+    return call
+
+
+def inputs(parameters, covariance=None):
+    return lambda: Inputs.of(parameters, covariance, MEAN)
+
+
+def in_folder(name, **given):
+    """A study whose folder is that of another run, holds other files, or is a file."""
+
+    def call(tmp_path):
+        run = Execution(folder=tmp_path / "run")
+        mf.studies.manufacturing(SURFACE, [0.001], draws=16, execution=run)
+        (tmp_path / "notes.txt").write_text("mine")
+        execution = Execution(folder=tmp_path / name)
+        mf.studies.manufacturing(SURFACE, [0.001], draws=16, execution=execution, **given)
+
+    return call
+
+
+def another_study(tmp_path):
+    for name in ("one", "other"):
+        with opened(Execution(folder=tmp_path / "run"), name, "0" * 32):
+            pass
+
+
+REFUSALS = {
+    "manufacturing": [
+        (manufacturing(-0.001), "height_sd", "-0.001"),
+        (manufacturing([0.001, -0.002]), "height_sd", "-0.002"),
+        (manufacturing(0.001, others=mf.Tolerances(radius_sd=0.1)), "radius", "0.1"),
+        (manufacturing(0.001, model="layer"), "model", "layer"),
+        (manufacturing(0.001, rng=-1), "rng", "-1"),
+        (manufacturing(0.001, COATED), "friction.shear_strength", "manufacturing"),
+    ],
+    "misalignment": [
+        (misalignment(0.0), "angle", "0"),
+        (misalignment(0.8), "angle", "0.8"),
+        (misalignment([0.1, 0.8]), "angle[1]", "0.8"),
+        (misalignment([-0.1, 0.1]), "angle[0]", "-0.1"),
+        (misalignment([0.2, 0.1]), "angle[1]", "0.1"),
+        (misalignment(0.001, axes="z"), "axes", "z"),
+        (misalignment(0.001, shuffles=-1), "shuffles", "-1"),
+        (misalignment(0.001, COATED), "friction.shear_strength", "misalignment"),
+    ],
+    "uncertainty": [
+        (uncertainty(load=[0.1, -0.1]), "load[1]", "-0.1"),
+        (uncertainty(friction_force=[0.1]), "friction_force", "load"),
+        (uncertainty(load=[0.1], friction_force=[0.1, 0.2]), "friction_force", "2"),
+        (
+            uncertainty(load=[0.1], parameters={"friction_force": 0.1}),
+            "parameters.friction_force",
+            "measured",
+        ),
+        (uncertainty(BARE, parameters={"shear_strength": 0.01}), "parameters.shear_strength", "Friction"),
+        (uncertainty(BARE, load=[0.1], friction_force=[0.1]), "friction_force", "Friction"),
+        (uncertainty(model="layer"), "model", "layer"),
+        (uncertainty(COATED, load=[0.03]), "friction.shear_strength", "uncertainty"),
+        (
+            uncertainty(
+                parameters={"composite_modulus": 0.05}, model=mf.Independent(mf.KogutEtsion(1.0)), load=[0.01]
+            ),
+            "composite_modulus",
+            "law",
+        ),
+    ],
+    "combined": [
+        (combined(draws=1), "draws", "1"),
+        (combined(parameters={"load": 0.1}), "parameters", "load"),
+        (combined(parameters={"radius": 0.2}), "parameters.radius", "0.2"),
+        (combined(COATED.friction), "friction.shear_strength", "combined"),
+    ],
+    "runs": [
+        (lambda: Requirement(0.0, 0.9), "misfit", "0"),
+        (lambda: Requirement(0.1, 1.0), "probability", "1"),
+        (lambda: Draws(1), "draws", "1"),
+        (lambda: Draws(error=0.0), "error", "0"),
+        (lambda: Draws(error=0.1, plain=True), "error", "plain=True"),
+        (lambda: Execution(workers=0), "workers", "0"),
+        (lambda: Execution(workers=2, scheduler="tcp://localhost:1"), "workers", "2"),
+        (manufacturing(0.001, execution=Execution(scheduler="foo://x")), "scheduler", "foo://x"),
+        (in_folder("run", rng=1), "run", "another run"),
+        (in_folder(""), "folder", "other files"),
+        (in_folder("notes.txt"), "folder", "notes.txt"),
+        (another_study, "run", "one"),
+    ],
+    "ranges": [
+        (lambda: Slope.of(FLAT), "load_range", "height"),
+        (lambda: Slope.of(FLAT, (0.3, 0.1)), "load_range", "0.1"),
+        (lambda: Slope.of(FLAT, (0.1, 0.2, 0.3)), "load_range", "3"),
+        (lambda: summary(xr.Dataset()), "summary", ""),
+    ],
+    "inputs": [
+        (inputs({}), "parameters", "once"),
+        (inputs(["radius", "radius"], np.eye(2)), "parameters", "once"),
+        (inputs([["radius"]], np.eye(1)), "parameter", "radius"),
+        (inputs(["radius"]), "parameters", "names"),
+        (inputs({"radius": 0.01}, np.eye(1)), "parameters", "names"),
+        (inputs({"young_modulus": 0.1}), "young_modulus", "composite_modulus"),
+        (inputs({"modulus": 0.01}), "parameter", "modulus"),
+        (inputs({"radius": -0.01}), "parameters.radius", "-0.01"),
+        (inputs({"radius": 0.1}), "parameters.radius", "0.1 must be at most 0.0714"),
+        (inputs({"radius": [0.01, 0.02]}), "parameters.radius", "0.01"),
+        (inputs({"load": [0.01, -0.02]}), "parameters.load", "-0.02"),
+        (inputs({"load": [0.01, 0.02, 0.03]}), "parameters.load", "3"),
+        (inputs({"radius": 0.0, "load": [0.0, 0.0]}), "parameters", "errors"),
+        (inputs(["radius", "load"], np.eye(3)), "covariance", "(3, 3)"),
+        (inputs(["radius", "load"], [[1e-4, 1e-5], [0, 1e-4]]), "covariance", "symmetric"),
+        (inputs(["radius", "load"], [[1e-4, 2e-4], [2e-4, 1e-4]]), "covariance", "-1"),
+        (inputs(["radius", "load"], [[0, 1e-4], [1e-4, 1e-4]]), "covariance", "semidefinite"),
+        (inputs(["radius"], [[0.04]]), "parameters.radius", "0.2"),
+    ],
+    "finite elements": [
+        (lambda: caps_of(SIX, np.full(6, 0.01)), "6", "4 radii"),
+        (lambda: caps_of(POWERS, np.full(6, 0.01)), "cap", "4"),
+    ],
+}
+
+
+@pytest.mark.parametrize("border", REFUSALS)
+def test_a_refusal_names_the_argument_and_its_value(border, tmp_path):
+    for k, (call, key, value) in enumerate(REFUSALS[border]):
+        (folder := tmp_path / str(k)).mkdir()
+        with pytest.raises(mf.InvalidInput) as error:
+            call(*[folder] * call.__code__.co_argcount)
+        assert key in str(error.value)
+        assert value in str(error.value)
