@@ -56,3 +56,9 @@ def test_largest_factor_of_a_half_normal_misfit():
     assert found.error == pytest.approx(exact * 0.3 / math.sqrt(20_000) / (2.0 * norm.pdf(q)) / q, rel=0.2)
     wide = largest(lambda factor: quantile(factor * x, 0.9), quantile(x, 0.9), 10.0, 100.0)
     assert wide.value == pytest.approx(100.0 * found.value, rel=0.01)
+
+
+def test_misfits_without_a_solution_count_as_infinite():
+    misfit = np.array([0.1, 0.2, 0.3, np.inf])
+    assert quantile(misfit, 0.5).value == 0.2
+    assert quantile(misfit, 0.95) == Estimate(math.inf, math.inf)

@@ -19,3 +19,10 @@ def test_a_wanted_error_that_is_not_reached_is_noted(linear, monkeypatch):
     study = mf.studies.manufacturing(linear, 0.003, draws=Draws(error=1e-4))
     assert study.draws.item() == 256
     assert "0.0001 of slope_sd is not reached within 256" in study.attrs["notes"]
+
+
+def test_draws_are_added_until_the_error_is_reached(linear):
+    study = mf.studies.manufacturing(linear, [0.0001, 0.01], draws=Draws(error=0.02))
+    assert (study.slope_sd_error <= 0.02 * study.slope_sd).all()
+    assert study.draws[1] > study.draws[0]
+    assert study.attrs["draws"] == study.draws.max()

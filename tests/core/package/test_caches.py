@@ -11,18 +11,12 @@ def folder(tmp_path, monkeypatch):
     return tmp_path
 
 
-def test_the_variable_names_the_folder(folder):
+def test_the_folder_is_that_of_the_variable_or_of_the_user(folder, tmp_path, monkeypatch):
     assert _caches.cache_folder() == folder
     assert _caches.kernel_folder() == folder / "kernels"
-
-
-def test_the_default_is_the_folder_of_the_user(tmp_path, monkeypatch):
     monkeypatch.delenv(_caches.VARIABLE, raising=False)
     monkeypatch.setattr("platformdirs.user_cache_path", lambda name: tmp_path / name)
     assert _caches.cache_folder() == tmp_path / "metafem"
-
-
-def test_a_user_without_home_folder_has_none(monkeypatch):
     monkeypatch.delenv(_caches.VARIABLE, raising=False)
     monkeypatch.setattr("platformdirs.user_cache_path", lambda name: _caches.Path("~") / name)
     with pytest.raises(OSError, match="METAFEM_CACHE_DIR"):

@@ -47,13 +47,17 @@ def test_a_sphere_given_by_its_profile_is_a_sphere():
     )
 
 
-def test_the_foot_is_where_the_depth_is_the_height():
+def test_the_foot_has_the_depth_of_the_height_and_the_summit_its_curvature():
     shape = mf.Power(4, 0.3)
     np.testing.assert_allclose(shape.depth_at(shape.foot_radius(HEIGHT, RADIUS), RADIUS), HEIGHT, rtol=1e-12)
     n = shape.exponent
     exact = np.pi * shape.foot_radius(HEIGHT, RADIUS) ** 2 * HEIGHT * n / (n + 2.0)
     np.testing.assert_allclose(shape.volume(HEIGHT, RADIUS), exact, rtol=1e-6)
     assert np.isinf(shape.tallest(RADIUS)).all()
+    radius = np.array([0.3, 0.5])
+    assert mf.Power(2, 0.25).summit_radius(radius).tolist() == [0.6, 1.0]
+    parabola = mf.Profile(lambda rho: rho**2 / 0.8, 0.3)
+    np.testing.assert_allclose(parabola.summit_radius(radius), 0.4, rtol=1e-12)
 
 
 def test_a_profile_has_one_foot_for_all_radii_and_ends():
@@ -76,10 +80,3 @@ def test_caps_of_each_asperity_have_the_geometry_of_their_kinds():
     assert caps.at([1]) == mf.Sphere()
     assert caps.at([0, 2]) == mf.Power(4)
     assert caps.at([3, 1]).one(1) == mf.Sphere()
-
-
-def test_summits_have_the_curvature_of_their_profile():
-    radius = np.array([0.3, 0.5])
-    assert mf.Power(2, 0.25).summit_radius(radius).tolist() == [0.6, 1.0]
-    parabola = mf.Profile(lambda rho: rho**2 / 0.8, 0.3)
-    np.testing.assert_allclose(parabola.summit_radius(radius), 0.4, rtol=1e-12)

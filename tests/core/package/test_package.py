@@ -77,7 +77,7 @@ def test_importing_the_package_loads_nothing_heavy():
     assert done.stdout.strip() == "[]"
 
 
-def test_no_module_imports_itself_through_others():
+def test_no_module_imports_itself_through_others_and_folders_are_small():
     """Imports within functions count, those for type checking alone do not."""
     graph = grimp.build_graph("metafem", exclude_type_checking_imports=True, cache_dir=None)
     modules = sorted(graph.modules)
@@ -86,9 +86,6 @@ def test_no_module_imports_itself_through_others():
     sizes = np.bincount(circle)
     assert [m for m, i in zip(modules, circle, strict=True) if sizes[i] > 1] == []
     assert len(modules) > 150  # the whole package was read
-
-
-def test_folders_hold_at_most_14_modules():
     folders = [HOME, *(folder for folder in HOME.rglob("*") if folder.is_dir())]
     counts = {folder.relative_to(HOME).as_posix(): len(list(folder.glob("*.py"))) for folder in folders}
     assert {name: count for name, count in counts.items() if count > 14} == {}

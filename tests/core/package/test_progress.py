@@ -28,11 +28,14 @@ def test_nested_steps_are_reported_with_the_fraction_done():
     assert steps[-1] == ("solving", None)
 
 
-def test_a_loop_that_may_end_early_has_no_fraction_done():
+def test_loops_that_may_end_early_and_steps_without_a_listener():
     assert reported(lambda: list(each("start", [1, 2], at_most=True))) == [
         ("start 1 of at most 2", None),
         ("start 2 of at most 2", None),
     ]
+    assert list(each("start", [1, 2])) == [1, 2]
+    with doing("solving"):
+        message("kept")
 
 
 def test_steps_end_with_an_error_and_with_a_break():
@@ -58,12 +61,6 @@ def test_a_listener_that_stops_the_work_is_called_once():
     with pytest.raises(KeyboardInterrupt), listening(stop):
         [load for _ in each("try", "ab") for load in each("load", "ab")]
     assert steps == ["try 1 of 2", "try 1 of 2, load 1 of 2"]
-
-
-def test_steps_need_no_listener():
-    assert list(each("start", [1, 2])) == [1, 2]
-    with doing("solving"):
-        message("kept")
 
 
 def test_searches_and_resolved_loads_are_reported(template):

@@ -113,14 +113,11 @@ def test_a_refusal_names_the_argument_and_its_value(border):
         assert "\n" not in str(error.value)
 
 
-def test_errors_name_the_keys_of_a_file():
+def test_errors_name_the_keys_of_a_file_and_travel():
     names = Names({"max_height": "--highest"}, {"max_height": ("um", 0.001)})
     with pytest.raises(mf.InvalidInput, match=r"--highest = -120 um.* 0 um") as error, named(names):
         mf.Limits(-0.12)
     assert (error.value.key, error.value.value) == ("max_height", -0.12)
-
-
-def test_an_error_that_has_been_in_another_process_is_the_same():
     with pytest.raises(mf.InvalidInput) as error:
         mf.Limits(0.1, min_height=0.2)
     copy = pickle.loads(pickle.dumps(error.value))

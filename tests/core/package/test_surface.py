@@ -30,13 +30,10 @@ def test_lattice_is_centred_and_runs_along_x():
     np.testing.assert_array_equal(lattice.height, [1, 2, 3, 4, 5, 6])
 
 
-def test_tilt_adds_the_slopes_of_both_angles():
+def test_tilts_add_both_slopes_and_errors_are_the_draws_of_the_seed():
     tilted = pair(position=[[1.0, 2.0], [3.0, -1.0]]).tilted(0.01, -0.02)
     expected = np.array([1.0, 3.0]) * math.tan(0.01) + np.array([2.0, -1.0]) * math.tan(-0.02)
     np.testing.assert_allclose(tilted.height - [0.1, 0.2], expected, rtol=1e-12)
-
-
-def test_perturbed_heights_are_the_draws_of_the_seed():
     found = pair().perturbed(0.003, rng=5).height
     drawn = np.random.default_rng(5).standard_normal(2)
     np.testing.assert_allclose(found, pair().height + 0.003 * drawn, rtol=1e-14)

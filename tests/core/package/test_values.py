@@ -58,14 +58,11 @@ def test_equal_laws_and_states(rough):
     assert len({law, again}) == 1
 
 
-def test_a_design_prints_in_ten_lines(result):
+def test_a_design_prints_in_ten_lines_and_counts_its_warnings(result):
     lines = repr(result).splitlines()
     assert len(lines) == 10
     assert "3 operating points" in lines[0]
     assert "0.526 mm" in repr(result)
-
-
-def test_a_design_states_the_number_of_notes_and_warnings(result):
     noted = (mf.Note("too close"), mf.Note("too wide"))
     assert "notes       2 warnings" in repr(replace(result, notes=noted))
 
@@ -89,19 +86,16 @@ def test_notes_of_large_results_are_counted_once_they_are_read():
         assert repr(value).endswith(f", {said}>")
 
 
-def test_parameters_and_sites_of_a_design_are_read_only(result):
+def test_a_design_and_its_copies_are_equal_and_read_only(result):
+    for again in (copy.deepcopy(result), pickle.loads(pickle.dumps(result))):
+        assert again == result
+        assert not again.sites.flags.writeable
+        assert not again.parameters["levels"].flags.writeable
     with pytest.raises(TypeError, match="does not support item assignment"):
         result.parameters["levels"] = 0.0
     for array in (result.sites, result.parameters["levels"], result.parameters["counts"]):
         with pytest.raises(ValueError, match="read-only"):
             array[0] = 1
-
-
-def test_copies_of_a_design_are_equal_and_read_only(result):
-    for again in (copy.deepcopy(result), pickle.loads(pickle.dumps(result))):
-        assert again == result
-        assert not again.sites.flags.writeable
-        assert not again.parameters["levels"].flags.writeable
 
 
 def test_percent_has_no_positive_exponent():

@@ -1,7 +1,5 @@
 """Runs of batches: the same numbers from any number of workers and from a folder of finished batches."""
 
-import errno
-
 import numpy as np
 import pytest
 
@@ -53,23 +51,6 @@ def test_a_stopped_run_goes_on_where_it_was(tmp_path):
     assert computed(execution, stopped) == SQUARES
     assert computed(execution, stopped) == SQUARES
     assert calls == [0, 1, 2, 2, 3, 4, 5, 1]
-
-
-def test_on_a_full_disk_what_is_done_is_kept_and_the_run_goes_on(tmp_path, monkeypatch):
-    save, written, messages = np.savez_compressed, [], []
-
-    def full(file, **arrays):
-        if len(written) == 2:
-            raise OSError(errno.ENOSPC, "No space left on device")
-        written.append(file.name)
-        save(file, **arrays)
-
-    monkeypatch.setattr(store.np, "savez_compressed", full)
-    with listening(lambda step, done: None, messages.append):
-        assert computed(Execution(folder=tmp_path)) == SQUARES
-    assert [str(tmp_path) in text for text in messages] == [True]
-    kept = sorted(path.name for path in tmp_path.iterdir())
-    assert kept == ["batch-00000000.npz", "batch-00000001.npz", "run.json"]
 
 
 def test_progress_has_a_rate_and_the_time_left():

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import metafem as mf
+from metafem.studies import element_checks, summary
 from metafem.studies.cap_contact import CapContact
 from metafem.studies.fidelity import _law_of_caps
 
@@ -55,16 +56,6 @@ def test_random_placements_repeat_and_differ(design, interaction):
     assert not other.placement_rms.equals(interaction.placement_rms)
 
 
-def test_random_placements_do_not_undo_the_sites_of_the_design():
-    template = mf.Surface.square_lattice(0.12, (4, 4), radius=0.526, material=mf.Material(1.36))
-    placed = mf.design(mf.LinearLaw(9.0), template, limits=mf.Limits(0.12, offset=0.05))
-    sorted_heights = placed.surface.replaced(height=np.sort(placed.surface.height)[::-1])
-    ordered = mf.studies.interaction(replace(placed, surface=sorted_heights), placements=1)
-    change = ordered.area_change.sel(substrate="half-space", order=3).values[4::5]  # every fifth load
-    first = mf.studies.interaction(placed, placements=1).placement_rms.values[0, 0]
-    assert first != pytest.approx(np.sqrt((change**2).mean()), rel=1e-6)
-
-
 def test_unequal_radii_are_placed_with_their_heights(design, interaction):
     # radii that differ by rounding alone are computed as unequal ones
     radius = np.full(design.surface.count, 0.526)
@@ -102,3 +93,26 @@ def test_fidelity_compares_areas_under_any_friction(design):
     found = mf.studies.fidelity(coated, elements=False)
     alone = mf.friction_law(coated.surface.replaced(friction=None), load=coated.law.load)
     np.testing.assert_allclose(found.area.sel(model="independent"), alone.area, rtol=1e-12)
+
+
+def test_the_summary_of_an_interaction_holds_each_substrate_and_order(interaction):
+    rows, change = summary(interaction).rows, 100.0 * interaction.area_change.values
+    assert [row[:2] for row in rows] == [
+        ("half-space", "1"),
+        ("half-space", "3"),
+        ("layer", "1"),
+        ("layer", "3"),
+    ]
+    rms, most = np.sqrt((change**2).mean(axis=-1)).ravel(), np.abs(change).max(axis=-1).ravel()
+    np.testing.assert_allclose([float(row[2]) for row in rows], rms, atol=0.0051)
+    np.testing.assert_allclose([abs(float(row[3])) for row in rows], most, atol=0.0051)
+    sinking = 1000.0 * interaction.sinking.values[..., -1].ravel()
+    np.testing.assert_allclose([float(row[4]) for row in rows], sinking, atol=0.0051)
+    placed, centred = 100.0 * interaction.placement_rms, 100.0 * interaction.centred_change
+    for k, row in enumerate(rows[1::2]):
+        expected = [np.median(placed[k]), placed[k].max(), np.sqrt((centred[k] ** 2).mean())]
+        np.testing.assert_allclose([float(cell) for cell in row[5:]], expected, atol=0.0051)
+
+
+def test_errors_of_the_load_fall_by_digits_with_the_degree():
+    assert element_checks.spectral_convergence(0.3).rate < -0.5

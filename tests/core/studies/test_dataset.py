@@ -27,9 +27,6 @@ def test_every_variable_is_described(surface):
             if variable.dtype.kind == "f":
                 assert variable.attrs["units"] in {"1", "mm", "mm2", "rad", "N"}, name
                 assert variable.attrs["long_name"], name
-
-
-def test_shares_have_no_unit():
     assert described("friction_force_sd")["units"] == "N"
     assert described("friction_force_total_error")["units"] == "1"
     assert described("nominal_area")["units"] == "mm2"

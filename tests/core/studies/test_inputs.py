@@ -17,10 +17,14 @@ def test_errors_have_the_covariance():
     np.testing.assert_allclose(drawn, matrix, atol=2e-6)
 
 
-def test_a_singular_covariance_links_its_inputs():
+def test_a_singular_covariance_links_its_inputs_and_loads_have_their_own_deviations():
     inputs = Inputs.of(["radius", "area_ratio"], np.outer([0.01, 0.02], [0.01, 0.02]), MEAN)
     errors = inputs.errors(np.array([[0.3, 0.8], [0.9, 0.1]]))
     np.testing.assert_allclose(errors["area_ratio"], 2.0 * errors["radius"], rtol=1e-7)
+    inputs = Inputs.of({"load": [0.01, 0.02]}, None, MEAN)
+    errors = inputs.errors(np.array([[0.7], [0.2]]))["load"]
+    assert errors.shape == (2, 2)
+    np.testing.assert_allclose(errors[:, 1], 2.0 * errors[:, 0], rtol=1e-15)
 
 
 def test_inputs_are_grouped_by_way_of_others():
@@ -28,10 +32,3 @@ def test_inputs_are_grouped_by_way_of_others():
     matrix[0, 1] = matrix[1, 0] = matrix[1, 3] = matrix[3, 1] = 1e-5
     inputs = Inputs.of(["radius", "composite_modulus", "area_ratio", "load"], matrix, MEAN)
     assert inputs.groups == ((0, 1, 3), (2,))
-
-
-def test_each_load_has_its_own_deviation():
-    inputs = Inputs.of({"load": [0.01, 0.02]}, None, MEAN)
-    errors = inputs.errors(np.array([[0.7], [0.2]]))["load"]
-    assert errors.shape == (2, 2)
-    np.testing.assert_allclose(errors[:, 1], 2.0 * errors[:, 0], rtol=1e-15)

@@ -22,12 +22,9 @@ def test_the_area_is_that_of_the_model(surface, model, largest, usual):
         assert np.median(error) <= usual
 
 
-def test_there_is_no_area_without_load(surface):
+def test_there_is_no_area_without_load_and_it_continues_beyond_the_table(surface):
     response = Response.of(surface, mf.Independent(), 0.3, 0.0)
     np.testing.assert_array_equal(response.area(np.array([-0.1, 0.0]), np.ones(2)), 0.0)
-
-
-def test_the_area_continues_beyond_the_table(surface):
     response = Response.of(surface, mf.Independent(), 0.3, 0.0)
     load = np.array([0.301])
     exact = mf.Independent().areas(surface, load, surface.height[None])[0]

@@ -22,19 +22,10 @@ def test_a_batch_has_one_point_in_each_interval_of_each_coordinate():
     assert_array_equal(np.floor(64 * points), np.tile(np.arange(64)[:, None], 5))
 
 
-def test_batches_together_are_uniform():
-    size = 4
-    points = np.concatenate([unit_points(1, batch, size, 2) for batch in range(2000 // size)])
-    assert np.abs(points.mean(axis=0) - 0.5).max() < 5.0 / np.sqrt(12.0 * len(points))
-
-
-def test_the_size_of_a_batch_leaves_enough_batches():
+def test_the_size_of_a_batch_and_the_seed():
     for draws in (2, 16, 100, 10_000, 10**7):
         size = batch_size(draws)
         assert size & (size - 1) == 0
         assert -(-draws // size) >= min(draws, 16)
-
-
-def test_the_seed_is_a_number_or_drawn():
     assert entropy(5) == 5
     assert entropy(np.random.default_rng(1)) == entropy(np.random.default_rng(1))

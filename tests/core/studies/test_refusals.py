@@ -114,7 +114,7 @@ REFUSALS = {
         (combined(draws=1), "draws", "1"),
         (combined(parameters={"load": 0.1}), "parameters", "load"),
         (combined(parameters={"radius": 0.2}), "parameters.radius", "0.2"),
-        (combined(COATED.friction), "friction.shear_strength", "combined"),
+        (combined(mf.Friction([0.4, 0.1])), "friction.shear_strength", "combined"),
     ],
     "runs": [
         (lambda: Requirement(0.0, 0.9), "misfit", "0"),

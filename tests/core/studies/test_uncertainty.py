@@ -103,15 +103,12 @@ def test_draws_are_added_until_the_error_is_reached(surface):
     assert few.attrs["draws"] < 10_000
 
 
-def test_summits_of_one_height_have_no_slope(surface):
+def test_flat_surfaces_and_strengths_do_not_change_the_slope(surface):
     flat = surface.replaced(height=np.full(16, 0.1))
     found = mf.studies.uncertainty(flat, SD, draws=100)
     assert "slope_sd" not in found
     assert "no slope" in found.attrs["notes"]
     assert "slope_sd" in mf.studies.uncertainty(flat, SD, draws=100, load_range=(0.01, 0.1))
-
-
-def test_a_parameter_that_does_not_change_the_slope(surface):
     name = "shear_strength"
     found = mf.studies.uncertainty(surface, {name: SD[name]}, load=LOAD, draws=64)
     assert float(found.slope_sd) == 0.0
