@@ -14,18 +14,6 @@ def surface():
     return mf.Surface.square_lattice(height, (4, 4), radius=0.526, material=mf.Material(1.36))
 
 
-def test_made_surfaces_and_tilts(surface):
-    model = mf.Interacting(contact=CAP)
-    made = mf.studies.manufacturing(surface, [0.002], draws=64, model=model)
-    load = np.linspace(*made.attrs["load_range"], 20)
-    heights = surface.height + 0.002 * np.random.default_rng(1).standard_normal((64, 16))
-    slopes = np.polyfit(load, model.areas(surface, load, heights).T, 1)[0]
-    assert made.slope_sd[0] == pytest.approx(slopes.std(), rel=0.3)
-    assert made.slope_mean[0] == pytest.approx(slopes.mean(), rel=0.02)
-    tilts = mf.studies.misalignment(surface, [0.0005], model=model, shuffles=2)
-    assert (tilts.slope_sd > 0.0).all()
-
-
 def test_designs_are_compared_with_their_own_law(surface):
     target = mf.OperatingPoints([0.05, 0.1], [0.5, 0.9])
     design = mf.design(target, surface, mf.Independent(contact=CAP), mf.Limits(0.2))

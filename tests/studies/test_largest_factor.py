@@ -9,30 +9,6 @@ from scipy.stats import norm
 from metafem.studies.largest_tolerances import largest, quantile
 from metafem.studies.sampling.moments import Estimate
 
-SHAPES = {
-    "linear": (lambda factor, x, y: factor * np.abs(x), 8.0),
-    "beside another": (lambda factor, x, y: np.hypot(factor * x, y), 2.2),
-    "curved": (lambda factor, x, y: 0.3 + factor**2 * np.abs(x), 1.0),
-    "falls first": (lambda factor, x, y: np.abs(1.0 - factor) + 0.05 * np.abs(x), 0.5),
-}
-
-
-@pytest.mark.parametrize("shape", SHAPES)
-def test_errors_of_the_largest_factor_are_its_scatter(shape):
-    misfit, allowed = SHAPES[shape]
-    random, found = np.random.default_rng(0), []
-    for _ in range(100):
-        x, y = random.standard_normal((2, 500))
-        found.append(
-            largest(
-                lambda factor, x=x, y=y: quantile(misfit(factor, x, y), 0.9),
-                quantile(misfit(1.0, x, y), 0.9), allowed, 100.0,
-            )
-        )  # fmt: skip
-    factor, error = np.array(found).T
-    # the scatter of a hundred is known to 7 %, and the spacing of 500 draws to twice that
-    assert np.sqrt((error**2).mean()) == pytest.approx(factor.std(), rel=0.3)
-
 
 def test_draws_without_a_solution_bound_the_factor():
     x = np.abs(np.random.default_rng(0).standard_normal(2000))

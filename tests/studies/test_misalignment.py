@@ -19,15 +19,6 @@ def test_a_number_is_a_thousand_steps_of_the_source(surface):
     assert "too small" not in few.attrs["notes"]
 
 
-def test_radii_are_shuffled_with_their_heights(surface):
-    angle = np.array([0.001])
-    radius = np.random.default_rng(0).uniform(0.4, 0.6, surface.count)
-    found = mf.studies.misalignment(surface.replaced(radius=radius), angle, shuffles=2, load_range=RANGE)
-    # without a tilt the law of independent asperities does not depend on the placement
-    near = mf.studies.misalignment(surface.replaced(radius=radius), [1e-9], shuffles=2, load_range=RANGE)
-    np.testing.assert_allclose(near.slope_mean, float(found.nominal_slope), rtol=1e-6)
-
-
 def test_laws_without_a_solution_are_counted_and_interpolated(surface, monkeypatch):
     areas = mf.Independent.areas
 

@@ -67,16 +67,6 @@ def test_a_design_prints_in_ten_lines_and_counts_its_warnings(result):
     assert "notes       2 warnings" in repr(replace(result, notes=noted))
 
 
-def test_long_arrays_are_not_printed(rough):
-    law = mf.friction_law(rough)
-    state = mf.equilibrium(rough, load=0.1)
-    sampled = mf.SampledLaw(law.rescaled_load, law.area)
-    for value in (rough, law, state, sampled):
-        assert len(repr(value)) < 300
-        assert "\n" not in repr(value)
-    assert "<100 numbers, " in repr(sampled)
-
-
 def test_notes_of_large_results_are_counted_once_they_are_read():
     surface = mf.Surface.square_lattice(0.1, (34, 34), radius=0.526, material=mf.Material(1.36))
     state, law = mf.equilibrium(surface, load=1.0), mf.friction_law(surface, load=[1.0])

@@ -56,15 +56,6 @@ def test_random_placements_repeat_and_differ(design, interaction):
     assert not other.placement_rms.equals(interaction.placement_rms)
 
 
-def test_unequal_radii_are_placed_with_their_heights(design, interaction):
-    # radii that differ by rounding alone are computed as unequal ones
-    radius = np.full(design.surface.count, 0.526)
-    radius[0] *= 1.0 + 1e-14
-    uneven = replace(design, surface=design.surface.replaced(radius=radius))
-    found = mf.studies.interaction(uneven, placements=7)
-    np.testing.assert_allclose(found.placement_rms, interaction.placement_rms, rtol=1e-8)
-
-
 def test_caps_of_several_radii_that_follow_hertz_are_independent_asperities(design):
     radii = np.array([0.3, 0.526, 0.8])
     surface = design.template.replaced(

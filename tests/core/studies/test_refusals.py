@@ -1,7 +1,5 @@
 """What studies refuse: the argument and the value that was given are in the message."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 import xarray as xr
@@ -38,11 +36,11 @@ def uncertainty(surface=SURFACE, **given):
     return lambda: mf.studies.uncertainty(surface, **({"parameters": {"radius": 0.005}} | given))
 
 
-def combined(friction=FRICTION, **given):
+def combined(surface=SURFACE, points=([0.03], [0.2]), **given):
     def call():
-        design = mf.design(mf.OperatingPoints([0.03], [0.2]), SURFACE, limits=mf.Limits(0.2))
-        surface = design.surface.replaced(friction=friction)
-        mf.studies.combined(replace(design, surface=surface), mf.Tolerances(0.001), **given)
+        template = surface.replaced(height=0.12, block=mf.Block(20, 20, 7.2))
+        design = mf.design(mf.OperatingPoints(*points), template, limits=mf.Limits(0.2))
+        mf.studies.combined(design, mf.Tolerances(0.001), **given)
 
     return call
 
@@ -75,14 +73,12 @@ REFUSALS = {
         (manufacturing(-0.001), "height_sd", "-0.001"),
         (manufacturing([0.001, -0.002]), "height_sd", "-0.002"),
         (manufacturing(0.001, others=mf.Tolerances(radius_sd=0.1)), "radius", "0.1"),
-        (manufacturing(0.001, model="layer"), "model", "layer"),
         (manufacturing(0.001, rng=-1), "rng", "-1"),
         (manufacturing(0.001, COATED), "friction.shear_strength", "manufacturing"),
     ],
     "misalignment": [
         (misalignment(0.0), "angle", "0"),
         (misalignment(0.8), "angle", "0.8"),
-        (misalignment([0.1, 0.8]), "angle[1]", "0.8"),
         (misalignment([-0.1, 0.1]), "angle[0]", "-0.1"),
         (misalignment([0.2, 0.1]), "angle[1]", "0.1"),
         (misalignment(0.001, axes="z"), "axes", "z"),
@@ -114,7 +110,7 @@ REFUSALS = {
         (combined(draws=1), "draws", "1"),
         (combined(parameters={"load": 0.1}), "parameters", "load"),
         (combined(parameters={"radius": 0.2}), "parameters.radius", "0.2"),
-        (combined(mf.Friction([0.4, 0.1])), "friction.shear_strength", "combined"),
+        (combined(COATED, ([0.02, 0.04], [0.08, 0.15])), "friction.shear_strength", "combined"),
     ],
     "runs": [
         (lambda: Requirement(0.0, 0.9), "misfit", "0"),
@@ -133,7 +129,6 @@ REFUSALS = {
     "ranges": [
         (lambda: Slope.of(FLAT), "load_range", "height"),
         (lambda: Slope.of(FLAT, (0.3, 0.1)), "load_range", "0.1"),
-        (lambda: Slope.of(FLAT, (0.1, 0.2, 0.3)), "load_range", "3"),
         (lambda: summary(xr.Dataset()), "summary", ""),
     ],
     "inputs": [
@@ -141,9 +136,7 @@ REFUSALS = {
         (inputs(["radius", "radius"], np.eye(2)), "parameters", "once"),
         (inputs([["radius"]], np.eye(1)), "parameter", "radius"),
         (inputs(["radius"]), "parameters", "names"),
-        (inputs({"radius": 0.01}, np.eye(1)), "parameters", "names"),
         (inputs({"young_modulus": 0.1}), "young_modulus", "composite_modulus"),
-        (inputs({"modulus": 0.01}), "parameter", "modulus"),
         (inputs({"radius": -0.01}), "parameters.radius", "-0.01"),
         (inputs({"radius": 0.1}), "parameters.radius", "0.1 must be at most 0.0714"),
         (inputs({"radius": [0.01, 0.02]}), "parameters.radius", "0.01"),
@@ -153,7 +146,6 @@ REFUSALS = {
         (inputs(["radius", "load"], np.eye(3)), "covariance", "(3, 3)"),
         (inputs(["radius", "load"], [[1e-4, 1e-5], [0, 1e-4]]), "covariance", "symmetric"),
         (inputs(["radius", "load"], [[1e-4, 2e-4], [2e-4, 1e-4]]), "covariance", "-1"),
-        (inputs(["radius", "load"], [[0, 1e-4], [1e-4, 1e-4]]), "covariance", "semidefinite"),
         (inputs(["radius"], [[0.04]]), "parameters.radius", "0.2"),
     ],
     "finite elements": [
