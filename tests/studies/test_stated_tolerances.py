@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from tests.conftest import MATERIAL, RADIUS
 from validation.scenes.stated_tolerances import ANGLE, HEIGHT_SD
 
 
@@ -22,18 +21,3 @@ def test_the_largest_tilt_does_not_depend_on_those_studied(linear):
     assert len({float(study.largest_angle) for study in found}) == 1
     there = mf.studies.misalignment(linear, float(found[0].largest_angle))
     assert float(there.slope_sd[0, -1] / there.nominal_slope) == pytest.approx(0.01, rel=1e-3)
-
-
-def test_the_largest_multiple_of_all_errors_does_not_depend_on_those_given():
-    template = mf.Surface.square_lattice(0.12, (4, 4), radius=RADIUS, material=MATERIAL)
-    design = mf.design(mf.PowerLaw(0.9, (0.02, 0.06)), template)
-    found = [
-        sd
-        * float(
-            mf.studies.combined(
-                design, mf.Tolerances(sd), requirement=mf.studies.Requirement(0.02), draws=1000
-            ).factor[0]
-        )
-        for sd in (0.0003, 0.003, 0.03)
-    ]
-    assert max(found) / min(found) - 1.0 < 0.01

@@ -63,18 +63,6 @@ def test_a_listener_that_stops_the_work_is_called_once():
     assert steps == ["try 1 of 2", "try 1 of 2, load 1 of 2"]
 
 
-def test_searches_and_resolved_loads_are_reported(template):
-    target = mf.PowerLaw(1.2, (0.1, 0.2))
-    steps = " ".join(step for step, _ in reported(lambda: mf.design(target, template, mf.Interacting())))
-    assert "inverting the law, start 1 of at most" in steps
-    assert "refining the heights under the model, start 1 of at most" in steps
-    assert "computing the law of the heights" in steps
-    surface = mf.Surface([[0.0, 0.0]], [0.1], 0.5, mf.Material(1.0))
-    model = mf.BoundaryElements(cell=0.01)
-    steps = reported(lambda: mf.friction_law(surface, model, load=[0.01, 0.02]))
-    assert ("resolved contacts: load 2 of 2", 0.5) in steps
-
-
 def test_the_solution_of_a_block_and_its_file_are_reported(tmp_path, monkeypatch):
     monkeypatch.setattr("metafem.fe.block3d.cache.cache_folder", lambda: tmp_path)
     block = mf.Block(2.0, 2.0, 1.0)

@@ -6,7 +6,6 @@ import pytest
 import metafem as mf
 from metafem.progress import listening
 from metafem.studies import Execution
-from metafem.studies.sampling import store
 from metafem.studies.sampling.batches import opened
 from tests.conftest import MATERIAL, RADIUS
 
@@ -60,16 +59,3 @@ def test_progress_has_a_rate_and_the_time_left():
     assert steps[0] == "batch 1 of 6"
     assert steps[3].startswith("batch 4 of 6, ")
     assert steps[3].endswith(" per second, 0 s left")
-
-
-def test_the_hash_of_inputs_is_that_of_their_values():
-    values = (SURFACE, mf.Interacting(), mf.Tolerances(0.001), 3)
-    same = (SURFACE.replaced(), mf.Interacting(), mf.Tolerances(0.001), 3)
-    assert store.inputs_hash(values) == store.inputs_hash(same)
-    changed = [
-        (SURFACE.replaced(height=SURFACE.height + 1e-9), *values[1:]),
-        (SURFACE, mf.Interacting(order=1), *values[2:]),
-        (*values[:2], mf.Tolerances(0.002), 3),
-        (*values[:3], 3.0),
-    ]
-    assert len({store.inputs_hash(each) for each in (values, *changed)}) == 5

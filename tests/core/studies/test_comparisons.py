@@ -34,25 +34,11 @@ def test_interaction_as_placed_is_the_law_of_the_models(design, interaction):
             np.testing.assert_allclose(found.sinking, laws[1].approach - laws[0].approach, atol=1e-12)
 
 
-def test_comparisons_state_their_provenance_and_units(design, interaction):
-    # the true block takes long
-    template = design.template.replaced(block=None)
-    fidelity = mf.studies.fidelity(mf.design(design.target, template), elements=False)
-    assert interaction.attrs["seed"] == "0"
-    assert interaction.attrs["draws"] == 7
-    assert fidelity.attrs["seed"] == ""
-    for found in (interaction, fidelity):
-        assert found.attrs["metafem"]
-        assert len(found.attrs["inputs"]) == 32
-        assert found["load"].dims == ("rescaled_load",)
-        for name in ("rescaled_load", "load", *found.data_vars):
-            assert found[name].attrs["units"]
-
-
 def test_random_placements_repeat_and_differ(design, interaction):
     again = mf.studies.interaction(design, placements=7)
     other = mf.studies.interaction(design, placements=7, rng=1)
     assert again.identical(interaction)
+    assert (again.attrs["seed"], again.attrs["draws"], len(again.attrs["inputs"])) == ("0", 7, 32)
     assert not other.placement_rms.equals(interaction.placement_rms)
 
 

@@ -36,9 +36,9 @@ def uncertainty(surface=SURFACE, **given):
     return lambda: mf.studies.uncertainty(surface, **({"parameters": {"radius": 0.005}} | given))
 
 
-def combined(surface=SURFACE, points=([0.03], [0.2]), **given):
+def combined(friction=FRICTION, points=([0.03], [0.2]), **given):
     def call():
-        template = surface.replaced(height=0.12, block=mf.Block(20, 20, 7.2))
+        template = SURFACE.replaced(height=np.full(4, 0.12), friction=friction)
         design = mf.design(mf.OperatingPoints(*points), template, limits=mf.Limits(0.2))
         mf.studies.combined(design, mf.Tolerances(0.001), **given)
 
@@ -110,7 +110,7 @@ REFUSALS = {
         (combined(draws=1), "draws", "1"),
         (combined(parameters={"load": 0.1}), "parameters", "load"),
         (combined(parameters={"radius": 0.2}), "parameters.radius", "0.2"),
-        (combined(COATED, ([0.02, 0.04], [0.08, 0.15])), "friction.shear_strength", "combined"),
+        (combined(COATED.friction, ([0.02, 0.04], [0.08, 0.15])), "friction.shear_strength", "combined"),
     ],
     "runs": [
         (lambda: Requirement(0.0, 0.9), "misfit", "0"),

@@ -22,26 +22,23 @@ def test_scatter_and_change_of_the_mean_are_sentences_of_their_own(linear):
     found = summary(mf.studies.manufacturing(linear, 0.003, draws=1000))
     limit, scatter, mean = found.answer.removesuffix(".").split(". ")
     assert limit.startswith("With errors of the heights of up to ")
-    assert limit.endswith(" µm (± two standard errors)")
-    assert "µm (SD) the slope scatters by less than 1 % (SD); this limit lies between " in limit
     assert scatter.startswith("At 3 µm (SD) the slope scatters by ")
     assert mean.startswith("The mean slope changes there by ")
 
 
 def test_no_limit_is_stated_where_there_is_none(linear):
     one = mf.Surface([[0.0, 0.0]], [0.1], RADIUS, MATERIAL)
-    made = {"height_sd": 0.001, "draws": 64}
-    found = mf.studies.manufacturing(one, **made, load_range=(0.01, 0.02))
-    assert np.isinf(found.largest_height_sd)
-    assert summary(found).answer.startswith("No errors were found with which the slope scatters by")
-    found = mf.studies.misalignment(one, 0.01, load_range=(0.01, 0.02))
-    assert summary(found).answer.startswith("No errors were found with which the slope scatters by")
     few = linear.replaced(position=linear.position[:4], height=linear.height[::16], radius=RADIUS)
-    found = mf.studies.manufacturing(few, **made, others=mf.Tolerances(radius_sd=0.05))
-    assert np.isnan(found.largest_height_sd)
-    assert summary(found).answer.startswith("No errors are small enough for a slope")
-    few = summary(mf.studies.manufacturing(linear, 0.001, draws=8)).answer
-    assert few.startswith("The draws are too few to state with which errors")
+    made = mf.studies.manufacturing
+    for study, largest, answer in (
+        (made(one, 0.001, draws=64, load_range=(0.01, 0.02)), np.inf, "No errors were found"),
+        (made(few, 0.001, draws=64, others=mf.Tolerances(radius_sd=0.05)), np.nan, "No errors are small"),
+        (made(linear, 0.001, draws=8), None, "The draws are too few"),
+    ):
+        assert summary(study).answer.startswith(answer)
+        assert largest is None or np.array_equal(study.largest_height_sd, largest, equal_nan=True)
+    tilts = mf.studies.misalignment(one, 0.01, load_range=(0.01, 0.02))
+    assert summary(tilts).answer.startswith("No errors were found")
 
 
 def test_a_misfit_of_rounding_is_none(template):
