@@ -1,9 +1,7 @@
 """Steps of long computations, as they are reported."""
 
-import numpy as np
 import pytest
 
-import metafem as mf
 from metafem.progress import doing, each, listening, message
 
 
@@ -61,17 +59,3 @@ def test_a_listener_that_stops_the_work_is_called_once():
     with pytest.raises(KeyboardInterrupt), listening(stop):
         [load for _ in each("try", "ab") for load in each("load", "ab")]
     assert steps == ["try 1 of 2", "try 1 of 2, load 1 of 2"]
-
-
-def test_the_solution_of_a_block_and_its_file_are_reported(tmp_path, monkeypatch):
-    monkeypatch.setattr("metafem.fe.block3d.cache.cache_folder", lambda: tmp_path)
-    block = mf.Block(2.0, 2.0, 1.0)
-    surface = mf.Surface([[0.1, 0.013]], [0.1], 0.5, mf.Material(1.0), block=block)
-    steps, facts = [], []
-    with listening(lambda step, done: steps.append((step, done)), facts.append):
-        found = mf.fe.Block3D(cell=1.0, edge_cell=0.5).influence_matrix(surface)
-    assert np.isfinite(found).all()
-    assert any(step.startswith("solving the true block, once for these sites, mesh 2") for step, _ in steps)
-    assert max(done or 0.0 for _, done in steps) > 0.5
-    (text,) = facts
-    assert str(tmp_path) in text

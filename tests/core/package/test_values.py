@@ -58,13 +58,9 @@ def test_equal_laws_and_states(rough):
     assert len({law, again}) == 1
 
 
-def test_a_design_prints_in_ten_lines_and_counts_its_warnings(result):
-    lines = repr(result).splitlines()
-    assert len(lines) == 10
-    assert "3 operating points" in lines[0]
-    assert "0.526 mm" in repr(result)
-    noted = (mf.Note("too close"), mf.Note("too wide"))
-    assert "notes       2 warnings" in repr(replace(result, notes=noted))
+def test_a_design_counts_its_warnings(result):
+    noted = replace(result, notes=(mf.Note("too close"), mf.Note("too wide")))
+    assert "notes       2 warnings" in repr(noted)
 
 
 def test_notes_of_large_results_are_counted_once_they_are_read():

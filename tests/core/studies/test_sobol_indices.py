@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from metafem.studies.sampling.sobol_indices import exchanged
 from validation.scenes.sobol_functions import EXACT, GROUPS, both, sobol_indices
 
 
@@ -21,12 +20,3 @@ def test_a_function_of_one_group_has_exact_indices():
     for estimate in (found.first_order, found.total):
         np.testing.assert_allclose(estimate.value, [[1.0], [0.0]], atol=1e-13)
         np.testing.assert_allclose(estimate.error, 0.0, atol=1e-13)
-
-
-def test_inputs_of_a_group_are_exchanged_together():
-    points = exchanged(0, 0, [[0, 2], [1]], 8)
-    a, b = points[:2]
-    np.testing.assert_array_equal(points[2], np.column_stack([b[:, 0], a[:, 1], b[:, 2]]))
-    np.testing.assert_array_equal(points[5], np.column_stack([b[:, 0], a[:, 1], b[:, 2]]))
-    assert points.min() > 0.0
-    assert points.max() < 1.0
