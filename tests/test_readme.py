@@ -7,6 +7,7 @@ import shlex
 import shutil
 from pathlib import Path
 
+import pytest
 from click.testing import CliRunner
 
 from metafem import _caches, cli
@@ -57,6 +58,7 @@ def test_studies_print_the_answers_that_it_shows(demo_results, tmp_path, monkeyp
         assert answer in result.stdout.splitlines()
 
 
+@pytest.mark.nightly
 def test_measurements_print_what_it_shows(tmp_path, monkeypatch):
     section = guide("measurements")
     blocks = re.findall(r"```bash\n(.*?)```\n\n```text\n(.*?)```", section, re.S)

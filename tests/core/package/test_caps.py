@@ -55,7 +55,14 @@ def test_the_foot_has_the_depth_of_the_height_and_the_summit_its_curvature():
     np.testing.assert_allclose(shape.volume(HEIGHT, RADIUS), exact, rtol=1e-6)
     assert np.isinf(shape.tallest(RADIUS)).all()
     radius = np.array([0.3, 0.5])
-    assert mf.Power(2, 0.25).summit_radius(radius).tolist() == [0.6, 1.0]
+    power = mf.Power(2, 0.25)
+    assert power.summit_radius(radius).tolist() == [0.6, 1.0]
+    assert power.summit_rate("radius", radius).tolist() == [2.0, 2.0]
+    assert power.summit_rate("coefficient", radius).tolist() == [-2.4, -4.0]
+    assert mf.Sphere().summit_rate("radius", radius).tolist() == [1.0, 1.0]
+    mixed = Caps.of([power, mf.Paraboloid()])
+    assert mixed.summit_radius(radius).tolist() == [0.6, 0.5]
+    assert mixed.summit_rate("coefficient", radius).tolist() == [-2.4, 0.0]
     parabola = mf.Profile(lambda rho: rho**2 / 0.8, 0.3)
     np.testing.assert_allclose(parabola.summit_radius(radius), 0.4, rtol=1e-12)
 
@@ -73,6 +80,7 @@ def test_caps_of_each_asperity_have_the_geometry_of_their_kinds():
     caps = Caps.of(kinds)
     assert [caps.one(i) for i in range(4)] == kinds
     assert len(caps.kinds) == 3
+    assert np.array_equal(caps.tallest(RADIUS), [np.inf, 0.3, np.inf, np.inf])
     for name in ("foot_radius", "volume", "largest_area"):
         found = getattr(caps, name)(HEIGHT, RADIUS)
         own = [getattr(cap, name)(HEIGHT[i : i + 1], RADIUS[i : i + 1])[0] for i, cap in enumerate(kinds)]

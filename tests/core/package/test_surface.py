@@ -66,3 +66,27 @@ def test_a_material_of_a_youngs_modulus():
     assert material.young_modulus == pytest.approx(1.02, rel=1e-15)
     assert material.composite_modulus == pytest.approx(1.02 / (1.0 - ratio**2), rel=1e-15)
     assert material.poisson_ratio == ratio
+
+
+def test_a_period_has_an_area_and_the_nearest_of_all_differences():
+    cell = mf.PeriodicCell(2.0, 3.0)
+    assert cell.area == 6.0
+    x, y = cell.nearest(np.array([0.9, 1.1, -3.2]), np.array([1.4, 1.6, -6.5]))
+    np.testing.assert_allclose([x, y], [[0.9, -0.9, 0.8], [1.4, -1.4, -0.5]], atol=1e-14)
+
+
+def test_a_surface_prints_its_numbers():
+    text = repr(pair(friction=mf.Friction(0.404, 0.85), block=mf.Block(20, 18, 7.2), cap=mf.Power(4)))
+    for part in (
+        "2 asperities",
+        "0.1",
+        "0.5 mm",
+        "1.36 MPa",
+        "0.404 MPa",
+        "0.85",
+        "20",
+        "18",
+        "7.2",
+        "Power",
+    ):
+        assert part in text
