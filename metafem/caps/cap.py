@@ -7,7 +7,7 @@ from abc import ABC, abstractmethod
 from typing import Any, ClassVar
 
 import numpy as np
-import scipy
+from scipy.optimize import elementwise
 
 from metafem._validate import FloatArray
 from metafem.errors import refuse_if
@@ -137,7 +137,7 @@ class Cap(ABC):
         wide = np.minimum(height, self.extent)
         while (short := missing(wide, height) < 0.0).any():
             wide = np.where(short, np.minimum(2.0 * wide, self.extent), wide)
-        found = scipy.optimize.elementwise.find_root(missing, (np.zeros_like(wide), wide), args=(height,))
+        found = elementwise.find_root(missing, (np.zeros_like(wide), wide), args=(height,))
         return np.asarray(found.x)
 
     def _meridian(self, height: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
