@@ -25,6 +25,7 @@ def tilting(surface, model):
     return float(np.linalg.norm(mf.InsensitiveToTilt(LOAD, TILT).residual(surface, model)))
 
 
+@pytest.mark.slow
 def test_a_tilt_changes_the_law_of_an_arranged_design_less(template):
     model = mf.Independent()
     dealt = [tilting(mf.design(POWER, template, model, LIMITS, seed).surface, model) for seed in range(3)]

@@ -51,6 +51,7 @@ def test_closed_form_of_two_contacts():
     np.testing.assert_allclose(found.gradient[0], expected, rtol=1e-11)
 
 
+@pytest.mark.slow
 def test_force_is_the_sum_over_the_contacts():
     for model in (*MODELS, mf.BoundaryElements(0.03)):
         surface = scene(cap=cap_for(model))
@@ -85,6 +86,7 @@ def test_sensitivity_agrees_with_differences(model):
         )
 
 
+@pytest.mark.slow
 def test_equal_frictions_give_the_bits_of_one_friction():
     for model in (mf.Interacting(), mf.BoundaryElements(0.02)):
         one, equal = mf.Friction(0.4, 0.85), mf.Friction([0.4] * 9, [0.85] * 9)

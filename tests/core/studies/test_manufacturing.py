@@ -69,6 +69,7 @@ def test_small_errors_have_the_linear_response(linear):
     assert_allclose(slope.area_sd[0], 1e-8 * np.linalg.norm(gradient, axis=1), rtol=1e-3)
 
 
+@pytest.mark.slow
 def test_control_variates_and_sobol_points_agree_with_plain_draws(linear):
     sds = [0.0, 0.0009, 0.003]
     plain = mf.studies.manufacturing(linear, sds, draws=Draws(plain=True))

@@ -49,6 +49,7 @@ def assert_exact(surface, model, by, some):
     assert compared > 0
 
 
+@pytest.mark.slow
 def test_paraboloids_depend_on_the_curvature_of_the_summit(monkeypatch):
     for by in ("radius", "coefficient"):
         monkeypatch.setattr(solve, "TOLERANCE", 1e-12)
@@ -56,6 +57,7 @@ def test_paraboloids_depend_on_the_curvature_of_the_summit(monkeypatch):
         assert_exact(surface, mf.BoundaryElements(0.025), by, [0])
 
 
+@pytest.mark.slow
 def test_derivatives_by_all_asperities_are_those_of_order_3():
     for by in ("height", "radius", "exponent"):
         # the sum over the asperities hardly scatters with the cells
