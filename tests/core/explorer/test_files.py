@@ -26,7 +26,7 @@ from metafem.explorer.take.files import (
 from metafem.explorer.text.document import Document
 from metafem.explorer.workshop.changes import without_section
 from metafem.explorer.workshop.new_part import new_part
-from metafem.explorer.workshop.part_fields import FIRST, filled
+from metafem.explorer.workshop.part_fields import FIRST, Collision, filled, told
 from metafem.files import demo_text, parsed, planned, read_spec
 from tests.explorer.scenes import SAMPLED, WANTED
 
@@ -133,6 +133,10 @@ def test_the_values_of_a_new_part_are_those_of_its_specification():
     text = new_part(typed | {"coefficient": "2"})
     assert filled(parsed(text)) == {**typed, "coefficient": "2"}
     assert Document(text).value("limits.height_sd") == "1.5 um"
+    with pytest.raises(Collision) as caught:
+        new_part(FIRST | {"size": "5 5 2"})
+    offers = [told(offer) for offer in caught.value.offers]
+    assert offers == ["Use asperities 3 × 3", "Use block 9.3 × 9.3 × 2 mm"]
     kept = new_part(FIRST | {"law": POINTS, "asperities": "9 9"})
     assert Document(kept).value("target") == tomllib.loads(TEXT)["target"]
     assert made(kept).template.count == 81

@@ -7,6 +7,9 @@ from functools import cache
 import numpy as np
 import pytest
 
+from metafem.explorer.answer import answered
+from metafem.explorer.law.nearest import with_point
+from metafem.explorer.session import State
 from metafem.explorer.text.handles import MARKS, added, moved, removed, scene_of
 from metafem.explorer.text.points import MOST
 from metafem.explorer.text.written import between, digits_of, rounded, stated
@@ -236,6 +239,8 @@ def test_points_near_the_law_are_on_it_and_the_fifth_makes_a_curve():
         i = int(np.abs(target.rescaled_load - load).argmin())
         assert target.rescaled_friction[i] == pytest.approx(friction, rel=1e-6)
     assert tomllib.loads(text)["target"]["kind"] == "sampled"
+    drawn = answered(State(at.document.text), 1)
+    assert with_point(drawn, load, friction + 0.04, 0.05) != added(at, load, friction + 0.04)
     far = parsed(added(at, load, friction + 0.06, 0.05)).target
     assert far.rescaled_friction[i] == pytest.approx(friction + 0.06, rel=1e-3)
 

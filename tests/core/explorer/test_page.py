@@ -321,9 +321,10 @@ def test_files_are_taken_or_it_is_said_why_not(monkeypatch):
             await files.take(name)
         offered = files.offered["mould.csv"][0].enabled
         page.warn({"take": ["no part can be made: it is low"]})
-        return before, files.label.text, offered, files.offered["mould.csv"][0].enabled
+        return before, files.label.text, offered, files.offered["mould.csv"][0].enabled, files.command.text
 
-    before, after, offered, hindered = on_page(scene, Taking)
+    before, after, offered, hindered, command = on_page(scene, Taking)
+    assert "metafem design" in command
     assert ("not downloaded" in before, after) == (True, "figure.zip was downloaded.")
     assert (offered, hindered) == (True, False)
     assert list(taken) == ["spec.toml", "law.csv", "mould.csv", "law.svg", "figure.zip"]

@@ -22,7 +22,7 @@ def asked(path=f"/{TOKEN}/", kind="http", left=True, fails=False, **headers):
 
     async def application(scope, receive, send):
         received.append(scope)
-        await receive()
+        received.append(await receive())
         if fails:
             raise RuntimeError("No response returned.")
         await send({"type": "http.response.start", "status": 200, "headers": []})
@@ -47,6 +47,7 @@ def test_the_token_opens_the_page_and_nothing_else_does():
     ):
         received, sent = asked(**headers)
         assert received[0]["root_path"] == f"/{TOKEN}"
+        assert received[1]["type"] == "http.disconnect"
         assert (b"referrer-policy", b"no-referrer") in sent[0]["headers"]
     for path, headers in (
         ("/", {}),

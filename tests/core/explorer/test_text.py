@@ -276,7 +276,8 @@ def test_a_target_of_another_kind_is_near_the_law(kinds):
         assert np.sqrt(((one / other - 1.0) ** 2).mean()) < 0.2, kind
 
 
-def test_units_stay_with_another_kind_and_examples_serve_without_a_design():
+def test_units_and_crossovers_stay_with_another_kind_and_examples_serve_without_a_design():
+    assert_bent()
     text = Document(LINEAR).with_kind("target", "linear", {"friction_coefficient": 1.55})
     design = parsed(text).design()
     keys = {kind: tomllib.loads(with_kind(State(text), design, kind))["target"] for kind in KINDS}
@@ -286,6 +287,17 @@ def test_units_stay_with_another_kind_and_examples_serve_without_a_design():
     assert keys["linear"] == {"kind": "linear", "friction_coefficient": 1.55}
     for state, known in ((State(LINEAR), None), (State(LINEAR.replace('"120 um"', '"120"')), design)):
         assert with_kind(state, known, "power") == Document(state.text).with_kind("target", "power")
+
+
+def assert_bent():
+    values = {"slopes": [6.0, 9.0], "crossover_load": "0.08 mm^2", "load_range": ["0.04 mm^2", "0.2 mm^2"]}
+    text = Document(demo_text("bilinear")).with_kind("target", "bilinear", values)
+    found = parsed(with_kind(State(text), parsed(text).design(), "operating-points")).target
+    row = int(np.abs(found.rescaled_load - 0.08).argmin())
+    assert found.rescaled_load[row] == pytest.approx(0.08)
+    assert found.rescaled_friction[row] == pytest.approx(0.48, rel=0.03)
+    slopes = np.diff(found.rescaled_friction) / np.diff(found.rescaled_load)
+    assert slopes[row] / slopes[row - 1] == pytest.approx(1.5, rel=0.1)
 
 
 def test_a_target_in_other_units_keeps_its_law():
