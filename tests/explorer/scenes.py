@@ -16,6 +16,9 @@ from metafem.explorer.workshop.changes import with_choice, with_section
 from metafem.files import demo_text
 from metafem.progress import doing
 
+# Time after which a scene fails that waits for what never comes [s].
+LONGEST = 60.0
+
 # A specification of a sampled law, and its table.
 SAMPLED = """
 [target]
@@ -71,7 +74,7 @@ def on_page(scene, *panels, state=None):
             page = Control(state or State(demo_text("operating-points")))
             made = [kind(page) for kind in panels]
         try:
-            return await scene(page, *made)
+            return await asyncio.wait_for(scene(page, *made), LONGEST)
         finally:
             client.delete()
 
