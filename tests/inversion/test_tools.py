@@ -102,7 +102,12 @@ def test_a_line_that_is_missed_states_the_range_that_tools_reach():
 
 @pytest.mark.parametrize(
     ("exponent", "tools", "model"),
-    [(0.645, RADII, LAYER), (0.645, [0.2, 0.8], None), (1.55, [0.2, 0.8], mf.Interacting())],
+    [
+        (0.645, RADII, LAYER),
+        (0.645, [0.2, 0.8], None),
+        (1.55, [0.2, 0.8], mf.Interacting()),
+        (1.5, RADII, None),
+    ],
 )
 def test_powers_beyond_one_radius(template, exponent, tools, model):
     """One radius has at least 2/3, and reaches about 1.44 within 1 % over this range."""

@@ -24,7 +24,12 @@ def test_a_perturbed_surface_is_brought_into_the_band_of_the_known_one():
         assert np.linalg.norm(found.change) <= np.linalg.norm(known.height - made.height)
 
 
-MODELS = (mf.MeanField(), mf.Interacting(substrate=mf.BondedLayer()), mf.Independent(mf.JKR(9e-6)))
+MODELS = (
+    mf.MeanField(),
+    mf.Interacting(substrate=mf.BondedLayer()),
+    mf.Independent(mf.JKR(9e-6)),
+    mf.Independent(mf.Elastic()),
+)
 
 
 def test_bands_of_every_model_are_met():

@@ -102,6 +102,7 @@ def test_a_mixture_reaches_between_the_tools(template):
     result = mf.design(target, template, limits=limits, tools=[0.2, 1.6])
     assert result.parameters["used_radii"].tolist() == [0.2, 1.6]
     assert result.status is mf.DesignStatus.APPROXIMATE
+    assert not any("height_sd" in note.text for note in result.notes)
     np.testing.assert_allclose(
         result.parameters["reachable_coefficients"] / per_slope, [low[0], high[1]], rtol=1e-9
     )
