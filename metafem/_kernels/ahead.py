@@ -1,4 +1,4 @@
-"""Compile Newton's method for interacting asperities in another process, while this one does something else."""
+"""Compile Newton's method for interacting asperities in another process, beside other work of this one."""
 
 from __future__ import annotations
 
