@@ -26,7 +26,7 @@ ROOT = Path(__file__).parents[1]
 
 # Mutants at a time; the time [s] after which a run that does not end counts as noticed; and the processor
 # time [s] of all tests that are run for a mutant, those that take least first.
-PROCESSES, PATIENCE, MOST = 2, 600.0, 120.0
+PROCESSES, PATIENCE, MOST = 2, 900.0, 120.0
 
 # Packages that every run needs: loaded once in a process from which all others are forked.
 LOADED = (
@@ -79,7 +79,7 @@ def _callers_of_kernels(root: Path) -> Iterable[str]:
             yield ".".join(path.relative_to(root).with_suffix("").parts) + "."
 
 
-def noticed(mutant: Mutant | None, tests: Sequence[str], root: Path = ROOT) -> tuple[str, str]:
+def noticed(mutant: Mutant, tests: Sequence[str], root: Path = ROOT) -> tuple[str, str]:
     """Return the first test and the first check of claims that fail in a copy, or nothing for each."""
     with tempfile.TemporaryDirectory(prefix="mutant-") as name:
         copy, cache = Path(name, "copy"), Path(name, "cache")
@@ -87,12 +87,9 @@ def noticed(mutant: Mutant | None, tests: Sequence[str], root: Path = ROOT) -> t
         shutil.copytree(root, copy, ignore=shutil.ignore_patterns(".*", "results"))
         if kernels().is_dir():
             shutil.copytree(kernels(), cache / "kernels" / kernels().name)
-        claims: Sequence[str] = ()
-        if mutant is not None:
-            mutant.applied(copy)
-            claims = mutant.claims
+        mutant.applied(copy)
         receiver, sender = FORKED.Pipe(duplex=False)
-        process = FORKED.Process(target=_in_copy, args=(claims, tests, copy, cache, sender))
+        process = FORKED.Process(target=_in_copy, args=(mutant.claims, tests, copy, cache, sender))
         process.start()
         sender.close()
         late = f"no end within {PATIENCE:g} s"
@@ -161,6 +158,15 @@ FORKED = multiprocessing.get_context("forkserver")
 FORKED.set_forkserver_preload(list(LOADED))
 
 
+def _refuse_a_broken_copy(record: entered.Entered, claims: Iterable[str] = ()) -> None:
+    """Raise an error if tests or claims fail in a copy without a change: all mutants would seem noticed."""
+    readme = "README.md"
+    unchanged = Mutant("unchanged", "", readme, (ROOT / readme).read_text("utf-8"), [*dict.fromkeys(claims)])
+    tests = sorted({test for some in record.values() for _, test in some})
+    if any(found := noticed(unchanged, tests)):
+        raise click.ClickException(f"without a change {' and '.join(filter(None, found))} fail in a copy")
+
+
 def survivors(names: Sequence[str]) -> int:
     """Run the named mutants or all of the list, print what notices each, and return how many pass unnoticed.
 
@@ -172,6 +178,7 @@ def survivors(names: Sequence[str]) -> int:
     some = [known[name] for name in names or known]
     os.environ["OMP_NUM_THREADS"] = "1"
     record = recorded(ROOT, CORE)
+    _refuse_a_broken_copy(record, (claim for mutant in some for claim in mutant.claims))
     with ThreadPoolExecutor(PROCESSES) as pool:
         run = partial(_with_tests, record=record)
         count = 0
@@ -195,6 +202,7 @@ def survey(count: int, seed: int = 0) -> None:
     some = drawn(ROOT, count, seed)
     for kind, arguments in (("core", CORE), ("slow", SLOW)):
         record = recorded(ROOT, arguments)
+        _refuse_a_broken_copy(record)
         left = []
         with ThreadPoolExecutor(PROCESSES) as pool:
             run = partial(_with_tests, record=record)
