@@ -33,6 +33,7 @@ from tests.calibration.refused import compared, mapped, matched, sampled, streng
 from tests.calibration.sheared.scenes import X, area, force
 from tests.calibration.sites import scenes as images
 from tests.calibration.topography.scenes import FOUR, lattice, made_surface
+from tests.refusals import faults
 from validation.scenes.lattice_views import lattice as sites
 
 FEW = mf.Surface.square_lattice(0.1, (1, 2), radius=0.526, material=mf.Material(1.36))
@@ -88,7 +89,4 @@ REFUSALS = [
 
 @pytest.mark.parametrize(("call", "key", "value"), REFUSALS)
 def test_a_refusal_names_the_argument_and_its_value(call, key, value):
-    with pytest.raises(mf.InvalidInput) as error:
-        call()
-    assert key in str(error.value)
-    assert value in str(error.value)
+    assert faults([(call, key, value)]) == []

@@ -6,6 +6,7 @@ import pytest
 import metafem as mf
 from metafem.caps.shapes import sphere_profile
 from metafem.contact import cap_compliance
+from tests.refusals import faults
 
 RADIUS = 0.526
 MATERIAL = mf.Material(1.36)
@@ -70,7 +71,4 @@ REFUSALS = [
 
 @pytest.mark.parametrize(("call", "key", "value"), REFUSALS)
 def test_refusals(call, key, value):
-    with pytest.raises(mf.InvalidInput) as refused:
-        call()
-    assert key in str(refused.value)
-    assert value in str(refused.value)
+    assert faults([(call, key, value)]) == []

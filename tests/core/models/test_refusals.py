@@ -12,6 +12,7 @@ from metafem.models.boundary_elements.contact_areas import Contacts
 from metafem.models.boundary_elements.periodic import fitting_side
 from metafem.models.boundary_elements.solve import Scene
 from tests.models.scenes import HEIGHT, lattice, scene
+from tests.refusals import faults
 from validation.scenes.periodic import THREE
 
 RHO = np.linspace(0.0, 0.165, 30)
@@ -166,7 +167,4 @@ REFUSALS = [
 
 @pytest.mark.parametrize(("call", "key", "value"), REFUSALS)
 def test_refusals(call, key, value):
-    with pytest.raises(mf.InvalidInput) as refused:
-        call()
-    assert key in str(refused.value)
-    assert value in str(refused.value)
+    assert faults([(call, key, value)]) == []

@@ -5,6 +5,7 @@ import pytest
 
 import metafem as mf
 from metafem.substrate import GroundedLayer
+from tests.refusals import faults
 
 BLOCK = mf.Block(20.0, 20.0, 7.2)
 FREE = mf.Surface([[0, 0], [1, 0]], [0.1, 0.1], 0.5, mf.Material(1, 0.45))
@@ -43,7 +44,4 @@ REFUSALS = [
 
 @pytest.mark.parametrize(("call", "key", "value"), REFUSALS)
 def test_refusals(call, key, value):
-    with pytest.raises(mf.InvalidInput) as refused:
-        call()
-    assert key in str(refused.value)
-    assert value in str(refused.value)
+    assert faults([(call, key, value)]) == []
