@@ -7,10 +7,12 @@ import shlex
 import shutil
 from pathlib import Path
 
+import numpy as np
 import pytest
 from click.testing import CliRunner
 
 from metafem import _caches, cli
+from metafem.drawing import svg
 from metafem.files import demo_text, read_spec
 from validation import laboratory
 
@@ -23,15 +25,58 @@ def guide(name):
     return (ROOT / "validation" / "guide" / f"{name}.md").read_text("utf-8")
 
 
-def test_printed_output_is_what_the_example_prints():
+def without(text, *patterns):
+    for pattern in patterns:
+        text = re.sub(pattern, "", text, flags=re.S)
+    return text
+
+
+# What is read: no code blocks, no pictures, no addresses of links, no rules of tables.
+READ = without(README, r"```.*?```", r"!\[[^]]*\]\([^)]*\)", r"(?<=\])\([^)]*\)", r"\|[-|]+\n")
+
+
+def test_readme_is_short():
+    assert len(re.findall(r"\S*\w\S*", READ)) <= 700
+    cells = [cell for row in READ.splitlines() if row.startswith("|") for cell in row.split("|")]
+    assert max(len(cell.split()) for cell in cells) <= 20
+    assert len((ROOT / "CHANGELOG.md").read_bytes()) <= 3000
+
+
+def test_numbers_of_the_readme_are_those_of_the_proof_or_of_the_checks():
+    number = r"(?<![\w.])\d[\d,.]*\b"
+    times = READ.partition("## Two commands")[2].partition("## In Python")[0]  # `.ci/run` prints them
+    citation = READ.partition("[Aymard")[2].partition("]")[0]
+    known = re.findall(number, guide("proof") + times + citation)
+    assert set(re.findall(number, READ)) - set(known) == set()
+    pyproject = (ROOT / "pyproject.toml").read_text("utf-8")
+    assert re.findall(r"Python 3\.(\d+) to 3\.(\d+)", times) == [("11", "13")]
+    assert re.findall(r"Python :: 3\.(\d+)", pyproject) == ["11", "12", "13"]
+
+
+def test_models_of_the_readme_are_rows_of_the_proof():
+    rows = {row.split(" | ")[0]: row for row in guide("proof").splitlines() if row.startswith("| `")}
+    ours = [row.strip("| ").split(" | ") for row in READ.splitlines() if row.startswith("| `")]
+    assert len(ours) == 5
+    for name, _, one_load, error in ours:
+        shown = rows[f"| {name}"].split(" | ")
+        assert (one_load, error) == (shown[2], shown[4])
+
+
+def test_the_example_prints_its_output_and_draws_its_picture():
+    """Delete the picture, and it is drawn anew."""
     code = re.search(r"```python\n(.*?)```", README, re.S).group(1)
     output = re.search(r"```text\n(.*?)```", README, re.S).group(1)
     with contextlib.redirect_stdout(io.StringIO()) as printed:
         exec(compile(code, "README.md", "exec"), names := {})
     assert printed.getvalue() == output
-    law = names["design"].law
-    first, *_, last = law.friction_force / law.load
-    assert f"here {first:.1f} at the lightest and {last:.1f} at the heaviest" in README
+    figure = names["design"].plot().figure
+    drawn = svg(figure, "Friction law of the design of the README on its target")
+    picture = ROOT / "validation" / "first_design.svg"
+    if not picture.exists():
+        picture.write_text(drawn, "utf-8")
+    number = r"-?\d+\.\d+"
+    now, stored = (np.array(re.findall(number, text), float) for text in (drawn, picture.read_text("utf-8")))
+    np.testing.assert_allclose(now, stored, rtol=0, atol=1.0)  # a pixel
 
 
 def test_sites_of_the_guide_are_those_of_a_design(tmp_path):

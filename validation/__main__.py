@@ -13,31 +13,27 @@ from metafem.drawing import svg
 from metafem.report.figures import law_figure
 from validation import explorer_picture, shape_pictures
 from validation.cost import model_table
+from validation.cost.ladder_picture import ladder_picture
 from validation.discovery import Listed
 from validation.numbers import computed, expected
-from validation.page import readme_table, write_report
+from validation.page import answers, write_report
 from validation.paper.surfaces import fig4
+from validation.proof import renew
 from validation.published import REFERENCE
-from validation.readme import renew
-from validation.results import Evaluated, claims, collected, evaluate, is_slow, known, selected
+from validation.results import Evaluated, collected, known, selected
 from validation.verdicts import printed_table
 
-__all__ = ["MARKS", "PRINTED_MARKS", "claims", "evaluate", "is_slow", "main"]
-
 PICTURE = Path(__file__).parent / "first_minute.svg"
-
-MARKS = ("<!-- validation table: python -m validation --readme -->", "<!-- end of the validation table -->")
-PRINTED_MARKS = (
-    "<!-- printed numbers: python -m validation --readme -->",
-    "<!-- end of the printed numbers -->",
-)
+LADDER = Path(__file__).parent / "work_precision.svg"
 
 
 def renew_readme(results: dict[str, Evaluated]) -> None:
-    """Write the README's tables and pictures, and the pictures of the guide."""
-    renew(MARKS, readme_table(results))
-    renew(PRINTED_MARKS, printed_table(results))
-    model_table.renew_readme()
+    """Write the numbers of the proof, and the pictures of README and guide."""
+    renew("answers", answers(results))
+    renew("printed numbers", printed_table(results))
+    renew("models", model_table.table())
+    ladder = svg(ladder_picture(), "Seconds against error of the models, from sparse to merged contacts")
+    LADDER.write_text(ladder, "utf-8")
     PICTURE.write_text(svg(_first_minute(), "Target, achieved law and finite elements"), "utf-8")
     explorer_picture.renew_picture()
     shape_pictures.renew_pictures()
@@ -60,7 +56,7 @@ def _first_minute():
 @click.option("-o", "--output", default="validation/results", show_default=True, help="Folder to write.")
 @click.option("--quick", is_flag=True, help="Leave out the claims that take long or measure times.")
 @click.option("--site", is_flag=True, help="Also write the guide, the examples and the reference.")
-@click.option("--readme", is_flag=True, help="Also renew the tables of README.md.")
+@click.option("--readme", is_flag=True, help="Also renew the numbers of guide/proof.md, and all pictures.")
 @click.option("--mutate", is_flag=True, help="Change one term of the package at a time, see below.")
 @click.option("--random", type=int, default=0, metavar="N", help="With --mutate: N random changes instead.")
 @click.argument("names", nargs=-1)

@@ -1,4 +1,4 @@
-"""The pages of the report: the verdicts, and one page for each chapter; and their table in the README."""
+"""The pages of the report: the verdicts, and one page for each chapter."""
 
 from __future__ import annotations
 
@@ -65,11 +65,10 @@ def write_report(
         (folder / name).write_text(text, "utf-8")
 
 
-def readme_table(results: Results) -> str:
-    """Return the verdicts in Markdown."""
-    rows = ["| question | answer |", "|---|---|"]
-    rows += [f"| {each.question} | **{each.headline}.** {each.sentence} |" for each in verdicts(results)]
-    return "\n".join(rows)
+def answers(results: Results) -> str:
+    """Return the verdicts in Markdown, a section for each question."""
+    sections = [f"### {each.question}\n\n**{each.headline}.** {each.sentence}" for each in verdicts(results)]
+    return "\n\n".join(sections).replace("E*", r"E\*")
 
 
 def _index(results: Results, left_out: Sequence[str], whole: bool) -> str:

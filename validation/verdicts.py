@@ -1,4 +1,4 @@
-"""The answers of the first screen, and the README's table of printed numbers, from rows of the claims."""
+"""The answers of the first screen, and the table of printed numbers, from rows of the claims."""
 
 from __future__ import annotations
 

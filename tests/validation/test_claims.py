@@ -5,13 +5,13 @@ from click.testing import CliRunner
 
 from metafem.drawing import new_figure
 from validation import results
-from validation.__main__ import claims, main
+from validation.__main__ import main
 from validation.chapters import CHAPTERS
 from validation.check import Claim, Picture
 from validation.discovery import groups
 from validation.paper import bounds
 from validation.published import paper
-from validation.results import costs, evaluate, evaluated
+from validation.results import claims, costs, evaluate, evaluated
 from validation.sources import Kind, Source, printed
 
 # Claims of less than half a second; `python -m validation` evaluates all.

@@ -1,4 +1,4 @@
-"""The README's picture of the ladder of models: seconds against error, from sparse to merged contacts."""
+"""The picture of the ladder of models: seconds against error, from sparse to merged contacts."""
 
 from __future__ import annotations
 

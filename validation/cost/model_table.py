@@ -1,4 +1,4 @@
-"""The README's table of the models: what each assumes, what it costs, and how exact it is."""
+"""The table of the models: what each assumes, what it costs, and how exact it is."""
 
 from __future__ import annotations
 
@@ -6,16 +6,10 @@ import math
 import tomllib
 from pathlib import Path
 
-from metafem.drawing import svg
-from validation.cost.ladder_picture import ladder_picture
 from validation.cost.measured import LOADS, models
 from validation.cost.times import in_words, percent
 from validation.cost.work_precision import TABLE_SCENE
-from validation.readme import renew
 from validation.scenes.costs import SCENES, Reference, reference
-
-MARKS = ("<!-- models: python -m validation --readme -->", "<!-- end of the models -->")
-PICTURE = Path(__file__).parents[1] / "work_precision.svg"
 
 # The models of the table: name, line and setting, assumption, range.
 TABLE = [
@@ -24,15 +18,7 @@ TABLE = [
 ]
 
 
-def renew_readme() -> None:
-    """Write the table and the picture of the README from what was measured in this run."""
-    renew(MARKS, readme_table())
-    PICTURE.write_text(
-        svg(ladder_picture(), "Seconds against error of the models, from sparse to merged contacts"), "utf-8"
-    )
-
-
-def readme_table() -> str:
+def table() -> str:
     """Return the table in Markdown, with times rounded to 1, 2 or 5."""
     count = SCENES[TABLE_SCENE].surface.count
     lines = [

@@ -31,7 +31,7 @@ UNCERTAINTY = 2e-4
 
 PEER = "tamaas"
 
-# The scene of the table of the models in the README.
+# The scene of the table of the models.
 TABLE_SCENE = "paper"
 
 # What stands for the errors of order 3 on a scene without a reference of its own.

@@ -26,7 +26,7 @@ CELL = re.compile(r"<td.*?</td>", re.DOTALL)
 CODE = re.compile(r"(?<=<code>)[^<]*(?=</code>)")
 
 # Files of the repository that the site shows elsewhere.
-ELSEWHERE = {"../../README.md": "../cost.html"}
+ELSEWHERE = {"proof.md": "../cost.html"}
 
 
 @dataclass(frozen=True)
