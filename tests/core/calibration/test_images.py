@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+import metafem as mf
 from metafem.calibration import contact_areas, stack_areas
 from metafem.calibration.images.grey import clipped, grey_values
 from tests.calibration.images.scenes import CENTRE, PIXEL, RADII, SHAPE, centres, ground, images, in_order
@@ -208,3 +209,74 @@ def test_grey_values_of_any_type_and_pixels_at_the_ends_of_their_scale():
         assert (high is not None) == full
         assert (low is not None) == (kind is not np.float64)
         assert not full or high.sum() == (image == largest).sum()
+
+
+def test_different_dark_levels_enter_the_errors():
+    rng = np.random.default_rng(0)
+    shape, centre = lattice(5, 20.0, rng)
+    scatters = []
+    for scatter in (0.0, 0.02):
+        # the pitch of the lattice is the same for all
+        dark = np.kron(scatter * rng.standard_normal((5, 5)), np.ones((shape[0] // 5, shape[0] // 5)))
+        covered = coverage(shape, centre, np.full(25, 20.0))
+        image = BRIGHT + (DARK + dark - BRIGHT) * covered + 0.002 * rng.standard_normal(shape)
+        found = contact_areas(image, 1.0)
+        error = found.area - np.pi * 400.0
+        scatters.append(error.std())
+        assert found.area_error.mean() == pytest.approx(error.std(), rel=0.4)
+    assert scatters[1] > 5.0 * scatters[0]
+
+
+def test_otsus_threshold_is_kept_where_it_works():
+    from skimage.filters import threshold_otsu
+
+    for noise, share in ((0.02, 1.0), (0.1, 0.3)):
+        shape = tuple(round(share * n) for n in (420, 420))
+        image = picture(
+            shape, share * np.array([(90.3, 100.0), (310.0, 300.4)]), np.array([6.5, 8.0]), noise=noise
+        )
+        found = contact_areas(image, 1.0)
+        assert not found.notes
+        assert found.threshold == pytest.approx(threshold_otsu(image / BRIGHT), abs=0.02)
+
+
+def test_contacts_that_touch_are_named_as_merged():
+    for other, gap in ((9.0, -2.0), (15.0, 0.0), (30.0, 2.0), (30.0, 6.0)):
+        radius = np.array([30.0, other])
+        centre = [(60.0, 60.0), (90.0 + other + gap, 60.0)]
+        found = contact_areas(picture((120, 180), centre, radius, noise=0.03), PIXEL)
+        if gap > 4.0:
+            assert found.complete.tolist() == [True, True]
+        else:
+            assert found.merged.tolist() == [True]
+            assert found.area[0] == pytest.approx(np.pi * (radius**2).sum() * PIXEL**2, rel=0.01)
+
+
+def test_contacts_without_a_dark_middle_or_at_the_edge_alone_are_named():
+    shape, centre = lattice(4, 6.0, np.random.default_rng(0))
+    image = picture(shape, centre, np.full(16, 6.0), blur=2.5)
+    assert "wide enough" in str(contact_areas(image, 1.0, smallest_area=0.0).notes[0])
+    # with the levels of an image of wide contacts the areas are right but for the third order
+    known = contact_areas(image, 1.0, smallest_area=0.0, threshold=0.6, dark_level=DARK / BRIGHT, blur=2.517)
+    assert not known.notes
+    assert known.area == pytest.approx(36.0 * np.pi, rel=0.01)
+    found = contact_areas(picture((60, 60), [(0.0, 30.0)], [20.0]), 1.0)
+    assert found.edge.all()
+    assert "give blur" in str(found.notes[0])
+
+
+def test_images_are_read_one_by_one_and_progress_is_reported():
+    read, steps = [], []
+
+    class Lazy:
+        def __len__(self):
+            return 4
+
+        def __getitem__(self, i):
+            read.append(i)
+            return images()[i]
+
+    with mf.progress.listening(lambda step, done: steps.append(step)):
+        stack_areas(Lazy(), PIXEL, loads=[0.1, 0.2, 0.4, 0.3])
+    assert read == [2, 3, 1, 0]
+    assert steps == [f"measuring image {i} of 4" for i in (1, 2, 3, 4)]

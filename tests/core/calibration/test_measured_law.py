@@ -13,6 +13,7 @@ from metafem.calibration import MeasuredLaw, MeasurementErrors, branches, compar
 from metafem.calibration.measured_law.bent_line import chi_square, deviations, fitted, least
 from tests.calibration.measured_law.scenes import (
     FRICTION,
+    LOAD,
     MATERIAL,
     brute,
     contacts,
@@ -227,3 +228,45 @@ def test_loads_beyond_the_design_and_loads_with_an_unknown_contact_are_left_out_
     assert found.point.tolist() == [0, 2, 3, 4]
     assert np.isfinite(found.normalised).all()
     assert "0.2 N" in found.notes[0].text
+
+
+def test_the_part_that_is_the_design_is_accepted_as_often_as_stated():
+    linear = linear_design()
+    rng, load = np.random.default_rng(2), np.linspace(0.05, 0.6, 10)
+    verdicts = [compare(measured_on(linear, load, rng=rng), linear).verdict for _ in range(200)]
+    share = np.mean([verdict["chi_square"].probability < 0.2 for verdict in verdicts])
+    assert abs(share - 0.2) < 4.0 * np.sqrt(0.2 * 0.8 / 200)
+    assert np.mean([verdict.fits for verdict in verdicts]) > 0.93
+
+
+def test_a_matrix_of_a_calibration_is_taken_as_it_is():
+    linear = linear_design()
+    law = measured_on(linear, np.linspace(0.1, 0.6, 6))
+    sd = {"shear_strength": 0.006, "area_ratio": 0.01}
+    apart = compare(law, linear, parameters=sd)
+    same = compare(law, linear, parameters=list(sd), covariance=np.diag([0.006**2, 0.01**2]))
+    np.testing.assert_allclose(same.covariance, apart.covariance, rtol=1e-12)
+    assert same.parameters == pytest.approx(sd)
+    # sigma B known much better than its factors
+    together = compare(law, linear, parameters=list(sd), covariance=[[3.6e-5, -8.5e-5], [-8.5e-5, 2.01e-4]])
+    assert (together.deviation_sd < apart.deviation_sd).all()
+
+
+def test_points_are_drawn_with_error_bars():
+    law = law_of()
+    for units, x, y in (
+        ("N", law.load, law.friction_force),
+        ("mm^2", law.rescaled_load, law.rescaled_friction),
+    ):
+        (bars,) = law.plot(units=units, label="part 1").containers
+        assert bars.has_xerr
+        assert bars.has_yerr
+        np.testing.assert_allclose(bars.lines[0].get_xydata(), np.column_stack([x, y]))
+
+
+def test_a_law_with_one_branch_has_no_bounded_crossover():
+    x = LOAD
+    one = MeasuredLaw(
+        x, area=7.0 * x, load_sd=np.full(19, 3e-3), area_sd=np.full(19, 8e-3), material=mf.Material(1.0)
+    )
+    assert any("do not bound" in note.text for note in fit_segments(one).notes)

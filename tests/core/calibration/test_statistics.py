@@ -117,22 +117,31 @@ def test_another_unit_is_named_and_usual_data_are_not_suspected():
         except mf.MetafemError as error:
             return [error]
 
-    def hints(notes):
-        return [
-            str(note).partition(" would fit")[0].split()[-1] for note in notes if "would fit" in str(note)
-        ]
+    for column, notes in (
+        ("load_mN", pressed(1e3, 1.0)),
+        ("area_um2", pressed(1.0, 1e6)),
+        ("", pressed(1.0, 1.0)),
+        ("friction_force_mN", shear(slid[0], slid[1], 1e3 * slid[2]).notes),
+        ("area_before_mm2", shear(1e-6 * slid[0], 1e-6 * slid[1], slid[2]).notes),
+        ("", shear(*slid).notes),
+        ("friction_force_N", compare(measured_on(design, loads, 1e-3), design).notes),
+        ("", compare(measured_on(design, loads, 2.0), design).notes),
+    ):
+        before = [str(note).partition(" would fit")[0] for note in notes if "would fit" in str(note)]
+        assert [words.split()[-1] for words in before[:1]] == [column] * bool(column)
 
-    found = [
-        hints(pressed(1e3, 1.0)),
-        hints(pressed(1.0, 1e6)),
-        hints(pressed(1.0, 1.0)),
-        hints(shear(slid[0], slid[1], 1e3 * slid[2]).notes),
-        hints(shear(1e-6 * slid[0], 1e-6 * slid[1], slid[2]).notes),
-        hints(shear(*slid).notes),
-        hints(compare(measured_on(design, loads, 1e-3), design).notes),
-        hints(compare(measured_on(design, loads, 2.0), design).notes),
-    ]
-    assert [(each[:1] or [""])[0] for each in found] == [
-        *("load_mN", "area_um2", "", "friction_force_mN", "area_before_mm2", ""),
-        *("friction_force_N", ""),
-    ]
+
+def test_three_points_have_no_drift():
+    load, area = (each[0] for each in compression_tests(1, 5, ENERGY, np.random.default_rng(0)))
+    for robust in (False, True):
+        found = fit_compression(load[4:20:7], area[4:20:7], RADIUS, sample=Sample(contacts=5), robust=robust)
+        assert found.verdict["correlation"].probability == 1.0
+
+
+def test_correct_laws_are_rejected_as_often_as_stated():
+    rng = np.random.default_rng(1)
+    verdicts = [judged(rng.standard_normal(30), 0) for _ in range(1000)]
+    probabilities = np.array([verdict["chi_square"].probability for verdict in verdicts])
+    # the binomial standard deviation of a share of 1000
+    assert abs((probabilities < 0.2).mean() - 0.2) < 4.0 * np.sqrt(0.2 * 0.8 / 1000)
+    assert np.mean([not verdict.fits for verdict in verdicts]) < 0.03  # two tests at 1 %
