@@ -1,5 +1,6 @@
 """The command in an empty folder."""
 
+import json
 import shutil
 from importlib import import_module
 
@@ -10,6 +11,30 @@ from metafem import cli
 from metafem.drawing.inline import Drawn
 
 
+class Ran:
+    """A command that ran: its exit code and what it printed."""
+
+    def __init__(self, result):
+        self.result = result
+
+    def __getattr__(self, name):
+        return getattr(self.result, name)
+
+    @property
+    def words(self):
+        """The output with single blanks."""
+        return " ".join(self.output.split())
+
+    def ended(self, code):
+        assert self.exit_code == code, self.output
+        return self
+
+    told = property(lambda self: self.ended(0).words)
+    data = property(lambda self: json.loads(self.ended(0).stdout))
+    missed = property(lambda self: json.loads(self.ended(1).stdout))
+    refusal = property(lambda self: self.ended(2).words)
+
+
 @pytest.fixture
 def run(tmp_path, monkeypatch):
     """Run a command in an empty folder and return its result."""
@@ -18,7 +43,7 @@ def run(tmp_path, monkeypatch):
     def call(*arguments):
         result = CliRunner().invoke(cli.main, [str(argument) for argument in arguments])
         assert result.exception is None or isinstance(result.exception, SystemExit)
-        return result
+        return Ran(result)
 
     return call
 

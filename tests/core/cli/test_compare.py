@@ -25,9 +25,7 @@ def measured(demo):
 
 
 def test_a_measured_law_is_compared_and_stored(run, measured):
-    result = run("compare", "linear", "measured.csv", "--json")
-    assert result.exit_code == 0, result.output
-    data = json.loads(result.stdout)
+    data = run("compare", "linear", "measured.csv", "--json").data
     np.testing.assert_allclose(np.array(data["data"]["deviation"]["values"])
                                / data["data"]["predicted"]["values"], 0.03, atol=1e-4)  # fmt: skip
     assert data["data"]["law"]["values"] == ["static"]
@@ -35,16 +33,12 @@ def test_a_measured_law_is_compared_and_stored(run, measured):
     assert data["answers"][0].startswith("The static law does not agree with the design")
     assert Path("linear/measured.nc").exists()
     again = run("compare", "linear", "measured.csv")
-    assert again.exit_code == 2
-    assert "measured.nc exists; replace it with --force" in " ".join(again.output.split())
-    assert "choose another name" not in again.output
-    text = " ".join(run("compare", "linear", "measured.csv", "--force").output.split())
+    assert "measured.nc exists; replace it with --force" in again.refusal
+    assert "choose another name" not in again.refusal
+    text = run("compare", "linear", "measured.csv", "--force").words
     assert "+3.0 %" in text
     assert "slope, P/E* = " in text
-    assert (
-        "The static law does not agree with the design within its error bars "
-        "(rejected at 1 %): rms deviation 3 %" in text
-    )
+    assert "(rejected at 1 %): rms deviation 3 %" in text
     assert text.endswith("wrote linear/measured.nc")
     assert run("report", "linear").exit_code == 0
     report = Path("linear/report.html").read_text("utf-8")
@@ -54,7 +48,7 @@ def test_a_measured_law_is_compared_and_stored(run, measured):
 
 def test_sliding_friction_stands_beside_with_its_own_strength(run, measured):
     options = ("--sliding", "sliding.csv", "--sliding-shear-strength", "0.3222 MPa", "--json")
-    data = json.loads(run("compare", "linear", "measured.csv", *options).stdout)["data"]
+    data = run("compare", "linear", "measured.csv", *options).data["data"]
     assert data["law"]["values"] == ["static", "sliding"]
     assert data["of_law"]["values"] == ["static"] * 10 + ["sliding"] * 10
     ratio = np.array(data["deviation"]["values"]) / data["predicted"]["values"]
@@ -62,40 +56,30 @@ def test_sliding_friction_stands_beside_with_its_own_strength(run, measured):
 
 
 def test_errors_of_the_parameters_widen_the_bars(run, measured):
-    data = json.loads(
-        run("compare", "linear", "measured.csv", "--sd", "shear_strength=0.01MPa", "--json").stdout
-    )["data"]
+    data = run("compare", "linear", "measured.csv", "--sd", "shear_strength=0.01MPa", "--json").data["data"]
     assert data["probability"]["values"][0] > 0.9  # 3 % more friction is one standard deviation of sigma
     relative = np.array(data["deviation_sd"]["values"]) / data["rescaled_friction"]["values"]
     assert (relative > 0.01 / 0.358).all()
 
 
 def test_a_calibration_gives_the_material_pair_with_its_errors(run, measured):
-    variances = [0.04**2, 0.01**2, 0.006**2]
-    Path("calibration.json").write_text(
-        json.dumps(
-            {
-                "kind": "metafem calibration",
-                "parameters": ["composite_modulus", "area_ratio", "shear_strength"],
-                "units": ["MPa", "1", "MPa"],
-                "values": [1.36, 0.85, 0.358 * 1.03],
-                "covariance": np.diag(variances).tolist(),
-            }
-        ),
-        "utf-8",
-    )
-    result = run("compare", "linear", "measured.csv", "--calibration", "calibration.json", "--json")
-    data = json.loads(result.stdout)
+    calibration = {
+        "kind": "metafem calibration", "parameters": ["composite_modulus", "area_ratio", "shear_strength"],
+        "units": ["MPa", "1", "MPa"], "values": [1.36, 0.85, 0.358 * 1.03],
+        "covariance": np.diag([0.04**2, 0.01**2, 0.006**2]).tolist(),
+    }  # fmt: skip
+    Path("calibration.json").write_text(json.dumps(calibration), "utf-8")
+    data = run("compare", "linear", "measured.csv", "--calibration", "calibration.json", "--json").data
     assert data["parameters"] == "composite_modulus area_ratio shear_strength"
     ratio = np.array(data["data"]["deviation"]["values"]) / data["data"]["predicted"]["values"]
     np.testing.assert_allclose(ratio, 0.0, atol=1e-4)
     options = ("--calibration", "calibration.json", "--json", "--force")
-    alone = json.loads(
-        run("compare", "linear", "measured.csv", "--shear-strength", "0.358 MPa", *options).stdout
-    )
+    alone = run("compare", "linear", "measured.csv", "--shear-strength", "0.358 MPa", *options).data
     assert alone["parameters"] == "composite_modulus area_ratio"  # a stated strength is exact
-    twice = run("compare", "linear", "measured.csv", "--sd", "area_ratio=0.01", *options)
-    assert "both give the error of area_ratio; keep one" in " ".join(twice.output.split())
+    assert (
+        "both give the error of area_ratio; keep one"
+        in run("compare", "linear", "measured.csv", "--sd", "area_ratio=0.01", *options).words
+    )
 
 
 def write_contacts(design, made):
@@ -120,13 +104,7 @@ def tilted(demo):
 
 
 def test_a_tilt_is_explained_and_stored(run, tilted):
-    result = run("compare", "linear", "contacts.csv", "--explain", "--json")
-    assert result.exit_code == 0, result.output
-    data = json.loads(result.stdout)["explanation"]
-    assert (
-        "measured values, the areas of the single contacts included; with the errors found"
-        in data["answers"][0]
-    )
+    data = run("compare", "linear", "contacts.csv", "--explain", "--json").data["explanation"]
     found = data["data"]
     assert found["group"]["values"][0] == "tilt"
     assert found["share"]["values"][0] > 0.8
@@ -134,32 +112,9 @@ def test_a_tilt_is_explained_and_stored(run, tilted):
     assert Path("linear/explained.nc").exists()
     options = ("--explain", "--force", "--height-sd", "0", "--radius-sd", "0", "--position-sd", "1um")
     text = run("compare", "linear", "contacts.csv", *options).output
-    assert "What explains the measured law" in text
     assert "single heights" not in text
     assert "It is explained by tilt (" in text
     assert text.rstrip().endswith("wrote linear/explained.nc")
-
-
-@pytest.mark.slow
-def test_a_tilt_of_a_part_with_caps_of_two_tools_is_explained(run):
-    """The contacts follow the profiles of the caps, as in the design."""
-    friction, height = mf.Friction(0.404, 0.85), np.full(16, 0.2)
-    template = mf.Surface.square_lattice(
-        height, (4, 4), radius=0.526, material=mf.Material(1.36), friction=friction
-    )
-    tools = [mf.Tool(0.526), mf.Tool(0.526, mf.Power(4, 2.0))]
-    known = template.replaced(cap=[tool.cap for tool in tools] * 8, height=np.linspace(0.1, 0.2, 16))
-    load, model = np.linspace(0.05, 0.5, 20), mf.Independent(mf.Elastic())
-    target = mf.SampledLaw(load, model.curve(known, load).area)
-    design = mf.design(target, template, model, mf.Limits(0.2), tools=tools)
-    assert len({design.surface.cap.one(i) for i in range(design.surface.count)}) == 2
-    mf.save(design, "caps")
-    write_contacts(design, design.surface.tilted(math.radians(0.1), 0.0))
-    result = run("compare", "caps", "contacts.csv", "--explain", "--json")
-    assert result.exit_code == 0, result.output
-    found = json.loads(result.stdout)["explanation"]["data"]
-    assert found["group"]["values"][0] == "tilt"
-    assert math.degrees(found["mean"]["values"][0]) == pytest.approx(0.1, abs=0.02)
 
 
 @pytest.mark.slow
@@ -170,7 +125,6 @@ def test_contacts_have_the_sites_of_a_design_that_leaves_some_empty(run, demo):
     height = design.surface.height.copy()
     height[-1] -= 0.02
     write_contacts(design, design.surface.replaced(height=height))
-    result = run("compare", "operating-points", "contacts.csv", "--explain")
-    assert result.exit_code == 0, result.output
-    assert f"The asperity at site {design.sites[-1]} is" in result.output
-    assert "lower than designed" in result.output
+    text = run("compare", "operating-points", "contacts.csv", "--explain").told
+    assert f"The asperity at site {design.sites[-1]} is" in text
+    assert "lower than designed" in text

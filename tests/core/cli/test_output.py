@@ -7,26 +7,8 @@ import sys
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
 
-from metafem import cli
 from metafem.files import demo_text
-
-
-def started(*arguments, **changes):
-    """Run a command in a new process."""
-    command = [sys.executable, "-m", "metafem", *map(str, arguments)]
-    environment = {**os.environ, **changes.pop("environment", {})}
-    return subprocess.run(command, text=True, env=environment, stderr=subprocess.PIPE, **changes)
-
-
-@pytest.fixture
-def small(tmp_path, monkeypatch):
-    """A specification of nine asperities in the working folder."""
-    monkeypatch.chdir(tmp_path)
-    text = demo_text("linear").replace("[8, 8]", "[3, 3]")
-    Path("small.toml").write_text(text, "utf-8")
-    return text
 
 
 @pytest.mark.slow
@@ -51,7 +33,8 @@ def test_a_terminal_without_greek_letters_gets_their_names(encoding, shown):
 def test_a_pipe_that_is_closed_ends_quietly(arguments):
     reading, writing = os.pipe()
     os.close(reading)
-    done = started(*arguments, stdout=writing)
+    command = [sys.executable, "-m", "metafem", *arguments]
+    done = subprocess.run(command, text=True, stderr=subprocess.PIPE, stdout=writing)
     os.close(writing)
     assert (done.returncode, done.stderr) == (1, "")
 
@@ -60,14 +43,14 @@ def test_a_pipe_that_is_closed_ends_quietly(arguments):
     ("arguments", "code", "kind", "words"),
     [
         (("design", "none.toml", "-o", "x", "--json"), 2, "InvalidInput", "none.toml: no such file"),
-        (("design", "small.toml", "--json"), 2, "Usage", "Missing option"),
+        (("design", "flat.toml", "--json"), 2, "Usage", "Missing option"),
         (("predict", "x.csv", "--jsn", "--json"), 2, "Usage", "No such option"),
         (("design", "flat.toml", "-o", "x", "--json"), 1, "Infeasible", "slope 3 is not above the bound"),
     ],
 )
-def test_errors_are_json_with_the_option_json(small, arguments, code, kind, words):
-    Path("flat.toml").write_text(small.replace("6.87", "3.0"), "utf-8")
-    result = CliRunner().invoke(cli.main, arguments)
+def test_errors_are_json_with_the_option_json(run, arguments, code, kind, words):
+    Path("flat.toml").write_text(demo_text("linear").replace("6.87", "3.0"), "utf-8")
+    result = run(*arguments)
     assert (result.exit_code, result.stderr) == (code, "")
     error = json.loads(result.stdout)["error"]
     assert error["type"] == kind

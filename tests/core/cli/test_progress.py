@@ -2,7 +2,6 @@
 
 from rich.console import Console
 
-from metafem.cli import progress as module
 from metafem.cli.progress import progress
 from metafem.progress import doing, each, message
 
@@ -24,11 +23,3 @@ def test_a_terminal_shows_the_step_and_its_share(capsys, monkeypatch):
     out, err = capsys.readouterr()
     assert out == ""
     assert "load 2 of 2, 50 %" in err
-
-
-def test_kernels_that_cannot_be_kept_are_reported(tmp_path, monkeypatch):
-    (tmp_path / "file").touch()
-    monkeypatch.setenv("METAFEM_CACHE_DIR", str(tmp_path))
-    assert module._how_often() == "once for this installation"
-    monkeypatch.setenv("METAFEM_CACHE_DIR", str(tmp_path / "file"))
-    assert module._how_often().startswith("again for each command, because the cache cannot be written")

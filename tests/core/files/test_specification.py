@@ -325,14 +325,15 @@ def test_a_design_uses_all_keys():
     lattice = 'shape = [4, 4]\npitch = "1.5 mm"'
     found = spec(
         target='kind = "linear"\nslope = 4.5', lattice=lattice, tools='radii = ["526 um", "300 um"]',
-        sites='empty = [5]\npinned = [2]\nheights = ["100 um"]', layout="seed = 3",
+        sites='empty = [5]\npinned = [2]\nheights = ["100 um"]', layout='seed = 3\ntilt = "0.1 deg"',
     )  # fmt: skip
     result = found.design()
     assert dict(result.pinned) == {5: None, 2: 0.1}
     limits = mf.Limits(0.12, offset=0.084, pinned={5: None, 2: 0.1})
-    tools = {"tools": [0.526, 0.3], "common_radius": True}
+    tools = {"tools": [0.526, 0.3], "common_radius": True, "layout": mf.Layout(tilt=0.1 * DEGREE)}
     same = mf.design(found.target, found.template, limits=limits, rng=3, **tools)
     np.testing.assert_array_equal(result.surface.height, same.surface.height)
+    assert result.layout == same.layout
     draft = found.design(draft=True)
     assert (draft.target, dict(draft.pinned)) == (found.target, {5: None, 2: 0.1})
     soft = spec(lattice=f'{lattice}\nradius = "526 um"', checks='hardness = "0.4 MPa"').design()
