@@ -1,5 +1,5 @@
-"""The surfaces of the core's tests."""
+"""The design and the surfaces of the core's tests."""
 
 from tests.core.studies import conftest as core
 
-linear, surface = core.linear, core.surface
+design, linear, surface = core.design, core.linear, core.surface

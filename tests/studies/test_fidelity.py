@@ -15,13 +15,6 @@ SIDE = 20.0 / np.sqrt(np.pi)
 
 
 @pytest.fixture(scope="module")
-def design():
-    material, block = mf.Material(1.36), mf.Block(20.0, 20.0, 7.2)
-    template = mf.Surface.square_lattice(0.12, (2, 3), radius=0.526, material=material, block=block)
-    return mf.design(mf.OperatingPoints([0.01, 0.03], [0.1, 0.26]), template)
-
-
-@pytest.fixture(scope="module")
 def fidelity(design, tmp_path_factory):
     """The laws under all models, on a block of large cells, and the table of its caps by finite elements."""
     kept, module = [], import_module("metafem.studies.fidelity")

@@ -24,3 +24,11 @@ def linear():
     return mf.Surface.square_lattice(
         height, radius=RADIUS, material=MATERIAL, block=mf.Block(20.0, 20.0, 7.2)
     )
+
+
+@pytest.fixture(scope="session")
+def design():
+    """A design of six asperities through two points."""
+    material, block = mf.Material(1.36), mf.Block(20.0, 20.0, 7.2)
+    template = mf.Surface.square_lattice(0.12, (2, 3), radius=0.526, material=material, block=block)
+    return mf.design(mf.OperatingPoints([0.01, 0.03], [0.1, 0.26]), template)

@@ -12,13 +12,6 @@ from metafem.studies.fidelity import _law_of_caps
 
 
 @pytest.fixture(scope="module")
-def design():
-    material, block = mf.Material(1.36), mf.Block(20.0, 20.0, 7.2)
-    template = mf.Surface.square_lattice(0.12, (2, 3), radius=0.526, material=material, block=block)
-    return mf.design(mf.OperatingPoints([0.01, 0.03], [0.1, 0.26]), template)
-
-
-@pytest.fixture(scope="module")
 def interaction(design):
     return mf.studies.interaction(design, placements=7)
 

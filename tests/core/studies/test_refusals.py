@@ -1,5 +1,7 @@
 """What studies refuse: the argument and the value that was given are in the message."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -10,6 +12,8 @@ from metafem.studies.cap_contact import caps_of
 from metafem.studies.sampling.batches import opened
 from metafem.studies.sampling.inputs import Inputs
 from metafem.studies.sampling.slope import Slope
+from tests.core.studies.test_inputs import MEAN
+from tests.refusals import faults
 
 MATERIAL, FRICTION = mf.Material(1.36), mf.Friction(0.404, 0.85)
 SURFACE = mf.Surface.square_lattice(
@@ -20,8 +24,8 @@ COATED = SURFACE.replaced(friction=mf.Friction([0.4, 0.1, 0.2, 0.4], 0.85))
 SIX = mf.Surface.square_lattice(
     0.12, (2, 3), radius=np.linspace(0.4, 0.6, 6), material=MATERIAL, block=mf.Block(20, 20, 7.2)
 )
+PLASTIC = mf.Independent(mf.KogutEtsion(1.0))
 POWERS = SIX.replaced(cap=mf.Power(4))
-MEAN = {"radius": 0.5, "composite_modulus": 1.4, "area_ratio": 0.9, "load": np.array([0.1, 0.2])}
 
 
 def manufacturing(height_sd, surface=SURFACE, **given):
@@ -71,7 +75,6 @@ def another_study(tmp_path):
 REFUSALS = {
     "manufacturing": [
         (manufacturing(-0.001), "height_sd", "-0.001"),
-        (manufacturing([0.001, -0.002]), "height_sd", "-0.002"),
         (manufacturing(0.001, others=mf.Tolerances(radius_sd=0.1)), "radius", "0.1"),
         (manufacturing(0.001, rng=-1), "rng", "-1"),
         (manufacturing(0.001, COATED), "friction.shear_strength", "manufacturing"),
@@ -99,15 +102,12 @@ REFUSALS = {
         (uncertainty(model="layer"), "model", "layer"),
         (uncertainty(COATED, load=[0.03]), "friction.shear_strength", "uncertainty"),
         (
-            uncertainty(
-                parameters={"composite_modulus": 0.05}, model=mf.Independent(mf.KogutEtsion(1.0)), load=[0.01]
-            ),
+            uncertainty(parameters={"composite_modulus": 0.05}, model=PLASTIC, load=[0.01]),
             "composite_modulus",
             "law",
         ),
     ],
     "combined": [
-        (combined(draws=1), "draws", "1"),
         (combined(parameters={"load": 0.1}), "parameters", "load"),
         (combined(parameters={"radius": 0.2}), "parameters.radius", "0.2"),
         (combined(COATED.friction, ([0.02, 0.04], [0.08, 0.15])), "friction.shear_strength", "combined"),
@@ -157,9 +157,8 @@ REFUSALS = {
 
 @pytest.mark.parametrize("border", REFUSALS)
 def test_a_refusal_names_the_argument_and_its_value(border, tmp_path):
+    rows = []
     for k, (call, key, value) in enumerate(REFUSALS[border]):
         (folder := tmp_path / str(k)).mkdir()
-        with pytest.raises(mf.InvalidInput) as error:
-            call(*[folder] * call.__code__.co_argcount)
-        assert key in str(error.value)
-        assert value in str(error.value)
+        rows.append((partial(call, *[folder] * call.__code__.co_argcount), key, value))
+    assert faults(rows) == []
