@@ -120,10 +120,7 @@ def test_a_plan_states_size_files_and_chord_error(tmp_path):
         "chord_error_mm": 1e-3, "triangles": part.triangles,
         "files": ["block.obj", "mould.obj", "block.stl", "mould.stl", "mould.svg"],
     }  # fmt: skip
-    assert part.size() == (
-        f"block.obj, mould.obj and block.stl, mould.stl: {part.triangles:,} triangles each, "
-        f"{(84 + 50 * part.triangles) / 1e6:.3g} MB as STL, at most 1 um below the spheres"
-    )
+    assert f"{(84 + 50 * part.triangles) / 1e6:.3g} MB as STL, at most 1 um below" in part.size()
     part.write(tmp_path)
     assert {path.name for path in tmp_path.iterdir()} == set(part.record()["files"])
     mould = trimesh.load(tmp_path / "mould.stl")
