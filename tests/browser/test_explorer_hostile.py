@@ -6,19 +6,12 @@ from metafem.explorer.session import State
 from metafem.explorer.text.document import Document
 from metafem.explorer.text.link import to_link
 from metafem.files import demo_text
+from tests.browser.hands import after, drop
 
 pytestmark = pytest.mark.nightly
 
 # What runs if a page takes it for HTML.
 HTML = "</script><img src=x onerror='window.hacked=1'><script>window.hacked=1</script>"
-
-# Drops a file onto an element.
-DROPPED = """([where, name, content]) => {
-  const files = new DataTransfer();
-  files.items.add(new File([new Uint8Array(content)], name));
-  document.querySelector(where).dispatchEvent(
-    new DragEvent('drop', { dataTransfer: files, bubbles: true, cancelable: true }));
-}"""
 
 # A table with a long remark, and a store that has so many characters left.
 LARGE = b"load_N,friction_force_N\n0.1,0.12\n0.3,0.4\n#" + b"x" * 95_000
@@ -40,9 +33,7 @@ def visit(visit):
 
 def typed(visit, key, text):
     """Type a value into a field, and wait for its answer."""
-    before = visit.asked
-    visit.page.evaluate("probe.typed", [key, text])
-    visit.settled(before)
+    after(visit, visit.page.evaluate, "probe.typed", [key, text])
 
 
 def test_no_text_is_taken_for_html(visit):
@@ -50,12 +41,13 @@ def test_no_text_is_taken_for_html(visit):
     typed(visit, "lattice.pitch", HTML)
     page.locator(".chip", has_text="1 problem").wait_for()
     typed(visit, "lattice.pitch", "1.5 mm")
-    page.evaluate(DROPPED, [".law-plot", f"{HTML}.csv".replace("/", ""), list(b"a,b\n")])
+    name = f"{HTML}.csv".replace("/", "")
+    drop(visit, ".law-plot", name, b"a,b\n")
     page.locator(".law-live.wrong span", has_text="onerror").wait_for()
     table = b"load_N,friction_force_N\n0.1,0.12\n0.3,0.4\n"
-    page.evaluate(DROPPED, [".law-plot", f"{HTML}.csv".replace("/", ""), list(table)])
+    drop(visit, ".law-plot", name, table)
     page.locator(".law-legend li", has_text="onerror").wait_for()
-    page.evaluate(DROPPED, [".explorer", f"{HTML}.png".replace("/", ""), [137, 80, 78, 71]])
+    drop(visit, ".explorer", name.replace(".csv", ".png"), bytes([137, 80, 78, 71]))
     page.get_by_text("onerror").last.wait_for()
     text = Document(demo_text("operating-points")).with_values(
         {"target.kind": HTML, "sites.empty": [HTML], HTML.replace(".", "-"): {"a": 1}}
@@ -73,7 +65,7 @@ def test_no_text_is_taken_for_html(visit):
 def test_a_large_history_outlives_a_reload_and_a_full_store(visit):
     """Some hundred kilobytes a state are more than a message takes, and soon more than the browser keeps."""
     page = visit.page
-    page.evaluate(DROPPED, [".law-plot", "m.csv", list(LARGE)])
+    drop(visit, ".law-plot", "m.csv", LARGE)
     visit.page.locator(".law-legend li", has_text="m.csv").wait_for()
     for number in range(11):
         typed(visit, "limits.max_height", f"{271 + number} um")

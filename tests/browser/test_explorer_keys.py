@@ -4,6 +4,7 @@ import pytest
 
 from metafem.explorer.surface.sites_text import asked_sites
 from metafem.files import parsed
+from tests.browser.hands import after, take
 
 # Name, role and part of what is in focus, and whether the focus is seen: an outline, or a ring at a point.
 FOCUS = """() => {
@@ -37,9 +38,7 @@ class Keys:
 
     def changes(self, *keys):
         """Press keys and wait for the answer."""
-        before = self.visit.asked
-        self.press(*keys)
-        self.visit.settled(before)
+        after(self.visit, self.press, *keys)
 
     def to(self, name, key="Tab"):
         """Press Tab until the focus is on a control whose name begins with a text, and is seen."""
@@ -109,10 +108,8 @@ def test_a_law_becomes_a_mould_table(keys, tmp_path):
     keys.press("ArrowRight", "ArrowRight", "Enter")
     assert keys.focus["name"] == "Take it"
     keys.to("mould.csv")
-    with page.expect_download() as download:
-        keys.press("Enter")
-    download.value.save_as(tmp_path / "mould.csv")
-    assert (tmp_path / "mould.csv").read_text("utf-8").count("\n") > 50
+    table = take(page, lambda: keys.press("Enter"), tmp_path / "mould.csv")
+    assert table.read_text("utf-8").count("\n") > 50
 
 
 def test_tab_runs_through_every_part_in_the_order_of_reading(keys):

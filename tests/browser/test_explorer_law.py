@@ -4,17 +4,9 @@ import pytest
 
 from metafem.explorer.answer import answered
 from metafem.explorer.session import State
+from tests.browser.hands import after, drop, hold
 
 FORCES = "load_N,friction_force_N,friction_force_sd_N\n0.1,0.12,0.02\n0.3,0.4,0.02\n0.6,0.8,0.02\n"
-
-# A file that is dropped onto the plot.
-DROPPED = """([name, content]) => {
-  const files = new DataTransfer();
-  files.items.add(new File([new Uint8Array(content)], name));
-  document.querySelector('.law-plot').dispatchEvent(
-    new DragEvent('drop', { dataTransfer: files, bubbles: true, cancelable: true }));
-}"""
-
 
 # The ends of both axes, and whether a zoom holds them.
 AXES = """() => {
@@ -38,9 +30,7 @@ def test_a_dragged_point_changes_the_text_and_a_refused_one_returns(visit):
     moved = target(visit)
     assert moved.rescaled_friction[1] > 1.7
     before = visit.asked
-    x, y = visit.middle("point-1")
-    visit.page.mouse.move(x, y)
-    visit.page.mouse.down()
+    x, y = hold(visit, "point-1")
     visit.page.mouse.move(x, y - 60, steps=4)
     visit.page.mouse.move(20.0, y - 160, steps=4)
     visit.page.locator(".handle.refused").wait_for()
@@ -56,23 +46,18 @@ def test_a_dragged_point_changes_the_text_and_a_refused_one_returns(visit):
 def test_the_nearest_law_is_taken_and_every_kind_can_be_dragged(visit):
     page = visit.page
     for kind in ("linear", "bilinear", "power", "multilinear", "sampled", "operating-points"):
-        before = visit.asked
-        page.locator('[data-key="target.kind"]').select_option(kind)
-        visit.settled(before)
+        after(visit, page.locator('[data-key="target.kind"]').select_option, kind)
         visit.drag(visit.handles()[-1], 8, -6)
         answer = answered(State(visit.text), 1)
         assert answer.current, (kind, answer.refused)
-    x, y = visit.middle("point-2")
     before = visit.asked
-    page.mouse.move(x, y)
-    page.mouse.down()
+    x, _ = hold(visit, "point-2")
     page.mouse.move(x, 100, steps=5)
     page.locator(".handle.refused").wait_for()
     page.mouse.up()
     visit.settled(before)
-    kept, before = target(visit), visit.asked
-    page.locator(".law-live .law-use").click()
-    visit.settled(before)
+    kept = target(visit)
+    after(visit, page.locator(".law-live .law-use").click)
     assert target(visit) != kept
     assert answered(State(visit.text), 1).current
 
@@ -105,18 +90,12 @@ def test_further_models_and_newtons_are_shown_beside_the_law(visit):
 
 def test_measured_points_are_shown_used_and_removed(visit):
     page = visit.page
-    before = visit.asked
-    page.evaluate(DROPPED, ["m.csv", list(FORCES.encode())])
-    visit.settled(before)
+    after(visit, drop, visit, ".law-plot", "m.csv", FORCES.encode())
     assert page.locator(".measured g").count() == 3
     assert "m.csv: the achieved law differs by" in page.locator(".law-legend").inner_text()
-    before = visit.asked
-    page.get_by_role("button", name="Use as target").click()
-    visit.settled(before)
+    after(visit, page.get_by_role("button", name="Use as target").click)
     assert type(target(visit)).__name__ == "SampledLaw"
-    before = visit.asked
-    page.get_by_role("button", name="Remove", exact=True).first.click()
-    visit.settled(before)
+    after(visit, page.get_by_role("button", name="Remove", exact=True).first.click)
     assert page.locator(".measured g").count() == 0
 
 
@@ -134,9 +113,7 @@ def test_the_axes_are_zoomed_and_fitted(visit):
     assert (high - low) / fitted[1] == pytest.approx(0.64)
     assert low > 0.0 < bottom
     visit.drag("point-1", 6, -8)
-    before = visit.asked
-    page.keyboard.press("ArrowUp")
-    visit.settled(before)
+    after(visit, page.keyboard.press, "ArrowUp")
     assert page.evaluate(AXES) == near  # in drags, too
     assert answered(State(visit.text), 1).current
     page.keyboard.press("0")

@@ -5,6 +5,7 @@ import signal
 import pytest
 
 from metafem.files import demo_text
+from tests.browser.hands import after, hold
 from validation.scenes.explorer import PATIENCE, served, visited
 
 
@@ -26,9 +27,7 @@ def test_a_page_outlives_its_server(browser):
             visit.settled()
             assert visit.text == text
             assert not lost.is_visible()
-            before = visit.asked
-            visit.page.get_by_role("button", name="Undo").click()
-            visit.settled(before)
+            after(visit, visit.page.get_by_role("button", name="Undo").click)
             assert visit.text == demo_text("operating-points")
             assert second.said == ""
         assert second.process.returncode == 143
@@ -37,9 +36,7 @@ def test_a_page_outlives_its_server(browser):
 def test_a_drag_that_a_stopped_server_did_not_take_is_made_by_the_next_one(browser):
     with served() as first, visited(browser, first) as visit:
         port = first.origin.rpartition(":")[2].strip("/")
-        x, y = visit.middle("point-1")
-        visit.page.mouse.move(x, y)
-        visit.page.mouse.down()
+        x, y = hold(visit, "point-1")
         visit.page.mouse.move(x + 12, y - 15, steps=3)
         first.process.send_signal(signal.SIGINT)
         first.process.wait(PATIENCE)

@@ -6,6 +6,7 @@ import pytest
 
 from metafem.explorer.surface.sites_text import asked_sites
 from metafem.files import parsed
+from tests.browser.hands import after
 
 
 def site(visit, number):
@@ -16,11 +17,9 @@ def menu(visit, action):
     return visit.page.locator(f'.menu [data-action="{action}"]')
 
 
-def after(visit, step):
+def sites_after(visit, step):
     """Do a step and wait for its answer, and until the map has its place: other lines of text move it."""
-    before = visit.asked
-    step()
-    visit.settled(before)
+    after(visit, step)
     visit.at_rest()
     return asked_sites(visit.text)
 
@@ -34,26 +33,26 @@ def heights(visit):
 def test_a_height_is_kept_by_a_click_and_released_by_undo(visit):
     site(visit, 20).click()
     shown = float(re.search(r"[\d.]+(?= µm)", menu(visit, "pin").inner_text())[0])
-    asked = after(visit, menu(visit, "pin").click)
+    asked = sites_after(visit, menu(visit, "pin").click)
     assert asked.pinned == {20: f"{shown} um"}
     assert heights(visit)[20] == pytest.approx(shown, rel=1e-12)
     assert "pinned" in site(visit, 20).get_attribute("class")
-    assert after(visit, visit.page.get_by_role("button", name="Undo").click).pinned == {}
+    assert sites_after(visit, visit.page.get_by_role("button", name="Undo").click).pinned == {}
     assert "pinned" not in site(visit, 20).get_attribute("class")
 
 
 def test_a_typed_height_and_an_empty_site(visit):
     site(visit, 9).click()
     visit.page.get_by_label("Height in micrometres").fill("120.5")
-    assert after(visit, menu(visit, "type").click).pinned == {9: "120.5 um"}
+    assert sites_after(visit, menu(visit, "type").click).pinned == {9: "120.5 um"}
     site(visit, 10).click()
-    assert after(visit, menu(visit, "empty").click).empty == {10}
+    assert sites_after(visit, menu(visit, "empty").click).empty == {10}
     assert "empty" in site(visit, 10).get_attribute("class").split()
     found = heights(visit)
     assert 10 not in found
     assert found[9] == pytest.approx(120.5, rel=1e-12)
     site(visit, 10).click()
-    assert after(visit, menu(visit, "release").click).empty == set()
+    assert sites_after(visit, menu(visit, "release").click).empty == set()
 
 
 def test_a_rectangle_and_further_clicks_select_several(visit):
@@ -66,7 +65,7 @@ def test_a_rectangle_and_further_clicks_select_several(visit):
     assert visit.page.locator(".menu b").inner_text() == "4 sites"
     site(visit, 18).click(modifiers=["Shift"])
     site(visit, 8).click(modifiers=["Shift"])
-    assert after(visit, menu(visit, "empty").click).empty == {9, 16, 17, 18}
+    assert sites_after(visit, menu(visit, "empty").click).empty == {9, 16, 17, 18}
 
 
 def test_the_colours_say_what_they_mean(visit):

@@ -5,6 +5,7 @@ from contextlib import closing
 import pytest
 
 from metafem.files import demo_text
+from tests.browser.hands import after, hold
 from validation.scenes.explorer import SCRIPT, Visit, served
 
 
@@ -54,31 +55,21 @@ def test_nothing_moves_under_the_hand(visit, width):
         done.append(what)
         assert page.evaluate("() => shifts") == [], what
 
-    x, y = visit.middle("point-1")
-    page.mouse.move(x, y)
-    page.mouse.down()
+    x, y = hold(visit, "point-1")
     page.mouse.move(x + 10, y - 10, steps=3)
     still("drag")
     page.mouse.move(x, y - 0.2 * page.locator(".law-svg").bounding_box()["height"], steps=4)
     page.locator(".handle.refused").wait_for()
     still("refusal under the hand")
-    before = visit.asked
-    page.mouse.up()
-    visit.settled(before)
+    after(visit, page.mouse.up)
     still("release")
-    before = visit.asked
     page.evaluate("() => document.querySelector('.load-knob').focus({ preventScroll: true })")
-    page.keyboard.press("Shift+ArrowLeft")
-    visit.settled(before)
+    after(visit, page.keyboard.press, "Shift+ArrowLeft")
     still("load")
     for model in ("layer", "independent"):
-        before = visit.asked
-        page.get_by_label("Model", exact=True).select_option(model)
-        visit.settled(before)
+        after(visit, page.get_by_label("Model", exact=True).select_option, model)
         still(model)
-    before = visit.asked
-    page.evaluate("probe.typed", ["limits.max_height", "20 um"])
-    visit.settled(before)
+    after(visit, page.evaluate, "probe.typed", ["limits.max_height", "20 um"])
     page.locator(".law-refusal span").first.wait_for()
     still("refused state")
 
@@ -120,9 +111,7 @@ def test_the_first_computation_of_a_page_can_be_stopped(browser, tmp_path):
             again.click()
         stop.click()
         again.wait_for()
-        before = visit.asked
-        page.get_by_label("Model", exact=True).select_option("independent")
-        visit.settled(before)
+        after(visit, page.get_by_label("Model", exact=True).select_option, "independent")
         assert page.locator(".bar .chip").inner_text() == "meets the target exactly"
         assert server.said == ""
 

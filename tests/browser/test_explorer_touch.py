@@ -4,6 +4,7 @@ import pytest
 
 from metafem.explorer.surface.sites_text import asked_sites
 from metafem.files import parsed
+from tests.browser.hands import after
 from validation.scenes.explorer import visited
 
 TABS = ("Specification", "How sure", "Take it", "Workshop")
@@ -64,9 +65,7 @@ def test_points_are_moved_added_and_removed_and_sites_kept(hand):
     hand.settled(before)
     assert target(hand).rescaled_friction[1] > friction
     assert page.evaluate("() => scrollY") == 0
-    before = hand.asked
-    page.get_by_role("button", name="Remove the point").tap()
-    hand.settled(before)
+    after(hand, page.get_by_role("button", name="Remove the point").tap)
     assert len(hand.handles()) == 2
     moved = page.locator(".law-svg").bounding_box()  # the first hint has gone
     for kind in ("touchStart", "touchEnd") * 2:
@@ -78,9 +77,7 @@ def test_points_are_moved_added_and_removed_and_sites_kept(hand):
         session.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
     page.wait_for_function("() => document.querySelectorAll('.handle').length === 3")
     page.locator('[data-site="20"]').tap()
-    before = hand.asked
-    page.get_by_role("button", name="Keep this height").tap()
-    hand.settled(before)
+    after(hand, page.get_by_role("button", name="Keep this height").tap)
     assert set(asked_sites(hand.text).pinned) == {20}
 
 

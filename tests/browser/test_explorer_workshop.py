@@ -3,6 +3,7 @@
 import tomllib
 
 from metafem.files import demo_text
+from tests.browser.hands import after, drop
 
 
 def value(visit, key):
@@ -15,17 +16,13 @@ def value(visit, key):
 
 def chosen(visit, key, option):
     """Choose an option of the field of a key, and wait for the answer."""
-    before = visit.asked
-    visit.page.locator(f'[data-key="{key}"]').select_option(option)
-    visit.settled(before)
+    after(visit, visit.page.locator(f'[data-key="{key}"]').select_option, option)
 
 
 def pressed(visit, keys):
     """Press keys beside all fields, and wait for the answer."""
-    before = visit.asked
     visit.page.locator(".bar h1").click()
-    visit.page.keyboard.press(keys)
-    visit.settled(before)
+    after(visit, visit.page.keyboard.press, keys)
 
 
 def test_values_are_typed_refused_where_they_stand_and_undone(visit):
@@ -39,9 +36,7 @@ def test_values_are_typed_refused_where_they_stand_and_undone(visit):
     wrong.wait_for()
     assert wrong.inner_text().startswith("Needs a unit; write for example 10 um.")
     assert (least.input_value(), least.get_attribute("aria-invalid")) == ("12", "true")
-    before = visit.asked
-    page.get_by_role("button", name="Use 12 um").click()
-    visit.settled(before)
+    after(visit, page.get_by_role("button", name="Use 12 um").click)
     wrong.wait_for(state="detached")
     visit.entered("lattice.pitch", "-2 mm")
     page.locator("#field-lattice-pitch-wrong").wait_for()
@@ -54,13 +49,9 @@ def test_values_are_typed_refused_where_they_stand_and_undone(visit):
     pressed(visit, "Control+Shift+z")
     assert value(visit, "limits.min_height") == "12"
     page.wait_for_function("() => document.querySelector('#field-limits-max_height').value === '310 um'")
-    before = visit.asked
-    field.press("ArrowUp")
-    visit.settled(before)
+    after(visit, field.press, "ArrowUp")
     assert value(visit, "limits.max_height") == "320 um"
-    before = visit.asked
-    field.press("Control+z")
-    visit.settled(before)
+    after(visit, field.press, "Control+z")
     assert value(visit, "limits.max_height") == "310 um"
 
 
@@ -76,23 +67,11 @@ def test_kinds_and_sections_are_changed(visit):
     assert value(visit, "contact") == {"kind": "power", "exponent": 2}
     chosen(visit, "contact.kind", "")
     assert value(visit, "contact") is None
-    before = visit.asked
     page.locator('[data-section="tools"] summary').click()
-    page.get_by_role("button", name="Add Choice of tools").click()
-    visit.settled(before)
+    after(visit, page.get_by_role("button", name="Add Choice of tools").click)
     assert (value(visit, "tools.radii"), value(visit, "lattice.radius")) == (["300 um", "526 um"], None)
-    before = visit.asked
-    page.get_by_role("button", name="Remove Choice of tools").click()
-    visit.settled(before)
+    after(visit, page.get_by_role("button", name="Remove Choice of tools").click)
     assert (value(visit, "tools"), value(visit, "lattice.radius")) == (None, "526 um")
-
-
-# Drops a file of a name and a text.
-DROP = """(place, [name, text]) => {
-  const dataTransfer = new DataTransfer();
-  dataTransfer.items.add(new File([text], name));
-  place.dispatchEvent(new DragEvent('drop', { dataTransfer, bubbles: true, cancelable: true }));
-}"""
 
 
 # Types a line, sends it, and gets an answer that was on its way meanwhile; returns the text in the editor.
@@ -130,25 +109,20 @@ def test_the_text_and_the_fields_follow_each_other(visit, tmp_path):
     visit.entered("limits.height_step", "6 um")
     page.get_by_role("tab", name="Specification").click()
     text.get_by_text('height_step = "6 um"').wait_for()
-    before = visit.asked
     text.get_by_text("[limits]").click()
-    page.keyboard.type("[")
-    visit.settled(before)
+    after(visit, page.keyboard.type, "[")
     page.get_by_role("tab", name="Workshop").click()
     page.get_by_role("button", name="Edit the text").click()
     text.wait_for()
     (tmp_path / "mine.toml").write_text(demo_text("linear"), "utf-8")
     (tmp_path / "picture.toml").write_bytes(bytes(range(256)))
-    before = visit.asked
-    page.locator('input[type="file"][accept*=".toml"]').set_input_files(tmp_path / "mine.toml")
-    visit.settled(before)
+    files = page.locator('input[type="file"][accept*=".toml"]')
+    after(visit, files.set_input_files, tmp_path / "mine.toml")
     assert visit.text == demo_text("linear")
-    page.locator('input[type="file"][accept*=".toml"]').set_input_files(tmp_path / "picture.toml")
+    files.set_input_files(tmp_path / "picture.toml")
     page.get_by_text("picture.toml is not a text in UTF-8.").wait_for()
     assert visit.text == demo_text("linear")
-    before = visit.asked
-    page.locator(".law-svg").evaluate(DROP, ["bilinear.toml", demo_text("bilinear")])
-    visit.settled(before)
+    after(visit, drop, visit, ".law-svg", "bilinear.toml", demo_text("bilinear").encode())
     assert visit.text == demo_text("bilinear")
-    page.locator(".bar").evaluate(DROP, ["law.csv", "load_N,friction_force_N\n1,2\n"])
+    drop(visit, ".bar", "law.csv", b"load_N,friction_force_N\n1,2\n")
     page.get_by_text("law.csv is a table.").wait_for()
