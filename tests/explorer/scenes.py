@@ -2,7 +2,9 @@
 
 import asyncio
 import threading
+from dataclasses import replace
 
+import numpy as np
 from nicegui import Client
 from nicegui.page import page as page_of
 
@@ -120,6 +122,13 @@ def kept(state, answer):
     """Keep the height of the first asperity."""
     site = int(answer.design.sites[0])
     return edited(state.text, answer.design, {"action": "pin", "sites": [site], "height": ""})
+
+
+def with_height(answer, asperity, height):
+    """Return an answer in which an asperity has another height."""
+    surface = answer.design.surface
+    heights = np.where(np.arange(surface.count) == asperity, height, surface.height)
+    return replace(answer, design=replace(answer.design, surface=surface.replaced(height=heights)))
 
 
 # Edits of a state with its answer, and the section that each changes.

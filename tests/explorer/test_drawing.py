@@ -7,7 +7,6 @@ from metafem.explorer.answer import answered
 from metafem.explorer.law.nearest import reachable, with_point
 from metafem.explorer.session import State
 from metafem.explorer.text.handles import added, moved, removed, scene_of
-from metafem.explorer.text.kinds import with_kind
 from metafem.files import demo_text
 
 SEQUENCES, STEPS = 200, 5
@@ -97,21 +96,11 @@ def test_every_state_is_left_by_the_next_drag():
     assert refused > SEQUENCES / 10
 
 
-def test_a_refused_law_is_left_by_a_drag():
-    for seed in range(4):
-        drawing = Drawing(demo_text("operating-points"), seed)
-        text, specification, _ = drawing.base
-        drawing.commit(added(scene_of(text, specification, None), 0.5, 0.5))
-        assert drawing.shown.refusal
-        drawing.drag(0.2)
-        assert drawing.shown.current
-
-
-@pytest.mark.parametrize("kind", ["sampled", "bilinear", "power"])
-def test_a_law_that_lower_limits_refuse_is_left_by_a_drag(kind):
-    first = answered(State(demo_text("operating-points")), 0)
-    drawing = Drawing(with_kind(first.state, first.design, kind), 2)
-    drawing.commit(drawing.states[-1].replace('"270 um"', '"40 um"'))
+@pytest.mark.parametrize("seed", range(4))
+def test_a_refused_law_is_left_by_a_drag(seed):
+    drawing = Drawing(demo_text("operating-points"), seed)
+    text, specification, _ = drawing.base
+    drawing.commit(added(scene_of(text, specification, None), 0.5, 0.5))
     assert drawing.shown.refusal
     drawing.drag(0.2)
-    assert drawing.shown.current, drawing.shown.refused
+    assert drawing.shown.current

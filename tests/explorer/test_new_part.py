@@ -1,34 +1,12 @@
 """Values of a new part that collide, and the values that are offered in their place."""
 
-import tomllib
-
 import pytest
-import rtoml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from metafem.explorer.answer import answered
-from metafem.explorer.session import State
 from metafem.explorer.workshop.new_part import new_part
 from metafem.explorer.workshop.part_fields import FIRST, Collision, told
-from metafem.files import demo_text, planned
-
-
-def target_of(demo):
-    """Return the target of a demo, as the dialog keeps it."""
-    return rtoml.dumps({"target": tomllib.loads(demo_text(demo))["target"]})
-
-
-POINTS = target_of("operating-points")
-
-
-def assert_made(text):
-    """Assert that the part of a specification can be made, with a base that stays clear."""
-    found = answered(State(text), 1)
-    assert found.current, found.refused
-    part = planned(found.design.surface, found.design.template, found.specification.part)
-    assert part.surface.count == found.design.surface.count + 4
-    assert found.design.law.separation[-1] > 0.0
+from tests.core.explorer.test_files import POINTS, assert_made, target_of
 
 
 @pytest.mark.parametrize(

@@ -15,6 +15,7 @@ from metafem.explorer.law.nearest import offer, reachable, with_nearest
 from metafem.explorer.session import State
 from metafem.explorer.text.document import Document
 from metafem.explorer.text.fields import with_field
+from metafem.explorer.text.kinds import with_kind
 from metafem.explorer.workshop.changes import with_section
 from metafem.explorer.workshop.header import STOPPED, header_data
 from metafem.files import demo_text, parsed
@@ -115,12 +116,8 @@ def test_a_draft_is_simplified_where_it_would_be_slow_and_followed_by_the_design
     assert answered(State(TEXT), 4, found, draft=True).design is found.design
 
 
-def test_a_refusal_has_the_nearest_law_which_can_be_taken():
-    for forces in (False, True):
-        assert_refused(forces)
-
-
-def assert_refused(forces):
+@pytest.mark.parametrize("forces", [False, True])
+def test_a_refusal_has_the_nearest_law_which_can_be_taken(forces):
     rescaled = TEXT.replace('"1.68 mm^2"', '"2.9 mm^2"')
     text = FORCES + TEXT[TEXT.index("[material]") :] if forces else rescaled
     refused = answered(State(text, newtons=forces), 1, to(TEXT))
@@ -149,8 +146,6 @@ def test_buttons_say_which_points_the_nearest_law_moves_or_drops():
         assert offer(refused) == words
     short = replace(refused, nearest_target=mf.OperatingPoints([0.144, 0.336], [0.84, 1.7]))
     assert offer(short) == "Move point 2 to the nearest law and drop point 3"
-    low = to(TEXT.replace('"270 um"', '"40 um"'))  # without a nearest law: that of the last design
-    assert to(reachable(replace(low, design=to(TEXT).design))).current
 
 
 def test_the_nearest_law_keeps_the_kind_of_the_target():
@@ -163,6 +158,15 @@ def test_the_nearest_law_keeps_the_kind_of_the_target():
         found = with_nearest(refused)
         assert to(found).current
         assert Document(found).value("target.kind") == Document(refused.state.text).value("target.kind")
+
+
+@pytest.mark.parametrize("kind", ["operating-points", "sampled", "bilinear", "power"])
+def test_a_law_that_lower_limits_refuse_has_one_that_can_be_reached(kind):
+    first = to(TEXT)
+    text = with_kind(first.state, first.design, kind).replace('"270 um"', '"40 um"')
+    low = answered(State(text), 2, first)
+    assert low.refusal
+    assert to(reachable(low)).current
 
 
 def test_a_line_that_is_too_steep_has_the_largest_that_is_met():

@@ -29,6 +29,7 @@ from metafem.prediction import Tolerances
 from metafem.prediction.validity import WIDTH, base_contact_load
 from metafem.progress import listening
 from metafem.studies.sampling.slope import Slope
+from tests.explorer.scenes import with_height
 
 LINEAR, TEXT = demo_text("linear"), demo_text("operating-points")
 EXACT = LINEAR.replace('height_sd = "0.9 um"', "")
@@ -132,11 +133,7 @@ def test_notes_are_told_where_their_remedies_are():
     assert places["surface"] == places["lattice.pitch"] == places["model.kind"] == ["a word"]
     assert "lattice.radius" not in places
     assert remarks(noted) == mf.report.all_notes(noted.design)
-    height = answer.design.surface.height.copy()
-    height[7] = 0.0
-    low = replace(
-        answer, design=replace(answer.design, surface=answer.design.surface.replaced(height=height))
-    )
+    low = with_height(answer, 7, 0.0)
     assert warnings_by_place(low)["take"] == [low.no_part]
     assert low.no_part in warnings_by_place(low)["surface"]
     refused = answered(State(TEXT.replace('"1.68 mm^2"', '"3.9 mm^2"')), 2, low)
@@ -209,14 +206,10 @@ def test_the_panel_has_the_figures_what_needs_attention_first():
 
 
 def test_tables_and_notes_are_no_markup():
-    row = {
-        "name": "a < b", "value": "2 %", "bound": "at most 1 %", "standing": Standing.WARNING,
-        "sentence": "It is 2 %.",
-    }  # fmt: skip
-    table = figure_table({"words": "", "rows": [row], "band": "± 1 SD"})
-    assert table.count("<tr data-standing=") == 1
-    for words in ('class="chip warn"', "a &lt; b", "at most 1", "It is 2\u00a0%.", "± 1 SD"):
-        assert words in table
+    texts = dict.fromkeys(("name", "value", "bound", "sentence"), "<b>")
+    table = figure_table({"words": "", "rows": [{**texts, "standing": Standing.WARNING}], "band": "± 1 SD"})
+    assert (table.count("<tr data-standing="), table.count('class="chip warn"')) == (1, 1)
+    assert (table.count("&lt;b"), "<b>" in table) == (4, False)
     count, texts = note_list([Note("a"), information("b <"), information("c")])
     assert count == "1 warning, 2 notes on the design"
     assert "b &lt;" in texts

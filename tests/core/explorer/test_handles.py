@@ -42,12 +42,8 @@ def after(name, text):
     return {each.id: each for each in scene_of(text, parsed(text, TABLES), known(name)[2]).handles()}
 
 
-def test_a_handle_is_on_the_law_goes_where_it_is_moved_and_comes_back():
-    for name in TARGETS:
-        assert_moved(name)
-
-
-def assert_moved(name):
+@pytest.mark.parametrize("name", TARGETS)
+def test_a_handle_is_on_the_law_goes_where_it_is_moved_and_comes_back(name):
     text, specification, design = known(name)
     target, found = specification.target, scene(name).handles()
     assert len({each.id for each in found}) == len(found) > 0
@@ -114,12 +110,8 @@ def followed(shape, found, id, by):
     return corners, places
 
 
-def test_what_follows_a_handle_at_once_is_what_the_text_says_then():
-    for name in SHAPED:
-        assert_followed(name)
-
-
-def assert_followed(name):
+@pytest.mark.parametrize("name", SHAPED)
+def test_what_follows_a_handle_at_once_is_what_the_text_says_then(name):
     text = text_of(SHAPED[name])
     specification = parsed(text)
     ranged = specification.target.last_load is not None  # else the lines are those of the design
@@ -204,12 +196,8 @@ def test_numbers_have_the_digits_of_the_resolution_and_stay_between_their_neighb
             assert fine <= RESOLUTION
 
 
-def test_a_point_is_added_and_removed_again():
-    for name in ("one", "samples"):
-        assert_added(name)
-
-
-def assert_added(name):
+@pytest.mark.parametrize("name", ["one", "samples"])
+def test_a_point_is_added_and_removed_again(name):
     before = known(name)[1].target
     for load, friction in ((0.01, 0.02), (0.3, 1.5), (0.9, 5.0), (0.336, 1.68)):
         new = added(scene(name), load, friction)

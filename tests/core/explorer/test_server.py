@@ -150,12 +150,9 @@ class Held:
             await asyncio.wait([self.queue.task])
 
 
-def test_the_newest_request_alone_is_answered():
-    assert_answered(60.0, [1, 9])
-    assert_answered(0.0, [9])  # the first one ends at its next step
-
-
-def assert_answered(patience, answers):
+# without patience the first one ends at its next step
+@pytest.mark.parametrize(("patience", "answers"), [(60.0, [1, 9]), (0.0, [9])])
+def test_the_newest_request_alone_is_answered(patience, answers):
     found = []
 
     async def scene():

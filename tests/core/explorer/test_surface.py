@@ -25,6 +25,7 @@ from metafem.explorer.surface.sites_text import asked_sites, edited, kept_height
 from metafem.explorer.surface.surface_data import layout_data, site_data
 from metafem.explorer.text.document import Document
 from metafem.files import demo_text, result_tables
+from tests.explorer.scenes import with_height
 
 TEXT = demo_text("operating-points")
 LOAD, MODULUS, RADIUS = 0.3, 1.36, 0.526
@@ -38,15 +39,6 @@ def answer():
 @pytest.fixture(scope="module")
 def design(answer):
     return answer.design
-
-
-def with_height(answer, asperity, height):
-    """Return an answer in which an asperity has another height."""
-    heights = answer.design.surface.height.copy()
-    heights[asperity] = height
-    return replace(
-        answer, design=replace(answer.design, surface=answer.design.surface.replaced(height=heights))
-    )
 
 
 def test_heights_stand_at_their_sites(answer, design):

@@ -121,14 +121,8 @@ def test_a_changed_text_is_written_in_the_order_of_the_manual_and_ends_comments(
         assert not loses_comments(text, text + "# more")
 
 
-def test_each_kind_and_choice_of_a_section_can_be_read_and_removed():
-    for section in section_forms():
-        if "." not in section.name:
-            assert_changed(section.name)
-    assert_replaced()
-
-
-def assert_changed(section):
+@pytest.mark.parametrize("section", [form.name for form in section_forms() if "." not in form.name])
+def test_each_kind_and_choice_of_a_section_can_be_read_and_removed(section):
     tables = {
         "wanted.csv": b"load_N,friction_force_N\n0.1,0.2\n0.2,0.5\n",
         "cap.csv": b"rho_um,f_um\n0,0\n200,39\n400,184\n600,600\n",
@@ -157,7 +151,7 @@ def assert_changed(section):
         assert tomllib.loads(without_section(added, section)) == tomllib.loads(text)
 
 
-def assert_replaced():
+def test_tools_replace_the_radius_and_a_kind_the_keys_of_another():
     text = with_section(POINTS, "tools")
     assert "radius" not in tomllib.loads(text)["lattice"]
     assert parsed(text).tools == (0.3, 0.526)
@@ -277,7 +271,6 @@ def test_a_target_of_another_kind_is_near_the_law(kinds):
 
 
 def test_units_and_crossovers_stay_with_another_kind_and_examples_serve_without_a_design():
-    assert_bent()
     text = Document(LINEAR).with_kind("target", "linear", {"friction_coefficient": 1.55})
     design = parsed(text).design()
     keys = {kind: tomllib.loads(with_kind(State(text), design, kind))["target"] for kind in KINDS}
@@ -289,7 +282,7 @@ def test_units_and_crossovers_stay_with_another_kind_and_examples_serve_without_
         assert with_kind(state, known, "power") == Document(state.text).with_kind("target", "power")
 
 
-def assert_bent():
+def test_operating_points_of_a_bilinear_law_have_its_crossover():
     values = {"slopes": [6.0, 9.0], "crossover_load": "0.08 mm^2", "load_range": ["0.04 mm^2", "0.2 mm^2"]}
     text = Document(demo_text("bilinear")).with_kind("target", "bilinear", values)
     found = parsed(with_kind(State(text), parsed(text).design(), "operating-points")).target
@@ -300,12 +293,8 @@ def assert_bent():
     assert slopes[row] / slopes[row - 1] == pytest.approx(1.5, rel=0.1)
 
 
-def test_a_target_in_other_units_keeps_its_law():
-    for kind in ("operating-points", "linear", "bilinear", "multilinear"):
-        assert_restated(kind)
-
-
-def assert_restated(kind):
+@pytest.mark.parametrize("kind", ["operating-points", "linear", "bilinear", "multilinear"])
+def test_a_target_in_other_units_keeps_its_law(kind):
     text = with_field(POINTS, "target.kind", kind)
     before = parsed(text)
     forces = with_choice(text, "target", 1, before)
