@@ -6,7 +6,7 @@ from metafem.explorer.session import State
 from metafem.explorer.text.document import Document
 from metafem.explorer.text.link import to_link
 from metafem.files import demo_text
-from tests.browser.hands import after, drop
+from tests.browser.hands import drop
 
 pytestmark = pytest.mark.nightly
 
@@ -31,16 +31,11 @@ def visit(visit):
     assert [each for each in visit.requests if not each.startswith(visit.server.origin)] == []
 
 
-def typed(visit, key, text):
-    """Type a value into a field, and wait for its answer."""
-    after(visit, visit.page.evaluate, "probe.typed", [key, text])
-
-
 def test_no_text_is_taken_for_html(visit):
     page = visit.page
-    typed(visit, "lattice.pitch", HTML)
+    visit.entered("lattice.pitch", HTML)
     page.locator(".chip", has_text="1 problem").wait_for()
-    typed(visit, "lattice.pitch", "1.5 mm")
+    visit.entered("lattice.pitch", "1.5 mm")
     name = f"{HTML}.csv".replace("/", "")
     drop(visit, ".law-plot", name, b"a,b\n")
     page.locator(".law-live.wrong span", has_text="onerror").wait_for()
@@ -68,7 +63,7 @@ def test_a_large_history_outlives_a_reload_and_a_full_store(visit):
     drop(visit, ".law-plot", "m.csv", LARGE)
     visit.page.locator(".law-legend li", has_text="m.csv").wait_for()
     for number in range(11):
-        typed(visit, "limits.max_height", f"{271 + number} um")
+        visit.entered("limits.max_height", f"{271 + number} um")
     before = visit.history
     assert sum(map(len, before["states"])) > 1e6
     page.reload()
@@ -76,7 +71,7 @@ def test_a_large_history_outlives_a_reload_and_a_full_store(visit):
     assert visit.history == before
     page.evaluate(FILLED, 250_000)
     for number in range(4):
-        typed(visit, "limits.max_height", f"{290 + number} um")
+        visit.entered("limits.max_height", f"{290 + number} um")
     kept = [each for each in visit.history["states"] if each]
     assert 1 < len(kept) < len(before["states"]) + 4
     page.reload()

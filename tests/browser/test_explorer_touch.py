@@ -59,22 +59,23 @@ def test_points_are_moved_added_and_removed_and_sites_kept(hand):
     before, friction = hand.asked, target(hand).rescaled_friction[1]
     # beside the point, within the reach of a finger
     session = page.context.new_cdp_session(page)
-    for i, kind in enumerate(["touchStart", *["touchMove"] * 4, "touchEnd"]):
-        points = [{"x": x + 17 + i, "y": y + 10 - 3 * i}] if kind != "touchEnd" else []
-        session.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+
+    def touch(kind, *points):
+        places = [{"x": x + right, "y": y + down} for right, down in points]
+        session.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": places})
+
+    for i, kind in enumerate(["touchStart", *["touchMove"] * 4]):
+        touch(kind, (17 + i, 10 - 3 * i))
+    touch("touchEnd")
     hand.settled(before)
     assert target(hand).rescaled_friction[1] > friction
     assert page.evaluate("() => scrollY") == 0
     after(hand, page.get_by_role("button", name="Remove the point").tap)
     assert len(hand.handles()) == 2
     moved = page.locator(".law-svg").bounding_box()  # the first hint has gone
-    for kind in ("touchStart", "touchEnd") * 2:
-        points = (
-            [{"x": x - plot["x"] + moved["x"], "y": y - plot["y"] + moved["y"]}]
-            if kind == "touchStart"
-            else []
-        )
-        session.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+    for _ in range(2):
+        touch("touchStart", (moved["x"] - plot["x"], moved["y"] - plot["y"]))
+        touch("touchEnd")
     page.wait_for_function("() => document.querySelectorAll('.handle').length === 3")
     page.locator('[data-site="20"]').tap()
     after(hand, page.get_by_role("button", name="Keep this height").tap)

@@ -2,8 +2,6 @@
 
 import pytest
 
-import metafem as mf
-from metafem.report import page
 from validation.page import write_report
 from validation.results import collected
 from validation.scenes.browser import problems
@@ -17,12 +15,6 @@ def look(browser):
         assert problems(browser, *paths) == []
 
     return call
-
-
-def test_the_report_of_a_design_is_in_order(look, template, tmp_path):
-    design = mf.design(mf.LinearLaw(6.87), template, limits=mf.Limits(0.12, offset=0.084))
-    (tmp_path / "report.html").write_text(page(design), "utf-8")
-    look(tmp_path / "report.html")
 
 
 def test_the_pages_of_the_validation_are_in_order(look, tmp_path):

@@ -10,9 +10,8 @@ from validation.chapters import CHAPTERS
 from validation.check import Claim, Picture
 from validation.discovery import groups
 from validation.paper import bounds
-from validation.published import paper
 from validation.results import claims, costs, evaluate, evaluated
-from validation.sources import Kind, Source, printed
+from validation.sources import printed
 
 # Claims of less than half a second; `python -m validation` evaluates all.
 QUICK = (
@@ -23,27 +22,12 @@ QUICK = (
 )
 
 
-@pytest.mark.parametrize("name", QUICK)
-def test_a_quick_claim_holds_and_each_check_names_its_source(name):
-    claim = evaluate(name)
-    assert not [check for check in claim.checks if not check.passed]
-    assert all(isinstance(check.source, Source) and str(check.source).strip() for check in claim.checks)
-    assert claim.text.count(".") >= 2
-    assert all(picture.caption.endswith(".") for picture in claim.figures.values())
-
-
-def test_printed_numbers_are_those_of_the_paper_and_are_counted_once():
-    checks = [check for name in QUICK for check in evaluate(name).numbers]
-    numbers = [(check.source.text, check.source.quantity) for check in checks]
-    assert len(numbers) > 15
-    assert len(set(numbers)) == len(numbers)
-    assert all(check.source.kind is Kind.PAPER for check in checks)
-    assert all(check.source.link.endswith("science.adk4234") for check in checks)
-    expected = " ".join(
-        str(check.expected) for name in ("fig4_linear", "fig5_bilinear") for check in evaluate(name).checks
-    )
-    for slope, sd in (paper()["fig4"][colour]["measured_slope"] for colour in ("blue", "red")):
-        assert f"{slope:g} ± {sd:g}" in expected
+def test_quick_claims_hold_and_check_each_printed_number_once():
+    found = [evaluate(name) for name in QUICK]
+    assert [check.name for claim in found for check in claim.checks if not check.passed] == []
+    sources = [check.source for claim in found for check in claim.numbers]
+    assert len({(source.text, source.quantity) for source in sources}) == len(sources) > 15
+    assert all(source.link.endswith("science.adk4234") for source in sources)
     with pytest.raises(ValueError, match="must begin with"):
         printed("somewhere")
 

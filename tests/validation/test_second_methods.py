@@ -15,10 +15,7 @@ from validation.challenge.substrate import HalfSpace, Layer, PeriodicHalfSpace, 
 from validation.challenge.sums import coupled, independent
 from validation.methods import two_contacts
 from validation.methods.equation_errors import equation_error
-from validation.scenes.cap_bound import smallest_errors
 from validation.scenes.damaged_files import measure
-from validation.scenes.height_maps import Roughness
-from validation.scenes.pictures import coverage
 
 # Those of the package itself, which checks name as self-consistency.
 OF_PACKAGE = ("equation_errors", "resolved_areas")
@@ -94,39 +91,6 @@ def test_a_solution_obeys_the_equations_and_a_changed_one_does_not(model):
     assert equation_error(surface, model, replace(curve, approach=curve.approach + 1e-6)) > 1e-6
     moved = replace(curve.last, load=curve.last.load * np.array([1.0, 1.001, 1.0, 1.0]))
     assert equation_error(surface, model, replace(curve, compute_last=lambda: moved)) > 1e-4
-
-
-def test_the_smallest_errors_of_a_cap_agree_with_generalised_least_squares_on_a_grid():
-    height, radius, rough, noise, pixel = 0.05, 0.526, Roughness(1.2e-3, 0.06), 3e-3, 0.01
-    reach = np.sqrt(height * (2.0 * radius - height))
-    axis = np.arange(-reach, reach, pixel) + 0.5 * pixel
-    x, y = (each.ravel() for each in np.meshgrid(axis, axis))
-    on = np.hypot(x, y) < reach
-    x, y = x[on], y[on]
-    root = np.sqrt(radius**2 - x**2 - y**2)
-    matrix = np.column_stack([np.ones(len(x)), x / root, y / root, radius / root - 1.0])
-    square = (x - x[:, None]) ** 2 + (y - y[:, None]) ** 2
-    covariance = rough.sd**2 * np.exp(-square / rough.length**2) + noise**2 * np.eye(len(x))
-    errors = np.sqrt(np.diagonal(np.linalg.inv(matrix.T @ np.linalg.solve(covariance, matrix))))
-    found = smallest_errors(height, radius, rough, noise, pixel)
-    # the pixels of the edge are whole or absent: a relative error of the area of about pixel / reach, 5 %
-    assert found[:3] == pytest.approx(errors[[0, 3, 1]], rel=0.12)
-
-
-def test_pictures_have_the_area_the_centre_and_the_moments_of_their_ellipse():
-    centre, (a, b), angle, blur = (52.3, 40.9), (23.0, 14.0), 0.6, 1.5
-    covered = coverage((90, 110), [centre], [(a, b)], angle, blur=blur)
-    x, y = np.arange(110) + 0.5, 89.5 - np.arange(90)[:, None]
-    area = covered.sum()
-    assert area == pytest.approx(np.pi * a * b, rel=1e-8)
-    mean = (covered * x).sum() / area, (covered * y).sum() / area
-    assert mean == pytest.approx(centre, abs=1e-7)
-    dx, dy, cos, sin = x - mean[0], y - mean[1], np.cos(angle), np.sin(angle)
-    second = [(covered * part).sum() / area for part in (dx**2, dy**2, dx * dy)]
-    wanted = [(a * cos) ** 2 + (b * sin) ** 2, (a * sin) ** 2 + (b * cos) ** 2, (a**2 - b**2) * sin * cos]
-    # a Gaussian adds its variance, a pixel 1/12
-    added = (blur**2 + 1.0 / 12.0) * np.array([1, 1, 0])
-    assert second == pytest.approx(np.array(wanted) / 4.0 + added, rel=1e-6)
 
 
 def test_damaged_files_of_every_kind_end_with_a_message():
