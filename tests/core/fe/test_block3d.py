@@ -27,15 +27,17 @@ COARSE = {"cell": 0.7, "edge_cell": 0.05}
 SITES = np.array([[0.75, 2.25], [-0.75, 2.25], [3.1, -0.4], [0.0, -2.0]])
 
 
-@pytest.fixture(autouse=True, scope="module")
-def cache(tmp_path_factory):
-    """A cache folder for these tests, so that nothing is read that they did not compute."""
+def own_cache(tmp_path_factory):
+    """A cache folder for the tests of a module, so that nothing is read that they did not compute."""
     with pytest.MonkeyPatch.context() as patch:
         folder = tmp_path_factory.mktemp("cache")
         patch.setattr(cache_module, "cache_folder", lambda: folder)
         _solution.cache_clear()
         yield patch
     _solution.cache_clear()
+
+
+cache = pytest.fixture(own_cache, scope="module", autouse=True)
 
 
 def scene(position, block=BLOCK, poisson_ratio=0.5):
@@ -111,9 +113,11 @@ def test_thin_blocks_take_larger_cells():
     assert math.prod(len(each) - 1 for each in lines) <= MOST_CELLS
 
 
-@pytest.fixture(scope="module")
-def coarse(cache):
+def solved(cache):
     return Block3D(**COARSE).solution(scene(SITES))
+
+
+coarse = pytest.fixture(solved, scope="module")
 
 
 def test_influence_is_reciprocal(coarse):

@@ -33,14 +33,11 @@ def test_energy_and_volume():
         assert neo_hookean.volume_change(h) == pytest.approx(volume, rel=1e-12)
 
 
-def test_stress_is_the_slope_of_the_energy():
+def test_stress_and_tangent_are_the_slopes_of_the_energy_and_of_the_stress():
     for h, p in zip(STRAIN, PRESSURE, strict=True):
         expected = slope(lambda x, p=p: energy(x)[0] - p * energy(x)[1], h)
         np.testing.assert_allclose(neo_hookean.stress(h, p, MU), expected, atol=1e-8)
 
-
-def test_tangent_is_the_slope_of_the_stress():
-    for h, p in zip(STRAIN, PRESSURE, strict=True):
         expected = slope(lambda x, p=p: neo_hookean.stress(x, p, MU), h)
         np.testing.assert_allclose(neo_hookean.tangent(h, p, MU), expected, atol=1e-8)
 

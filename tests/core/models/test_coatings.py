@@ -65,27 +65,6 @@ def test_force_is_the_sum_over_the_contacts():
         np.testing.assert_allclose(areas, law.rescaled_friction, rtol=1e-11)
 
 
-@pytest.mark.parametrize("model", MODELS, ids=repr)
-def test_sensitivity_agrees_with_differences(model):
-    """To 1e-7 of the largest derivative; a further contact lies between none of the differences.
-
-    Along four random directions of all nine heights: an error of any derivative shows in each of them.
-    """
-    cap, found = cap_for(model), model.sensitivity(scene(cap=cap_for(model)), LOAD)
-    np.testing.assert_array_equal(found.curve.rescaled_friction, found.curve.friction_area)
-
-    def change(shift):
-        high, low = (model.curve(scene(height=HEIGHT + s, cap=cap), LOAD) for s in (shift, -shift))
-        return (high.rescaled_friction - low.rescaled_friction) / 2.0
-
-    scale = np.abs(found.gradient).max()
-    for along in np.random.default_rng(2).uniform(-1.0, 1.0, (4, 9)):
-        wide, narrow = change(4e-6 * along) / 4e-6, change(2e-6 * along) / 2e-6
-        np.testing.assert_allclose(
-            found.gradient @ along, (4.0 * narrow - wide) / 3.0, rtol=0.0, atol=1e-7 * scale
-        )
-
-
 @pytest.mark.slow
 def test_equal_frictions_give_the_bits_of_one_friction():
     for model in (mf.Interacting(), mf.BoundaryElements(0.02)):

@@ -1,11 +1,11 @@
-"""The tables of the kernels against the contact laws that they hold."""
+"""The tables of the kernels against the contact laws that they hold, and areas on a slope."""
 
 import numpy as np
 import pytest
 
 import metafem as mf
 from metafem._kernels.contact import tabulated as kernel
-from metafem.contact.law import contacts
+from metafem.contact.law import area_change, contacts
 from metafem.models.contact_tables import tables
 
 R = 0.526
@@ -89,3 +89,28 @@ def test_tables_of_a_sphere_reach_to_its_equator():
             assert law.load(radius, R, k) == pytest.approx(p, rel=1e-9)
             assert law.indentation(radius, R, k) == pytest.approx(d, rel=1e-9)
             assert law.second_moment(radius, R, k) == pytest.approx(4 * moment, rel=1e-9)
+
+
+def test_slopes_change_the_areas_of_powers():
+    a = np.array([0.01, 0.2])
+    for exponent in (1.0, 1.5, 2.0, 4.0, 8.0):
+        law = mf.PowerCap(exponent)
+        own = law.profile_slope(a, R)
+        np.testing.assert_allclose(own, exponent * law.indentation(a, R) / a, rtol=1e-12)
+        change = area_change(law, a, R, 0.1 * own)
+        np.testing.assert_allclose(change, -0.02 * (exponent - 2.0), atol=1e-12)
+
+
+def on_slope(law, a, slope):
+    """A/(pi a^2) of a contact on a slope, as the kernels compute it."""
+    table, own = tables(law, np.array([R])), float(law.profile_slope(a, R))
+    return kernel.on_slope(table.data, table.which[0], table.scale[0], a**2, 1.0 / own, slope**2)[0] / a**2
+
+
+def test_the_kernel_changes_areas_by_the_formula_in_second_order():
+    for law in (mf.PowerCap(1.5), mf.PowerCap(4), mf.SphericalCap()):
+        a, share = 0.2, 1e-3
+        slope = share * float(law.profile_slope(np.array(a), R))
+        expected = area_change(law, np.array(a), R, slope)
+        # `area_change` takes a difference quotient over a thousandth of the radius
+        assert on_slope(law, a, slope) - 1.0 == pytest.approx(expected, rel=2e-3)

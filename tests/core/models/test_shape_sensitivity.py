@@ -97,7 +97,14 @@ def test_every_model_has_the_derivatives_of_its_law():
 def test_pedestals_of_spheres_change_with_the_radius():
     for order, contact, by in ((1, OWN, "radius"), (3, mf.Hertz(), "height"), (3, mf.Hertz(), "radius")):
         model = mf.Interacting(order, mf.BondedLayer(), contact, pedestal=True)
-        assert_derivatives(scene(mf.Sphere()), model, by, some=(0, 4))
+        assert_derivatives(scene(mf.Sphere(), friction=COATED), model, by, some=(0, 4))
+
+
+def test_adhesive_contacts_have_the_derivatives_of_their_friction():
+    jkr = LAWS["jkr"](1.0, 1.0)
+    coupled = mf.Interacting(1, contact=jkr), mf.Interacting(3, mf.BondedLayer(), jkr, pedestal=True)
+    for model in (*with_law("jkr"), *coupled):
+        assert_derivatives(scene(mf.Sphere(), friction=COATED), model, "height", some=(0, 4))
 
 
 def test_hertz_depends_on_the_curvature_of_the_summits():
@@ -108,13 +115,13 @@ def test_hertz_depends_on_the_curvature_of_the_summits():
         assert_derivatives(scene(caps), model, by, some=range(4))
 
 
-def test_laws_of_the_model_have_derivatives_by_the_radius():
-    for name in ("quartic", "sphere", "kogut-etsion", "jackson-green"):
+def test_laws_of_the_model_have_derivatives_by_heights_and_radii():
+    for name, by in product(("quartic", "sphere", "kogut-etsion", "jackson-green"), ("height", "radius")):
         law = LAWS[name](1.0, 1.0)
         # elastic-plastic laws consist of cubics with jumps of the second derivative
-        step = 2e-3 if law.largest_order == 3 else 2e-5
+        step = 2e-3 if law.largest_order == 3 or by == "height" else 2e-5
         for model in with_law(name):
-            assert_derivatives(scene(mf.Sphere()), model, "radius", some=(0, 4), step=step)
+            assert_derivatives(scene(mf.Sphere(), friction=COATED), model, by, some=(0, 4), step=step)
 
 
 def test_laws_that_do_not_use_the_radius_do_not_depend_on_it():
@@ -149,13 +156,3 @@ def test_fast_sums_have_the_derivatives_of_dense_matrices(order, by, monkeypatch
     found = model.sensitivity(surface, LOADS[1:], by=by)
     assert "fast sums" in said(found.curve.last) or "lattice" in said(found.curve.last)
     np.testing.assert_allclose(found.gradient, dense, rtol=0.0, atol=3e-8 * np.abs(dense).max())
-
-
-def test_a_change_of_the_radius_of_a_power_cap_is_a_change_of_its_coefficient():
-    surface, model = scene(mf.Power(3.0)), mf.Independent(OWN)
-    load = np.array([0.02])
-    by_coefficient, by_radius = (
-        model.sensitivity(surface, load, by=by).gradient for by in ("coefficient", "radius")
-    )
-    # f = c R^(1 - n) rho^n
-    np.testing.assert_allclose(by_radius, by_coefficient * 0.5 * -2.0 / surface.radius, rtol=1e-12)

@@ -58,19 +58,11 @@ def test_a_sound_scene_is_not_warned_of():
         assert not warnings(law), said(law)
 
 
-CAUSES = {
-    mf.Independent(): "elastic interaction",
-    mf.Interacting(order=1): "the block's thickness",
-    mf.Interacting(): "the block's thickness",
-    mf.Interacting(order=1, substrate=mf.BondedLayer()): "the size of the contacts",
-}
-
-
 def test_the_cause_is_named_by_the_model():
-    surface = rough(0.45, 0.5)
-    for model, words in CAUSES.items():
-        assert words in said(mf.friction_law(surface, model, load=[0.1, 0.3]))
-    assert "changes A0" not in said(mf.friction_law(surface, LAYER, load=[0.1, 0.3]))
+    """The others are in `WARNED`, and where point loads are compared."""
+    for order in (1, 3):
+        law = mf.friction_law(rough(0.45, 0.5), mf.Interacting(order=order), load=[0.1, 0.3])
+        assert "the block's thickness" in said(law)
 
 
 def test_the_error_of_order_3_on_a_thin_layer():

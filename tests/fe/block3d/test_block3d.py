@@ -12,22 +12,16 @@ from metafem.fe.block3d import cache as cache_module
 from metafem.fe.block3d.elasticity import Quarter
 from metafem.fe.block3d.grading import graded_line
 from metafem.fe.block3d.line_elements import shapes
-from metafem.fe.block3d.substrate import _solution
 from metafem.reference import bonded_layer
-from tests.core.fe.test_block3d import BLOCK, COARSE, SITES, scene
+from tests.core.fe.test_block3d import BLOCK, COARSE, SITES, own_cache, scene, solved
+from tests.models.scenes import PLACE
+from tests.models.scenes import scene as unequal
 
 COARSE_ERROR = 1e-4
 
 
-@pytest.fixture(autouse=True, scope="module")
-def cache(tmp_path_factory):
-    """A cache folder for these tests, so that nothing is read that they did not compute."""
-    with pytest.MonkeyPatch.context() as patch:
-        folder = tmp_path_factory.mktemp("cache")
-        patch.setattr(cache_module, "cache_folder", lambda: folder)
-        _solution.cache_clear()
-        yield patch
-    _solution.cache_clear()
+cache = pytest.fixture(own_cache, scope="module", autouse=True)
+coarse = pytest.fixture(solved, scope="module")
 
 
 def test_values_of_the_elements_converge_to_those_by_betti():
@@ -44,11 +38,6 @@ def test_values_of_the_elements_converge_to_those_by_betti():
     # quadratic elements: third order at a point, 2**3 = 8 in theory, 4 where the meshes do not nest
     assert difference[1] < difference[0] / 4.0
     assert difference[1] < 2e-4
-
-
-@pytest.fixture(scope="module")
-def coarse(cache):
-    return Block3D(**COARSE).solution(scene(SITES))
 
 
 def test_block_of_unequal_sides_turns_with_its_sites():
@@ -81,22 +70,30 @@ def test_wide_block_is_the_layer():
     np.testing.assert_allclose([found[0, 0], found[0, 1]], expected, atol=COARSE_ERROR)
 
 
+def test_asperities_on_a_wide_block_are_those_on_the_layer():
+    surface = unequal(PLACE - PLACE.mean(axis=0)).replaced(block=mf.Block(60.0, 60.0, 5.0))
+    block, layer = (
+        mf.friction_law(surface, mf.Interacting(substrate=substrate), load=[0.01, 0.05, 0.1])
+        for substrate in (Block3D(cell=0.5, edge_cell=0.1), mf.BondedLayer())
+    )
+    # these cells err by 1e-4 /mm, that is by 1e-5 mm at 0.1 N
+    np.testing.assert_allclose(block.area, layer.area, rtol=1e-4)
+    np.testing.assert_allclose(block.separation, layer.separation, atol=1e-5)
+
+
 def test_error_estimate_bounds_the_error(coarse):
     refined = Block3D(cell=0.45, edge_cell=0.02).influence_matrix(scene(SITES))
     error = np.abs(refined - coarse.matrix).max()
     assert error < coarse.error_estimate < 1000.0 * error
 
 
-def lattice():
-    return mf.Surface.square_lattice(0.1, radius=0.526, material=mf.Material(1.36, 0.5), block=BLOCK)
-
-
 @pytest.fixture(scope="module")
 def paper(cache):
     """The influence on the paper's block, which claims of the validation read from the same folder."""
+    lattice = mf.Surface.square_lattice(0.1, radius=0.526, material=mf.Material(1.36, 0.5), block=BLOCK)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(cache_module, "cache_folder", cache_folder)
-        return Block3D().solution(lattice())
+        return Block3D().solution(lattice)
 
 
 @pytest.mark.nightly

@@ -56,17 +56,6 @@ def test_unloading_keeps_contacts_down_to_pull_off(model):
     assert mf.equilibrium(surface, model, approach=1e-9).load < 0.0
 
 
-@pytest.mark.parametrize("model", MODELS, ids=repr)
-def test_sensitivities_are_derivatives(model):
-    surface, load, step = lattice(HEIGHT), np.array([0.004, 0.03]), 1e-6
-    found = model.sensitivity(surface, load)
-    assert_allclose(found.curve.area, model.curve(surface, load).area, rtol=1e-12)
-    tried = HEIGHT.argsort()[[1, 5, 7]]
-    unit = step * np.eye(9)[tried]
-    up, down = np.split(model.areas(surface, load, HEIGHT + np.concatenate([unit, -unit])), 2)
-    assert_allclose(found.gradient[:, tried], ((up - down) / (2.0 * step)).T, atol=1e-5)
-
-
 def test_elastic_contacts_unload_as_they_load():
     surface, load = lattice(HEIGHT), [0.01, 0.02]
     for model in (mf.Independent(), mf.Interacting(), mf.Independent(mf.JKR(0.0))):
