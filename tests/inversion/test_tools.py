@@ -6,8 +6,8 @@ import pytest
 import metafem as mf
 from tests.core.inversion import test_coatings as coated
 from tests.core.inversion.test_coatings import CELL, LATTICE, forces_of
-from tests.core.inversion.test_coatings import KIT as POWERS
-from tests.core.inversion.test_tools import ELASTIC, KIT, LIMITS
+from tests.core.inversion.test_coatings import UNCOATED as KIT
+from tests.core.inversion.test_tools import ELASTIC, LIMITS
 from validation.scenes.cells import cell
 
 RANGE, FREE = mf.PowerRange(1.2, 6.0), mf.PowerRange(1.2, 6.0, None)
@@ -134,8 +134,6 @@ def test_laws_of_random_mixtures_are_recovered(seed):
 def test_points_below_those_of_one_radius_are_met(template, tools, model):
     """F grows by less than P^(2/3)."""
     target = mf.OperatingPoints([0.144, 0.336], [0.84, 0.84 * (0.336 / 0.144) ** 0.65])
-    with pytest.raises(mf.Infeasible, match=r"no radius .* point 2"):
-        mf.design(target, template, limits=TALL, tools=[0.2, 0.8], common_radius=True)
     assert mf.design(target, template, model, TALL, tools=tools).misfit <= 1e-9
 
 
@@ -157,16 +155,6 @@ def test_a_range_is_searched_around_its_best(template):
     assert result.misfit <= 0.01
     assert 0.3 <= result.parameters["radius"] <= 0.8
     assert len(result.parameters["tried_radii"]) > 7
-
-
-@pytest.mark.parametrize("seed", [0, 2, 3])
-def test_the_law_of_known_coated_tools_is_recovered(seed):
-    load = np.linspace(0.01, 0.3, 30)
-    known = forces_of(coated.scene(seed, POWERS), load)
-    target = mf.SampledLaw.from_forces(load, known, coated.MATERIAL, coated.FRICTION)
-    found = mf.design(target, CELL, limits=mf.Limits(0.15), tools=POWERS)
-    assert found.misfit <= 2e-3
-    np.testing.assert_allclose(forces_of(found.surface, load), known, rtol=0.01)
 
 
 @pytest.mark.parametrize("seed", [2, 4, 5])

@@ -11,6 +11,7 @@ from validation.scenes.random_laws import LATTICE, LIMITS, RADIUS, random_law
 
 MODELS = [mf.Independent(), mf.Interacting(), mf.Interacting(substrate=mf.BondedLayer())]
 POINTS, TALL = mf.OperatingPoints([0.144, 0.336, 0.649], [0.84, 1.68, 4.12]), mf.Limits(0.27)
+LOAD = np.array([0.05, 0.1, 0.2])
 DEPTH = np.linspace(0.0, 0.4, 80)
 HERTZ = mf.TabulatedContact(DEPTH, 1.36 * 4 / 3 * np.sqrt(RADIUS) * DEPTH**1.5, np.pi * RADIUS * DEPTH)
 
@@ -104,3 +105,26 @@ def test_coefficients_that_densities_of_flat_caps_reach():
         assert not any("the scale" in str(note) for note in designed(mu).notes)
     with pytest.raises(mf.Infeasible, match=r"A\(h_m\)/P\(h_m\)"):
         designed(0.999 * low)
+
+
+def hertz(count):
+    """Return A0 [mm^2] of equal asperities, ``N pi R (3p/(4 N sqrt R))^(2/3)``."""
+    return count * np.pi * RADIUS * (3.0 * LOAD / (4.0 * count * np.sqrt(RADIUS))) ** (2.0 / 3.0)
+
+
+def test_equal_asperities_are_found_in_a_band_around_their_law():
+    for count in [1, 4]:
+        law = hertz(count)
+        found = mf.design(
+            mf.Band(LOAD, 0.99 * law, 1.01 * law), LATTICE.only(slice(count)), limits=mf.Limits(0.6)
+        )
+        assert found.misfit == 0.0
+        assert found.status is DesignStatus.EXACT
+        # the law is in the middle to the goal of the search, 6e-4 of the law, for a half-width of 1e-2
+        assert found.parameters["band_margin"] > 0.9
+
+
+def test_one_asperity_has_the_margin_of_the_closed_form():
+    law = hertz(1)
+    found = mf.design(mf.Band(LOAD, 0.97 * law, 1.01 * law), LATTICE.only(slice(1)), limits=mf.Limits(0.6))
+    assert found.parameters["band_margin"] == pytest.approx(0.5, abs=1e-9)

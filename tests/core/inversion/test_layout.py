@@ -25,17 +25,6 @@ def tilting(surface, model, load=LOAD):
     return float(np.linalg.norm(mf.InsensitiveToTilt(load, TILT).residual(surface, model)))
 
 
-@pytest.mark.slow
-def test_a_tilt_changes_the_law_of_an_arranged_design_less(template):
-    model, rng, load = mf.Independent(), np.random.default_rng(0), LOAD / 4.0
-    target, layout = mf.PowerLaw(1.1, (load[0], load[-1])), mf.Layout(False, TILT)
-    placed = mf.design(target, template.only(slice(25)), model, LIMITS, layout=layout)
-    surface = placed.surface
-    dealt = [surface.replaced(height=rng.permutation(surface.height)) for _ in range(10)]
-    assert tilting(surface, model, load) < 0.4 * np.mean([tilting(each, model, load) for each in dealt])
-    assert any("tilt of 0.1 deg" in str(note) for note in placed.notes)
-
-
 def test_sites_are_those_of_the_places(template):
     target = mf.OperatingPoints([0.144, 0.336], [0.84, 1.68])
     placed = mf.design(target, template, limits=LIMITS, layout=mf.Layout(tilt=TILT), rng=4)

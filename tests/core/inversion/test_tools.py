@@ -13,11 +13,11 @@ from metafem.inversion.search.target_law import TargetLaw
 from metafem.inversion.strategies.mixture import Mixture
 from metafem.inversion.tools.kit_bounds import least_ratio
 from metafem.inversion.tools.radii import Radii
+from tests.core.inversion.test_coatings import UNCOATED as KIT
 
 LATTICE = mf.Surface.square_lattice(0.3, radius=0.526, material=mf.Material(1.36))
 CELL = LATTICE.only(slice(6))
 LIMITS, ELASTIC = mf.Limits(0.3), mf.Independent(mf.Elastic())
-KIT = [mf.Tool(0.526), mf.Tool(0.3, mf.Power(4)), mf.Tool(0.6, mf.Power(1.5))]
 COMMON, THREE = mf.Limits(0.12, offset=0.05, height_sd=0.0009), [0.8, 0.2, 0.526]
 
 
@@ -60,19 +60,6 @@ def test_the_least_ratio_of_weighted_sums_is_that_of_random_sizes_and_weights():
         a, w = np.exp(rng.uniform(-8.0, 0.0, (300000, 3))), rng.choice([1.0, weight], (300000, 3))
         ratio = (w**0.5 * a**1.5).sum(axis=1) ** 2 / (a.sum(axis=1) * (w * a**2).sum(axis=1))
         assert least_ratio(3, 1.0 / weight) <= ratio.min() <= least_ratio(3, 1.0 / weight) * 1.001
-
-
-def test_laws_of_random_kits_are_within_their_bounds():
-    rng, load = np.random.default_rng(2), np.geomspace(0.01, 0.5, 20)
-    low, high = mf.feasible_region(CELL, load, mf.Limits(1.0), KIT, mf.Elastic())
-    for _ in range(50):
-        which = rng.integers(3, size=6)
-        caps, radius = [KIT[i].cap for i in which], [KIT[i].radius for i in which]
-        area = ELASTIC.curve(
-            CELL.replaced(height=rng.uniform(0.0, 0.05, 6), cap=caps, radius=radius), load
-        ).area
-        assert (low * (1.0 - 1e-9) <= area).all()
-        assert (area <= high).all()
 
 
 def test_groups_of_exponents_are_means_of_neighbours():

@@ -1,6 +1,7 @@
 """Arranged designs under interaction, with a choice of radii, and on more sites than asperities."""
 
 import numpy as np
+import pytest
 
 import metafem as mf
 from metafem.inversion import DesignStatus
@@ -17,10 +18,12 @@ def test_heights_that_follow_the_law_need_less_refinement(template):
     assert (placed.layout, dealt.layout) == (mf.Layout(), None)
 
 
-def test_a_tilt_changes_the_law_of_an_arranged_design_on_a_layer_less(template):
-    dealt = [tilting(mf.design(POWER, template, LAYER, LIMITS, seed).surface, LAYER) for seed in range(2)]
-    placed = mf.design(POWER, template, LAYER, LIMITS, layout=mf.Layout(False, TILT))
-    assert tilting(placed.surface, LAYER) < 0.4 * np.mean(dealt)
+@pytest.mark.parametrize("model", [mf.Independent(), LAYER], ids=repr)
+def test_a_tilt_changes_the_law_of_an_arranged_design_less(template, model):
+    dealt = [tilting(mf.design(POWER, template, model, LIMITS, seed).surface, model) for seed in range(2)]
+    placed = mf.design(POWER, template, model, LIMITS, layout=mf.Layout(False, TILT))
+    assert tilting(placed.surface, model) < 0.4 * np.mean(dealt)
+    assert any("tilt of 0.1 deg" in str(note) for note in placed.notes)
 
 
 def test_the_best_radius_is_arranged():
