@@ -16,8 +16,6 @@ def test_the_page_of_a_demo_is_reproducible(demo_results, kind):
     design, text = mf.load(folder / kind), (folder / kind / "report.html").read_text("utf-8")
     assert text == page(design)
     assert not re.findall("use the model (layer|half-space|resolved)|base plane would touch", text)
-    assert text.count("<svg") == 8
-    assert "http" not in text.replace("http://www.w3.org", "")
 
 
 def test_page_with_the_finite_element_checks(full_report):

@@ -194,10 +194,6 @@ def test_errors_of_a_part_are_drawn_in_their_units(ax):
     diagnosis.heights(fourth, X, 0.5 * X, 2.0)
     np.testing.assert_allclose(bars(fourth.containers[0])[0], np.column_stack([0.5 * X, 1.5 * X]))
     assert (fourth.patches[0].get_y(), fourth.patches[0].get_height()) == (-2.0, 4.0)
-    ax = drawing.new_figure(5.0, 4.0).add_subplot()
-    diagnosis.posteriors(ax, ["a", "b", "c"], X, 0.5 * X)
-    np.testing.assert_allclose(ax.containers[0].lines[0].get_xdata(), X)
-    assert (ax.get_xlim(), ax.get_ylim()) == (pytest.approx((-6.9, 6.9)), (2.5, -0.5))
 
 
 def test_figures_of_papers_have_their_size_scales_and_one_legend():

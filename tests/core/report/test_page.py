@@ -114,11 +114,8 @@ def test_the_page_is_self_contained():
     links = re.findall(r"""(?:src|href)="([^"]*)"|url\(([^)]*)\)""", text)
     assert {(first or second)[0] for first, second in links} <= {"#", "d"}  # elements, and data
     assert text.count("<svg") == text.count("data:text/csv") == 8
-    for anchor, title in headings(text):
-        assert (
-            text.count(f'<a href="#{anchor}">{title}</a>') == 2
-        )  # at the side, and unfolded where it is narrow
-    assert "friction coefficient  μ = F/P" in text
+    for anchor, title in headings(text):  # at the side, and unfolded where it is narrow
+        assert text.count(f'<a href="#{anchor}">{title}</a>') == 2
 
 
 def test_the_misfit_is_that_of_the_drawn_difference():
@@ -219,9 +216,6 @@ def test_warnings_come_first_and_make_the_page_red():
     text = words_of(calm)
     assert "No warnings" in text
     assert '<section class="warned">' not in text
-    assert "The plasticity index was not evaluated" in text
-    assert "another seed" in text
-    assert "another seed" not in words_of(replace(calm, layout=mf.Layout()))
 
 
 def test_models_are_written_in_words_and_in_python():
