@@ -30,7 +30,7 @@ PROCESSES, PATIENCE, MOST = 2, 900.0, 120.0
 
 # Packages that every run needs: loaded once in a process from which all others are forked.
 LOADED = (
-    *("numba", "xarray", "pandas", "pytest", "mpmath", "click", "rich", "joblib", "pydantic", "pint"),
+    *("numba", "xarray", "pandas", "pytest", "mpmath", "click", "rich", "joblib", "pydantic"),
     *("matplotlib.figure", "scipy.optimize", "scipy.special", "scipy.stats", "scipy.integrate", "scipy.fft"),
     *("scipy.sparse.linalg", "scipy.ndimage", "scipy.spatial", "scipy.interpolate", "skfem"),
 )

@@ -3,53 +3,34 @@
 from __future__ import annotations
 
 import datetime
+import math
 import re
 from collections.abc import Mapping
-from contextlib import suppress
 from fractions import Fraction
-from functools import cache, lru_cache
 from typing import Any
 
 from metafem._given import Names, printable, shown
 from metafem.errors import InvalidInput
 
-# A decimal number, followed by a product of units whose exponents have one digit. No other text reaches pint,
-# which would read "1,5 mm" as 15 mm and evaluate "9**9**9".
+# A decimal number, and what follows it.
 _NUMBER = r"[+-]?(?:\d{1,40}\.?\d{0,40}|\.\d{1,40})(?:[eE][+-]?\d{1,3})?"
 _QUANTITY = re.compile(rf"\s*({_NUMBER})\s*(.*?)\s*", re.DOTALL | re.ASCII)
-_FACTOR = r"[^\W\d_]+(?:(?:\^|\*\*)?-?\d)?|%|°"
-_UNIT = re.compile(rf"(?:{_FACTOR})(?:\s*[*/·]\s*(?:{_FACTOR})| +(?:{_FACTOR}))*")
-_EXPONENT = re.compile(r"([^\W\d_])(-?\d)")
-_SUPERSCRIPT = str.maketrans("²³", "23")
 
-# Longest product of units [characters]: pint makes one nested call for each factor.
-_LONGEST = 100
+# Other spellings of a micrometre's sign and of a square.
+_PLAIN = (("µ", "u"), ("μ", "u"), ("²", "^2"), ("**", "^"), ("m2", "m^2"), (" ", ""))
 
-# The usual units and their size in the package's units. All other units need pint, whose import takes a third
-# of a second.
-_KNOWN = {
-    "um": ("mm", Fraction(1, 1000)),
-    "µm": ("mm", Fraction(1, 1000)),
-    "μm": ("mm", Fraction(1, 1000)),
-    "mm": ("mm", Fraction(1)),
-    "mm^2": ("mm^2", Fraction(1)),
-    "mN": ("N", Fraction(1, 1000)),
-    "N": ("N", Fraction(1)),
-    "kPa": ("MPa", Fraction(1, 1000)),
-    "MPa": ("MPa", Fraction(1)),
-    "GPa": ("MPa", Fraction(1000)),
-    "mJ/m^2": ("N/mm", Fraction(1, 1_000_000)),
-}
-
-# Usual units of each dimension, by the package's unit. The parser reads all other units of the dimension too.
-USUAL = {
-    "mm": ("nm", "um", "µm", "μm", "mm", "cm", "m", "inch"),
-    "mm^2": ("um^2", "µm^2", "μm^2", "mm^2", "cm^2", "m^2"),
-    "N": ("uN", "µN", "μN", "mN", "N", "kN"),
-    "N/mm": ("mJ/m^2", "J/m^2", "uN/mm", "mN/m", "N/m", "N/mm"),
-    "MPa": ("Pa", "kPa", "MPa", "GPa", "N/mm^2", "bar", "psi"),
-    "rad": ("deg", "°", "mrad", "rad"),
-}
+# Units that laboratories write, by the package's unit of their dimension, each with its size in that unit.
+UNITS: dict[str, dict[str, str | Fraction]] = {
+    "mm": {"nm": "1e-6", "um": "1e-3", "mm": "1", "cm": "10", "m": "1e3", "inch": "25.4"},
+    "mm^2": {"um^2": "1e-6", "mm^2": "1", "cm^2": "100", "m^2": "1e6"},
+    "N": {"uN": "1e-6", "mN": "1e-3", "N": "1", "kN": "1e3"},
+    "N/mm": {"mJ/m^2": "1e-6", "J/m^2": "1e-3", "uN/mm": "1e-6", "mN/m": "1e-6", "N/m": "1e-3", "N/mm": "1"},
+    "MPa": {"Pa": "1e-6", "kPa": "1e-3", "MPa": "1", "GPa": "1e3", "N/mm^2": "1", "bar": "0.1",
+            "psi": Fraction("4.4482216152605") / Fraction("25.4") ** 2},
+    "rad": {"deg": Fraction(math.pi) / 180, "°": Fraction(math.pi) / 180, "mrad": "1e-3", "rad": "1"},
+    "1": {"": "1"},
+    "%": {"%": "0.01"},
+}  # fmt: skip
 
 # Pattern of the numbers that the parser reads and that neither overflow nor underflow in any of the units.
 EXPONENT = r"([eE][+-]?[0-9]{1,2})?"
@@ -188,56 +169,32 @@ def pattern(units: tuple[str, ...], positive: bool = False) -> str:
     >>> bool(length.search("120 um")), bool(length.search("120")), bool(length.search("120 mm^2"))
     (True, False, False)
     """
-    names = "|".join(name.replace("^2", SQUARE) for unit in units for name in USUAL[unit])
+    usual = "|".join(name.replace("^2", SQUARE) for unit in units for name in UNITS[unit])
+    names = re.sub(r"\bu(?=[mN])", "[uµμ]", usual)
     return rf"^[ \t]*{ABOVE_ZERO if positive else NUMBER}[ \t]*({names})[ \t]*$"
 
 
-@lru_cache(maxsize=256)
 def _size(name: str) -> float | None:
     """Return the size of a unit in the package's unit of its dimension; None for an unknown unit."""
-    for unit in EXAMPLES:
-        with suppress(InvalidInput, OverflowError):
-            return float(factor(name, unit))
-    return None
+    plain = _plain(name)
+    return next((float(Fraction(known[plain])) for known in UNITS.values() if plain in known), None)
 
 
-@cache
 def factor(name: str, unit: str) -> Fraction:
-    """Return the factor from the unit `name` to `unit`; it is exact where it is rational."""
-    if name == unit or (not name and unit == "1"):
-        return Fraction(1, 100 if unit == "%" else 1)
+    """Return the exact factor from the unit `name` to `unit`."""
+    plain = _plain(name)
+    if plain in UNITS[unit]:
+        return Fraction(UNITS[unit][plain])
+    if any(plain in known for known in UNITS.values()):
+        wrong = "but is a number without unit" if unit == "1" else f"which does not measure in {unit}"
+        raise InvalidInput(f'has the unit "{printable(name, 40)}", {wrong}')
     comma = "; write decimals with a point" if name.startswith(",") else ""
-    unknown = InvalidInput(f'has the unknown unit "{printable(name, 40)}"{comma}')
-    plain = name.translate(_SUPERSCRIPT)
-    if len(plain) > _LONGEST or not _UNIT.fullmatch(plain):
-        raise unknown
-    plain = _EXPONENT.sub(r"\1^\2", plain.replace("**", "^"))
-    wrong = "but is a number without unit" if unit == "1" else f"which does not measure in {unit}"
-    other = InvalidInput(f'has the unit "{printable(name, 40)}", {wrong}')
-    if plain in _KNOWN:
-        own, size = _KNOWN[plain]
-        if own != unit:
-            raise other
-        return size
-    import pint
-
-    registry = _registry()
-    try:
-        given = registry.parse_units(plain)
-    except (pint.errors.PintError, ValueError, AssertionError):
-        raise unknown from None
-    # pint treats angles and percentages as dimensionless; "1 %" of a ratio is ambiguous
-    if name == "%" or unit in ("1", "%"):
-        raise other
-    wanted = registry.parse_units(unit)
-    try:
-        return Fraction(registry.Quantity(Fraction(1), given).to(wanted).magnitude)
-    except (pint.errors.PintError, OverflowError):
-        raise other from None
+    raise InvalidInput(
+        f'has the unknown unit "{printable(name, 40)}"{comma}; known are {", ".join(UNITS[unit])}'
+    )
 
 
-@cache
-def _registry() -> Any:
-    import pint
-
-    return pint.UnitRegistry(non_int_type=Fraction)
+def _plain(name: str) -> str:
+    for written, plain in _PLAIN:
+        name = name.replace(written, plain)
+    return name

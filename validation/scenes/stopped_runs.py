@@ -33,7 +33,7 @@ CONTEXT = multiprocessing.get_context("forkserver")
 # Modules that a command imports first. Without them, most signals would arrive during imports.
 LOADED = (
     *("metafem.files.specification.contents", "metafem.report.page", "metafem.drawing", "matplotlib.figure"),
-    *("pint", "meshio", "rich.console", "rich.table", "scipy.optimize", "numba"),
+    *("meshio", "rich.console", "rich.table", "scipy.optimize", "numba"),
 )
 # A quarter of the asperities of the demo, for a quarter of its areas.
 SMALL = {

@@ -25,7 +25,7 @@ from pydantic_core.core_schema import (
 )
 
 from metafem.errors import InvalidInput
-from metafem.files.units import USUAL, converted, pattern
+from metafem.files.units import UNITS, converted, pattern
 
 # Alternative sets of keys, of which one must be present.
 Choices = tuple[tuple[str, ...], ...]
@@ -85,7 +85,7 @@ class Quantity:
         """Return the JSON schema of the text: its pattern and the usual units."""
         number = handler(core)
         words = pattern(self.units, positive="exclusiveMinimum" in number)
-        shown = [unit for dimension in self.units for unit in USUAL[dimension] if unit[0] not in "µμ°"]
+        shown = [unit for dimension in self.units for unit in UNITS[dimension] if unit != "°"]
         text = {"type": "string", "pattern": words, "x-units": shown}
         pair = {"type": "array", "items": text, "minItems": 2, "maxItems": 2}
         return {"anyOf": [text, pair]} if self.pairs else text
