@@ -14,7 +14,6 @@ TEMPLATES = Path(__file__).parent / "templates"
 BESIDE = (
     ("guide/start.html", "Guide"),
     ("examples/index.html", "Examples"),
-    ("challenge/index.html", "Challenge"),
     ("api/index.html", "API"),
 )
 

@@ -1,22 +1,21 @@
 """Laws of many asperities from sums of closed forms: independent, or coupled as point loads.
 
-Loads are P/E* [mm^2], areas are in mm^2, stiffnesses k/E* in mm.
+Loads are P/E* [mm^2], areas are in mm^2.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from validation.challenge.caps import Caps
+from validation.methods.caps import Caps
 
 # Largest number of Newton steps, and relative error of the load at which they end.
 STEPS, ROUNDING = 200, 4e-15
 
 
-def independent(caps: Caps, height: np.ndarray, load: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return areas and stiffnesses (..., k) of independent asperities, of heights (..., n), at loads (k,)."""
-    a = contact_radii(caps, height, load)
-    return np.pi * (a**2).sum(axis=-1), 2.0 * a.sum(axis=-1)
+def independent(caps: Caps, height: np.ndarray, load: np.ndarray) -> np.ndarray:
+    """Return areas (..., k) of independent asperities, of heights (..., n), at loads (k,)."""
+    return np.asarray(np.pi * (contact_radii(caps, height, load) ** 2).sum(axis=-1))
 
 
 def contact_radii(caps: Caps, height: np.ndarray, load: np.ndarray) -> np.ndarray:

@@ -24,21 +24,7 @@ class Tool:
     radius: float
     exponent: float = 2.0
     coefficient: float = 0.5
-    sphere: bool = False  # pressed as a sphere, not as the paraboloid of its summit
-    round_foot: bool = False  # made as a sphere, whatever its contact law
-
-    def depth(self, rho: np.ndarray) -> np.ndarray:
-        """Return the depth [mm] below the summit at distances from the axis, as the contact law has it."""
-        if not self.sphere:
-            return self.coefficient * self.radius * (rho / self.radius) ** self.exponent
-        inside = np.minimum(rho, self.radius)
-        return self.radius - np.sqrt((self.radius - inside) * (self.radius + inside)) + 1e3 * (rho - inside)
-
-    def foot(self, height: float) -> float:
-        """Return the radius of the foot at the base plane [mm]."""
-        if self.sphere or self.round_foot:
-            return math.sqrt(height * (2.0 * self.radius - height)) if height <= self.radius else math.inf
-        return self.radius * (height / (self.coefficient * self.radius)) ** (1.0 / self.exponent)
+    sphere: bool = False
 
     @property
     def factor(self) -> float:
@@ -46,12 +32,6 @@ class Tool:
         n = self.exponent
         gamma = math.sqrt(math.pi) * math.gamma(0.5 * n + 1.0) / math.gamma(0.5 * (n + 1.0))
         return self.coefficient * self.radius ** (1.0 - n) * gamma
-
-    @property
-    def moment(self) -> float:
-        """Second moment of the pressure over P a^2, of a power."""
-        n = self.exponent
-        return 2.0 * (n + 1.0) / (3.0 * (n + 3.0))
 
 
 @dataclass(frozen=True)

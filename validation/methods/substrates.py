@@ -17,12 +17,6 @@ erfc = np.vectorize(math.erfc, otypes=[float])
 # Points of the integral over the wavenumber up to 25/t, and of the trapezoidal rule for the Bessel function.
 WAVES, ANGLES = 240, 160
 
-# Points of the table of the layer's regular part, up to this distance over t.
-TABLE, FARTHEST = 2001, 6.0
-
-# Number of different distances up to which no table is used.
-FEW = 100
-
 
 @dataclass(frozen=True)
 class HalfSpace:
@@ -40,26 +34,18 @@ class Layer:
     thickness: float
     poisson_ratio: float = 0.5
 
-    def exact(self, r: np.ndarray) -> np.ndarray:
-        """Return the regular part [1/mm] at distances r [mm], ``int (M(kt) - 1) J0(kr) dk / pi``."""
-        x, weight = np.polynomial.legendre.leggauss(WAVES)
-        x, weight = 12.5 * (x + 1.0), 12.5 * weight
-        k = 3.0 - 4.0 * self.poisson_ratio
-        m = (2.0 * k * np.sinh(2.0 * x) - 4.0 * x) / (2.0 * k * np.cosh(2.0 * x) + 4.0 * x**2 + 1.0 + k**2)
-        angle = np.pi * (np.arange(ANGLES) + 0.5) / ANGLES
-        bessel = np.cos(np.multiply.outer(np.ravel(r) / self.thickness, np.multiply.outer(x, np.sin(angle))))
-        value = bessel.mean(axis=-1) @ (weight * (m - 1.0))
-        return (value / (np.pi * self.thickness)).reshape(np.shape(r))
-
     def regular(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Return the regular part [1/mm]; for many distances from a table, to 1e-7."""
-        r = np.hypot(x, y)
-        different, index = np.unique(r.round(12), return_inverse=True)
-        if different.size <= FEW:
-            return self.exact(different)[index].reshape(r.shape)
-        nodes = self.thickness * FARTHEST * np.linspace(0.0, 1.0, TABLE)
-        values = np.concatenate([self.exact(part) for part in np.array_split(nodes, TABLE // FEW)])
-        return np.interp(r, nodes, values)
+        """Return the regular part [1/mm], ``int (M(kt) - 1) J0(kr) dk / pi``."""
+        distance = np.hypot(x, y)
+        r, index = np.unique(distance.round(12), return_inverse=True)
+        node, weight = np.polynomial.legendre.leggauss(WAVES)
+        q, weight = 12.5 * (node + 1.0), 12.5 * weight
+        k = 3.0 - 4.0 * self.poisson_ratio
+        m = (2.0 * k * np.sinh(2.0 * q) - 4.0 * q) / (2.0 * k * np.cosh(2.0 * q) + 4.0 * q**2 + 1.0 + k**2)
+        angle = np.pi * (np.arange(ANGLES) + 0.5) / ANGLES
+        bessel = np.cos(np.multiply.outer(r / self.thickness, np.multiply.outer(q, np.sin(angle))))
+        value = bessel.mean(axis=-1) @ (weight * (m - 1.0)) / (np.pi * self.thickness)
+        return np.asarray(value[index].reshape(distance.shape))
 
 
 @dataclass(frozen=True)
