@@ -3,21 +3,11 @@
 from __future__ import annotations
 
 import os
-import resource
 import subprocess
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
-
-import numpy as np
-
-import metafem as mf
-from metafem._kernels import continuation
-from metafem.models.contact_tables import tables
-from metafem.models.interacting.influence import coupling_between
-from metafem.models.interacting.large import NOT_RECORDED
 
 
 @dataclass(frozen=True)
@@ -30,22 +20,11 @@ class Row:
     unit: str = ""
 
 
-def best(work: Callable[[], object], repeats: int) -> float:
-    """Shortest time of several runs [s], after one run that is not timed."""
-    work()
-    return min(took(work)[0] for _ in range(repeats))
-
-
 def took(work: Callable[[], Any]) -> tuple[float, Any]:
     """Seconds of one run, and its result."""
     start = time.perf_counter()
     result = work()
     return time.perf_counter() - start, result
-
-
-def peak_memory() -> float:
-    """Peak memory of this process until now [GiB]."""
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
 
 
 @dataclass(frozen=True)
@@ -66,16 +45,3 @@ def spent(command: Sequence[str], **options: Any) -> Spent:
     if process.returncode:
         raise subprocess.CalledProcessError(process.returncode, command)
     return Spent(seconds, used.ru_utime + used.ru_stime, used.ru_maxrss / 2**20)
-
-
-def kernel_time(model: mf.Interacting, surface: mf.Surface, loads: int) -> float:
-    """Seconds per load of one curve inside the compiled kernel, on one core, compilation excluded."""
-    bound = model.substrate.for_surface(surface)
-    coupling, self_influence = coupling_between(surface, bound, model.order)
-    results = continuation.empty_results(1, loads)
-    workspace = continuation.empty_workspace(surface.count, model.order)
-    rising = np.linspace(0.5 / loads, 0.5, loads)
-    law = tables(model.contact.bound(surface), surface.radius[None])
-    scene = (coupling, model.order, law, self_influence[None], surface.gap[None], rising)
-    work = partial(continuation.curves, *scene, True, results, *workspace, NOT_RECORDED)
-    return best(work, 20) / loads

@@ -15,7 +15,6 @@ from validation.methods.caps import Caps, Tool
 from validation.methods.coupled_caps import coupled, independent
 from validation.methods.equation_errors import equation_error
 from validation.methods.substrates import HalfSpace, Layer, PeriodicHalfSpace, point_loads
-from validation.scenes.damaged_files import measure
 
 # Those of the package itself, which checks name as self-consistency.
 OF_PACKAGE = ("equation_errors", "resolved_areas")
@@ -91,9 +90,3 @@ def test_a_solution_obeys_the_equations_and_a_changed_one_does_not(model):
     assert equation_error(surface, model, replace(curve, approach=curve.approach + 1e-6)) > 1e-6
     moved = replace(curve.last, load=curve.last.load * np.array([1.0, 1.001, 1.0, 1.0]))
     assert equation_error(surface, model, replace(curve, compute_last=lambda: moved)) > 1e-4
-
-
-def test_damaged_files_of_every_kind_end_with_a_message():
-    tally = measure(99, seed=1)
-    assert not any(tally.faults.values()), tally.faults
-    assert tally.refused > 50

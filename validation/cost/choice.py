@@ -83,8 +83,7 @@ def measure() -> Claim:
     marked with *, a cheaper model is within it, which its estimated error does not show. Of {random} choices
     on random scenes, where order 3 is the reference, {share} are more expensive than necessary.
 
-    The command python -m validation cost writes this chapter with all its numbers. The command python -m
-    validation.benchmark ladder compares the choices on more random scenes. {machine}
+    The command python -m validation cost writes this chapter with all its numbers. {machine}
     """
     found = [each for scene in SCENES for each in choice(scene)]
     of_random = Choice(*np.array(choices(RANDOM)).T)

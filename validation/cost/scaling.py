@@ -89,8 +89,7 @@ def largest() -> float:
 def measure() -> Claim:
     """One load of a new surface by order 1, two thirds of whose asperities touch. Up to {dense:,} asperities
     all pairs are in dense matrices. Above, the sums are made by fast Fourier transforms, on lattices directly
-    and at scattered sites by Ewald's method. python -m validation.benchmark interaction --long measures
-    1,000,000 scattered asperities. {machine}
+    and at scattered sites by Ewald's method. {machine}
     """
     rows: list[Row] = []
     for substrate in SUBSTRATES:

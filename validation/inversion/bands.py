@@ -16,7 +16,7 @@ from validation.scenes.bands import ERROR, WIDTH, scene
 from validation.scenes.random_laws import RADIUS
 from validation.sources import known_input, second_method
 
-# Number of surfaces with errors; the benchmark `validation.benchmark.bands` has 200.
+# Number of surfaces with errors.
 TRIALS = 20
 
 KNOWN = known_input("a surface with a law in the middle of the band exists")

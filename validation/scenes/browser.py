@@ -1,10 +1,9 @@
-"""Pages opened in a browser without a window: what is wrong with them, and how long they take to open."""
+"""Pages opened in a browser without a window: and what is wrong with them."""
 
 from __future__ import annotations
 
 import re
 import shutil
-import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -82,18 +81,6 @@ def problems(browser: Browser, *paths: Path, views: tuple[View, ...] = VIEWS) ->
     finally:
         page.close()
     return problems
-
-
-def seconds(browser: Browser, path: Path) -> float:
-    """Return the seconds until a file is loaded and drawn."""
-    page = browser.new_page(viewport={"width": 1280, "height": 900})
-    try:
-        start = time.perf_counter()
-        page.goto(path.resolve().as_uri(), wait_until="load")
-        page.evaluate("() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
-        return time.perf_counter() - start
-    finally:
-        page.close()
 
 
 def _shown(shown: dict[str, Any], view: View) -> list[str]:

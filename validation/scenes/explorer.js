@@ -31,13 +31,12 @@ window.probe = {
     return { at: at - first, states: numbers.map(each => sessionStorage.getItem(`metafem.${each}`)) };
   },
 
-  // Times of pointer moves and of the last release, and of the frames after which the answers are on the screen.
+  // Times of pointer moves, and of the frames after which the answers are on the screen.
   watch: () => {
-    const seen = { moves: [], drawn: [], sent: 0, released: 0 };
+    const seen = { moves: [], drawn: [], sent: 0 };
     const emit = socket.emit;
     socket.emit = function (...given) { seen.sent += given[0] === 'event'; return emit.apply(this, given); };
     addEventListener('pointermove', () => seen.moves.push(performance.now()), true);
-    addEventListener('pointerup', () => { seen.released = performance.now(); }, true);
     const all = () => [...document.querySelectorAll('[data-answered]')];
     const shown = () => all().filter(each => each.checkVisibility());
     let last = '';
@@ -49,22 +48,6 @@ window.probe = {
       requestAnimationFrame(() => requestAnimationFrame(() => seen.drawn.push(performance.now())));
     }).observe(document.body, { subtree: true, attributes: true, attributeFilter: ['data-answered'] });
     window.seen = seen;
-  },
-
-  // Moves of a held handle around a point, each after the answer to the one before.
-  moved: async ([x, y, count]) => {
-    const handle = document.querySelector('.handle');
-    const plot = handle.closest('[data-answered]');
-    for (let i = 0; i < count; i++) {
-      const before = plot.dataset.answered;
-      const at = { clientX: x + 9 * Math.sin(i), clientY: y + 9 * Math.cos(1.7 * i) };
-      const held = { pointerId: 1, isPrimary: true, buttons: 1, bubbles: true };
-      handle.dispatchEvent(new PointerEvent('pointermove', { ...at, ...held }));
-      const end = performance.now() + 5000;
-      const waits = () => plot.dataset.answered === before;
-      while (waits() && performance.now() < end) await new Promise(done => setTimeout(done));
-      if (waits()) throw Error(`move ${i} of a handle was not answered`);
-    }
   },
 
   // Whether a move has been answered, or has asked for nothing: the handle stays where it can go no further.

@@ -47,15 +47,6 @@ class Server:
         """What it has printed to the standard error."""
         return self.log.read_text("utf-8")
 
-    @property
-    def memory(self) -> float:
-        """Resident memory [MiB]."""
-        status = Path(f"/proc/{self.process.pid}/status").read_text("ascii")
-        found = re.search(r"VmRSS:\s+(\d+) kB", status)
-        if found is None:
-            raise RuntimeError("the server has ended")
-        return int(found[1]) / 2**10
-
 
 @contextmanager
 def served(
@@ -219,35 +210,3 @@ def latencies(visit: Visit, handle: str, moves: list[tuple[float, float]]) -> li
     page.mouse.up()
     visit.settled(asked)
     return times
-
-
-def releases(visit: Visit, handle: str, moves: list[tuple[float, float]]) -> list[float]:
-    """Milliseconds from each release of a handle, once its move [pixels] is drawn, to its whole design."""
-    page = visit.page
-    page.evaluate("probe.watch")
-    times: list[float] = []
-    for right, down in moves:
-        x, y = visit.middle(handle)
-        asked = visit.asked
-        page.mouse.move(x, y)
-        page.mouse.down()
-        before = page.evaluate("() => { seen.moves = []; return [seen.drawn.length, seen.sent]; }")
-        page.mouse.move(x + right, y + down)
-        page.wait_for_function("probe.drawn", arg=before, polling=5)
-        count = page.evaluate("() => seen.drawn.length")
-        page.mouse.up()
-        visit.settled(asked)
-        page.wait_for_function("count => seen.drawn.length > count", arg=count, polling=5)
-        times.append(float(page.evaluate("() => seen.drawn.at(-1) - seen.released")))
-    return times
-
-
-def updates(visit: Visit, handle: str, count: int) -> None:
-    """Drag a handle by a script: each of so many moves waits for its answer."""
-    before = visit.asked
-    x, y = visit.middle(handle)
-    visit.page.mouse.move(x, y)
-    visit.page.mouse.down()
-    visit.page.evaluate("probe.moved", [x, y, count])
-    visit.page.mouse.up()
-    visit.settled(before)
