@@ -14,7 +14,7 @@ TEMPLATES = Path(__file__).parent / "templates"
 BESIDE = (
     ("guide/start.html", "Guide"),
     ("examples/index.html", "Examples"),
-    ("api/index.html", "API"),
+    ("api/metafem.html", "API"),
 )
 
 

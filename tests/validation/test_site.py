@@ -18,7 +18,6 @@ def test_pages_are_written_and_name_no_machine(whole_site):
     text = (whole_site / "examples" / "e01_hertz.html").read_text("utf-8")
     assert "contact radius 179.69 µm" in text
     assert "<svg" in text
-    assert '<a href="../api/metafem.html#equilibrium">' in text
 
 
 @pytest.mark.parametrize("script", scripts(), ids=lambda script: script.name)

@@ -7,22 +7,16 @@ from shutil import copyfile
 
 from metafem.drawing.inline import drawn
 from validation.pages import site_page
-from validation.site.code import highlighted
-from validation.site.docstrings import html, summary
-from validation.site.extras import refuse_missing_docs
-from validation.site.interface import addresses
 from validation.site.scripts import run, scripts
 
 
-def beside(name: str) -> str | None:
-    """Return the address of a public name, such as ``mf.design``, as seen from the pages of the examples."""
-    address = addresses().get(name)
-    return None if address is None else f"../api/{address}"
+def write_examples(folder: Path) -> None:
+    """Run the examples, and write pages and scripts into ``folder/examples``."""
+    from markdown_it import MarkdownIt
+    from pygments import highlight
+    from pygments.formatters import HtmlFormatter
+    from pygments.lexers import PythonLexer
 
-
-def write_examples(folder: Path) -> list[str]:
-    """Run the examples, write pages and scripts into ``folder/examples``, and return the addresses."""
-    refuse_missing_docs()
     pages = folder / "examples"
     pages.mkdir(parents=True, exist_ok=True)
     listed = scripts()
@@ -36,8 +30,8 @@ def write_examples(folder: Path) -> list[str]:
             script=script,
             number=number + 1,
             count=len(listed),
-            learned=html(script.text, beside),
-            code=highlighted(script.code, beside),
+            learned=MarkdownIt().render(script.text),
+            code=highlight(script.code, PythonLexer(), HtmlFormatter(cssclass="code")),
             output=found.output,
             drawn=picture,
             before=listed[number - 1] if number else None,
@@ -45,7 +39,6 @@ def write_examples(folder: Path) -> list[str]:
         )
         (pages / f"{script.name}.html").write_text(text, "utf-8")
         copyfile(script.path, pages / script.path.name)
-        cards.append((script, picture.svg, summary(script.lesson, lambda name: None)))
+        cards.append((script, picture.svg, script.lesson))
     text = site_page("examples.html", here="examples/index.html", cards=cards, count=len(listed))
     (pages / "index.html").write_text(text, "utf-8")
-    return ["examples/index.html", *(f"examples/{script.name}.html" for script in listed)]
