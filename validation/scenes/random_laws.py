@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
 import numpy as np
 
@@ -43,12 +42,3 @@ def noisy_law(seed: int) -> tuple[mf.SampledLaw, FloatArray]:
     measured = true.rescaled_friction * (1.0 + noise * rng.standard_normal(count))
     error = np.full(count, noise)
     return mf.SampledLaw(true.rescaled_load, measured, relative_error=error), true.rescaled_friction
-
-
-def mixed_law(seed: int, tools: Sequence[float]) -> mf.SampledLaw:
-    """Return the law of a surface of random heights whose radii are drawn from some tools."""
-    rng = np.random.default_rng(seed)
-    height, radius = rng.exponential(rng.uniform(0.005, 0.05), 64), rng.choice(list(tools), 64)
-    full = float((4 / 3 * np.sqrt(radius) * (height - height.min()) ** 1.5).sum())
-    load = full * rng.uniform(0.5, 1.2) * np.arange(1, 31) / 30
-    return mf.SampledLaw(load, mf.Independent().curves(height, radius, load)[2][0])
