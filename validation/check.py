@@ -76,15 +76,6 @@ class Picture:
         return prose(self.draw.func if isinstance(self.draw, partial) else self.draw, self.values)
 
 
-@dataclass(frozen=True)
-class Table:
-    """A table in words: what it shows, its header, and under titles its rows of as many cells."""
-
-    caption: str
-    header: Sequence[str]
-    parts: Mapping[str, Sequence[Sequence[str]]]
-
-
 Row = Check | Result | Difference
 
 
@@ -116,7 +107,7 @@ class Rows:
 
 @dataclass(frozen=True)
 class Claim(Rows):
-    """What one file shows: checks, results, differences from the paper, titled figures, and a table.
+    """What one file shows: checks, results, differences from the paper, and titled figures.
 
     Its text is the docstring of the function that returns it, with these values.
     """
@@ -126,7 +117,6 @@ class Claim(Rows):
     figures: dict[str, Picture] = field(default_factory=dict)
     values: Mapping[str, Any] = field(default_factory=dict)
     text: str = ""
-    table: Table | None = None
 
     def value(self, name: str) -> float:
         """Return the computed number of the row of a name."""

@@ -16,7 +16,7 @@ from types import ModuleType
 from typing import Any
 
 from metafem.drawing.inline import Drawn, drawn
-from validation.check import Check, Claim, Row, Rows, Table, prose
+from validation.check import Check, Claim, Row, Rows, prose
 from validation.discovery import groups, named, picked
 from validation.sources import Source, known_input
 
@@ -29,7 +29,7 @@ COMPLETE = known_input("a claim is evaluated without an error")
 
 @dataclass(frozen=True)
 class Evaluated(Rows):
-    """What one claim showed: its rows, its figures with their data, its table, and the seconds it took."""
+    """What one claim showed: its rows, its figures with their data, and the seconds it took."""
 
     name: str
     title: str
@@ -38,7 +38,6 @@ class Evaluated(Rows):
     rows: tuple[Row, ...]
     figures: tuple[Drawn, ...]
     seconds: float = field(compare=False)
-    table: Table | None = None
 
     def anchored(self, kind: type[Row]) -> list[tuple[str, Row]]:
         """Return the rows of a kind with their anchors, which differ for rows of one name."""
@@ -101,7 +100,7 @@ def evaluated(name: str) -> Evaluated:
             rows.append(_ran_into(error, f"figure {title!r} "))
     file = f"{module_of(name).__name__.replace('.', '/')}.py"
     seconds = time.perf_counter() - start
-    return Evaluated(name, claim.title, file, claim.text, tuple(rows), tuple(figures), seconds, claim.table)
+    return Evaluated(name, claim.title, file, claim.text, tuple(rows), tuple(figures), seconds)
 
 
 def evaluated_in(names: Sequence[str], processes: int = 2) -> Iterator[Evaluated]:
@@ -165,7 +164,6 @@ def _claim_data(each: Evaluated) -> dict[str, Any]:
         "results": [*map(_row_data, each.results)],
         "differences": [*map(_row_data, each.differences)],
         "figures": [{"title": f.title, "caption": f.caption, "data": f.file_name} for f in each.figures],
-        **({"table": vars(each.table)} if each.table else {}),
     }
 
 

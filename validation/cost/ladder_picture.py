@@ -5,18 +5,17 @@ from __future__ import annotations
 from itertools import groupby
 
 from metafem.drawing import QUIET, new_figure
-from validation.cost.choice import LADDER, choice
 from validation.cost.measured import Point, models, peers
 from validation.cost.work_precision import PEER, STYLES
 from validation.numbers import powers
-from validation.scenes.costs import AUTOMATIC, SCENES, reference
+from validation.scenes.costs import AUTOMATIC, MODELS, RESOLVED, SCENES, reference
 
 # The scenes: 64 asperities from sparse to crowded, merged contacts, and more asperities.
 SHOWN = ("sparse", "paper", "dense", "merged", "several", "many")
 ROWS, COLUMNS = 2, 3
 
 # Lines of the picture: the models of the ladder and another code, with the two readings of its area.
-LINES = (*LADDER, PEER, f"{PEER}, second moments")
+LINES = (*MODELS, RESOLVED, PEER, f"{PEER}, second moments")
 
 CHOSEN = f"{AUTOMATIC}, tolerance above"
 
@@ -48,18 +47,19 @@ def _panel(ax, scene: str) -> None:
     def places(points: list[Point]) -> tuple[list[float], list[float]]:
         return [each.cold for each in points], [max(each.area_error, least) for each in points]
 
-    cheapest = [each for line in [*LADDER][:-1] for each in every if each.line == line]
+    cheapest = [each for line in MODELS for each in every if each.line == line]
     ax.plot(*places(cheapest), color=QUIET, lw=1, zorder=1)
     for line in LINES:
         if points := [each for each in every if each.line == line]:
             colour, marker = STYLES[line]
             ax.plot(*places(points), marker=marker, ms=6, lw=1, color=colour, label=line)
     colour, marker = STYLES[AUTOMATIC]
-    for _, group in groupby(choice(scene), key=lambda each: each.point.solved):
+    chosen_by = [each for each in every if each.line == AUTOMATIC]
+    for _, group in groupby(chosen_by, key=lambda each: each.solved):
         chosen = list(group)
-        x, y = places([each.point for each in chosen])
+        x, y = places(chosen)
         ax.plot(x, y, marker=marker, ms=12, mew=1.3, lw=0, mfc="none", color=colour, label=CHOSEN)
-        ends = dict.fromkeys(powers(f"{each.tolerance:.0e}") for each in (chosen[0], chosen[-1]))
+        ends = dict.fromkeys(powers(f"{float(each.setting):.0e}") for each in (chosen[0], chosen[-1]))
         side = "left" if len(ends) == 1 or max(x) < 1.0 else "right"  # where the panel has room
         ax.annotate(" … ".join(ends), (max(x), max(y)), (0, 8), textcoords="offset points", fontsize=8.5,
                     ha=side, color=colour)  # fmt: skip

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import platform
 import statistics
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import partial
 from importlib.metadata import version
 from typing import Any
@@ -64,12 +64,6 @@ def machine(*packages: str) -> str:
         f"Measured on {cores} processor core{'' if cores == 1 else 's'} with Python "
         f"{platform.python_version()}, {', '.join(versions)}."
     )
-
-
-def exponent(counts: Sequence[float], seconds: Sequence[float]) -> tuple[float, float, float]:
-    """Fit seconds = c countᵇ by least squares of the logarithms: b, its standard error, and c."""
-    (slope, constant), covariance = np.polyfit(np.log(counts), np.log(seconds), 1, cov=True)
-    return float(slope), float(np.sqrt(covariance[0, 0])), float(np.exp(constant))
 
 
 def rounded(value: float, *, down: bool = False) -> float:

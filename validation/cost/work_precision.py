@@ -58,7 +58,6 @@ SHOWN = ("", "0.001", "10 µm")
 # Colour and marker of each line; all can be told apart in grey, on white and on black.
 STYLES = {
     "Independent()": ("#8a8f98", "o"),
-    "MeanField()": ("#c9a227", "s"),
     "Interacting(order=1)": ("#7fb069", "^"),
     ORDER_3: ("#1b6f8a", "D"),
     AUTOMATIC: ("#8d6fc0", "*"),

@@ -20,7 +20,6 @@ MATERIAL = mf.Material(1.36)
 ORDER_3 = "Interacting(order=3)"
 MODELS: dict[str, dict[str, Model]] = {
     "Independent()": {"": mf.Independent()},
-    "MeanField()": {"": mf.MeanField()},
     "Interacting(order=1)": {"": mf.Interacting(order=1)},
     ORDER_3: {"": mf.Interacting(order=3)},
 }

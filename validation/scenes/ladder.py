@@ -10,7 +10,6 @@ import metafem as mf
 from metafem._validate import FloatArray
 from metafem.contact import Contact
 from metafem.models import Model
-from metafem.models.model_error import model_error
 from metafem.models.truncation import truncation
 from metafem.substrate import Substrate
 
@@ -68,27 +67,6 @@ def choices(count: int, seed: int = 0) -> list[Choice]:
                 error = float(np.abs(curve.area / curves[2].area - 1.0).max())
                 found.append(Choice(tolerance, chosen, cheapest, float(curve.error or 0.0), error))
     return found
-
-
-def estimates(count: int, seed: int = 0) -> FloatArray:
-    """Return `model_error` and the error against order 3 of independent asperities and order 1, (m, 2).
-
-    The reference of independent asperities is on the layer. Scenes on which the estimated error of order 3
-    is not negligible are left out.
-    """
-    rng, found = np.random.default_rng(seed), []
-    for _ in range(count):
-        surface, law, substrate, load = scene(rng)
-        for row, medium in enumerate((mf.BondedLayer(), substrate)):
-            *models, reference = _models(law, medium)
-            try:
-                curve, truth = (model.curve(surface, load).checked() for model in (models[row], reference))
-            except mf.MetafemError:
-                continue
-            error = float(np.abs(curve.area / truth.area - 1.0).max())
-            if truncation(surface, truth.last.area, medium, law) <= NEGLIGIBLE * error:
-                found.append((float(model_error(surface, models[row], curve)), error))
-    return np.array(found)
 
 
 def _models(law: Contact, substrate: Substrate) -> tuple[Model, ...]:
