@@ -65,7 +65,7 @@ class Inspector(Panel):
         self.made: dict[str, Panel] = {}
         look = 'dense no-caps align=left outside-arrows mobile-arrows aria-label="Inspector"'
         with ui.tabs().props(look) as self.tabs:
-            names = {name: ui.tab(name).props(f'data-tour="{name}"') for name in self.late}
+            names = {name: ui.tab(name) for name in self.late}
         self.compared = names[COMPARED]
         self.compared.set_visibility(False)
         with ui.tab_panels(self.tabs, value="Workshop", animated=False).props("keep-alive").classes("panels"):

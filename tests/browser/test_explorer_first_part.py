@@ -49,20 +49,13 @@ def test_a_part_of_ones_own_becomes_a_mould_table(visit, press, tmp_path):
     assert visit.text == before
 
 
-def test_a_law_is_pinned_beside_the_next_one_after_a_tour(visit, press):
+def test_a_law_is_pinned_beside_the_next_one(visit, press):
     page = visit.page
-    press("Take a one-minute tour")
-    for number in range(1, 5):
-        page.get_by_text(f"{number} of 5").wait_for()
-        press("Next")
-    press("Done")
-    assert page.locator(".tour-words").count() == 0
     press("Pin as A")
     page.get_by_role("button", name="Unpin").wait_for()
     visit.drag("point-0", -15, 4)
     page.reload()
     page.get_by_role("button", name="Unpin").wait_for()
-    assert page.get_by_role("button", name="Take a one-minute tour").count() == 0
     press("A and B", "tab")
     load = page.get_by_role("row", name="Largest load").get_by_role("cell")
     load.first.wait_for()

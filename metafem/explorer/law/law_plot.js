@@ -48,14 +48,13 @@ export default {
       </div>
       <div :class="['law-live', { wrong }]"><span :aria-live="live">{{ words }}</span>
         <button type="button" class="law-drop" :hidden="!pointed" title="Remove this point (Delete)" @click="plot.remove(pointed)">Remove the point</button>
-        <button type="button" class="law-use" :hidden="!offered" @click="use">{{ offer }}</button>
-        <button type="button" class="law-tour" :hidden="!welcome" @click="tour">Take a one-minute tour</button></div>
+        <button type="button" class="law-use" :hidden="!offered" @click="use">{{ offer }}</button></div>
     </div>`,
   data() {
     return {
       tools: { models: [], no_forces: "" }, block: {}, dropping: false, legend: [], acts: ACTS,
       refusal: "", away: false, held: false, nearest: false, usable: false, offer: "Use the nearest law", // the words of the button
-      words: "", wrong: false, live: "polite", pointed: "", offered: false, welcome: false,
+      words: "", wrong: false, live: "polite", pointed: "", offered: false,
     };
   },
   computed: {
@@ -63,8 +62,7 @@ export default {
   },
   mounted() {
     this.plot = new Plot(this);
-    this.welcome = !localStorage.getItem(HINT);
-    if (this.welcome) this.words = WELCOME;
+    if (!localStorage.getItem(HINT)) this.words = WELCOME;
     remember(HINT, "seen");
     hear("table", this.read, this.plot.closed.signal);
   },
@@ -78,7 +76,6 @@ export default {
       this.plot.offer = false;
       this.$emit("nearest", {});
     },
-    async tour() { (await import("metafem-page/tour.js")).start(); },
     forces() {
       if (this.tools.no_forces) this.say(this.tools.no_forces, true);
       else this.$emit("axes", { newtons: true });

@@ -46,7 +46,7 @@ export default {
             <div role="group" aria-labelledby="menu-colours"><h3 id="menu-colours">Colours of the page</h3>
               <button v-for="(word, name) in themes" :key="name" role="menuitemradio" :aria-checked="theme === name" @click="choose(name)">{{ word }}</button></div>
             <div role="group" aria-labelledby="menu-help"><h3 id="menu-help">How to use it</h3>
-              <button role="menuitem" @click="tour">One-minute tour</button><button role="menuitem" @click="open">Help: mouse, touch and keys (?)</button></div></q-menu></button>
+              <button role="menuitem" @click="open">Help: mouse, touch and keys (?)</button></div></q-menu></button>
       </span>
       <dialog ref="dialog" aria-labelledby="help-title" closedby="any">
         <div class="head"><h2 id="help-title">Mouse, touch and keys</h2><button class="act" autofocus @click="$refs.dialog.close()">Close</button></div>
@@ -121,10 +121,6 @@ export default {
     open() {
       this.$refs.menu.hide();
       if (!this.$refs.dialog.open) this.$refs.dialog.showModal();
-    },
-    async tour() {
-      this.$refs.menu.hide();
-      (await import("metafem-page/tour.js")).start();
     },
     over(event) {
       if (event.dataTransfer?.types.includes("Files")) event.preventDefault();

@@ -289,7 +289,7 @@ export class Plot {
     this.said = this.data?.state;
     const removable = id.startsWith("point") && this.handles.all.length > 1 && !this.handles.inactive;
     const offered = wrong && Boolean(this.offer);
-    Object.assign(this.element, { words, wrong, live, offered, pointed: removable ? id : "", welcome: false });
+    Object.assign(this.element, { words, wrong, live, offered, pointed: removable ? id : "" });
   }
 
   resize() {
