@@ -1,4 +1,4 @@
-"""The surface in three dimensions, its mould, and the profile through a row, in a browser with WebGL."""
+"""The surface in three dimensions and its mould, in a browser with WebGL."""
 
 import pytest
 

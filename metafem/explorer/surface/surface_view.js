@@ -11,7 +11,7 @@ const [PLAY, SLIDER, STILL] = [6000, 250, 5];
 
 const HELP = "Arrow keys move between the sites, with Shift they select. Enter opens the menu, p keeps the height, e leaves the site empty, r lets the design choose, Escape ends the selection.";
 
-const VIEWS = [["map", "Map"], ["relief", "3D"], ["profile", "Profile"]];
+const VIEWS = [["map", "Map"], ["relief", "3D"]];
 
 // Distance of the tip from the pointer [pixels].
 const GAP = 14;
@@ -25,7 +25,7 @@ export default {
         </q-tabs>
         <label class="small">Colour <select class="text" v-model="what" @change="recolour" aria-label="Colour of the sites">
           <option value="height">height</option><option v-if="radii" value="radius">radius</option><option value="pressure">contact pressure</option><option value="sensitivity">sensitivity</option><option v-if="compared" value="difference">difference from A</option>
-        </select> <select class="text" v-model="spread" @change="recolour" aria-label="Spread of the colours"><option value="value">by value</option><option value="quantile">by quantile</option></select></label>
+        </select></label>
       </div>
       <div class="small line" role="status"><p v-if="message" class="wrong">{{ message }}</p><p v-if="(line || note) && !(message && old)">{{ line }} {{ note }}</p></div>
       <div class="box fill" ref="box" @keydown.esc="close">
@@ -40,9 +40,6 @@ export default {
           <label>Heights × {{ times }} <input type="range" min="1" :max="most" step="0.5" v-model.number="times" @input="draw(true)" aria-label="Exaggeration of the heights"></label>
           <button type="button" class="act" :disabled="times === 1" @click="times = 1; draw(true)">True proportions</button>
           <button type="button" class="act" @click="pictures.relief?.reset()">Reset the view</button>
-        </div>
-        <div class="row small" v-else-if="tab === 'profile'">
-          <button v-for="[up, sign, label] in [[-1, '↓', 'Previous row'], [1, '↑', 'Next row']]" type="button" class="act" :aria-label="label" :title="label" @click="step(0, up)">{{ sign }}</button>
         </div>
         <div v-if="at && lines.length" class="tip" :style="at"><div v-for="each in lines">{{ each }}</div></div>
         <div v-if="menu" class="menu" role="dialog" :aria-label="menu.title" :style="menu.style" ref="menu">
@@ -64,14 +61,14 @@ export default {
       <p class="legend spoken" v-if="spoken">{{ spoken }}</p>
       <p class="legend" v-else-if="tab === 'map'"><span><i class="disc"></i> contact, to scale</span> <span>◆ kept height</span> <span><i class="ring"></i> empty site, × kept empty</span></p>
       <p class="legend" v-else-if="tab === 'relief' && mould"><span>Holes are coloured by depth. Left and right are exchanged, as in mould.csv. {{ part }}</span></p>
-      <p class="legend" v-else-if="!missing || tab === 'profile'"><span><i class="disc coloured"></i> contact</span> <span>Caps are drawn undeformed, cut off at the glass. {{ part }}</span></p>
+      <p class="legend" v-else-if="!missing"><span><i class="disc coloured"></i> contact</span> <span>Caps are drawn undeformed, cut off at the glass. {{ part }}</span></p>
       <span class="unseen" aria-live="polite">{{ spoken }}</span>
     </div>`,
   data() {
     return {
       tab: "map", what: "height", line: "", message: "", old: false, note: "", lines: [], at: null, menu: null,
       typed: "", adding: false, missing: "", times: EXAGGERATION.first, most: EXAGGERATION.most, mould: false, views: VIEWS,
-      part: "", spread: "value", playing: false, steps: SLIDER, place: 0,
+      part: "", playing: false, steps: SLIDER, place: 0,
       surface: null, contacts: null, press: null, // frozen, so that Vue does not follow thousands of numbers
     };
   },
@@ -94,7 +91,13 @@ export default {
     hear("load", (to) => this.move(to), this.closed.signal);
     hear("sites", (sites) => this.point(sites), this.closed.signal);
   },
-  mounted() { this.drawBy("map", SiteMap); },
+  mounted() {
+    const map = new SiteMap(this.$refs.map[0], this.marks, this);
+    map.svg.setAttribute("aria-label", `Map of the heights. ${HELP}`);
+    map.svg.addEventListener("focus", () => { if (this.surface && !map.from) this.go(this.marks.active ?? 0); }); // not by a click
+    map.svg.addEventListener("blur", () => tell("sites", []));
+    this.pictures.map = map;
+  },
   unmounted() {
     this.playing = false;
     this.closed.abort();
@@ -195,7 +198,7 @@ export default {
       const { layout, surface, contacts } = this;
       if (layout && surface) {
         const fitting = contacts?.radius?.length === layout.x.length ? contacts : null;
-        const look = { what: this.what, spread: this.spread, dark: this.$q.dark.isActive, times: this.times, mould: this.mould };
+        const look = { what: this.what, dark: this.$q.dark.isActive, times: this.times, mould: this.mould };
         this.pictures[this.tab]?.show(layout, surface, fitting, look, this.now);
         this.part = this.tab === "relief" ? this.pictures.relief?.left(layout.x.length) : "";
         if (this.menu) Object.assign(this.menu, this.described());
@@ -207,13 +210,12 @@ export default {
     async open(tab) {
       this.close();
       this.tab = tab;
-      await (this.started[tab] ??= this.start(tab));
+      await (this.started[tab] ??= this.start());
       this.pictures[tab]?.resize();
       this.draw();
     },
-    // Scripts of the views that are not shown first are loaded when they are opened.
-    async start(tab) {
-      if (tab === "profile") return this.drawBy(tab, (await import("metafem-surface/profile.js")).Profile);
+    // The script of the picture in three dimensions is loaded when it is opened.
+    async start() {
       try {
         const { Relief } = await import("metafem-surface/relief.js");
         const relief = new Relief(this.$refs.relief[0], this.marks, this);
@@ -223,13 +225,6 @@ export default {
         console.warn(error);
         this.missing = "This browser has no WebGL, so the surface cannot be drawn in three dimensions. The map shows the same heights.";
       }
-    },
-    drawBy(tab, Kind) {
-      const picture = new Kind(this.$refs[tab][0], this.marks, this);
-      picture.svg.setAttribute("aria-label", `${Kind.title}. ${HELP}`);
-      picture.svg.addEventListener("focus", () => { if (this.surface && !picture.from) this.go(this.marks.active ?? picture.first ?? 0); }); // not by a click
-      picture.svg.addEventListener("blur", () => tell("sites", []));
-      this.pictures[tab] = picture;
     },
     recolour() {
       this.$emit("colour", this.what);
@@ -319,7 +314,7 @@ export default {
       tell("sites", [site]);
     },
     step(right, up, select) {
-      if (this.surface) this.go(neighbour(this.layout, this.marks.active ?? this.pictures[this.tab]?.first ?? 0, right, up), select);
+      if (this.surface) this.go(neighbour(this.layout, this.marks.active ?? 0, right, up), select);
     },
     key(event) {
       const { marks } = this;

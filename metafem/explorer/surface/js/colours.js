@@ -9,8 +9,8 @@ const NAMES = {
   sensitivity: ["change of friction per height", "%/µm"],
 };
 
-// The values at the sites, which of them are shown, and their scale; `spread` is "value" or "quantile".
-export function colouring(surface, contacts, { what, spread, dark }) {
+// The values at the sites, which of them are shown, and their scale.
+export function colouring(surface, contacts, { what, dark }) {
   const [name, unit] = NAMES[what];
   const filled = (i) => surface.height[i] !== null;
   const own = { height: surface.height, radius: surface.height.map((_, i) => (filled(i) ? 1e3 * radiusOf(surface, i) : null)), difference: surface.difference };
@@ -22,7 +22,7 @@ export function colouring(surface, contacts, { what, spread, dark }) {
   const signed = low < 0 && what !== "height";
   const most = Math.max(high, -low);
   const range = what === "height" ? surface.limits : [signed ? -most : 0, most];
-  return { name, unit, values, present, shown, scale: scaleOf(...range, { signed, dark, values: spread === "quantile" && !signed ? present : null }) };
+  return { name, unit, values, present, shown, scale: scaleOf(...range, signed, dark) };
 }
 
 // Scales of colour whose lightness rises in equal steps, in the colour space Oklab; along blue and yellow, and blue and
@@ -51,16 +51,9 @@ const rising = table((t) => between(between(LOW, GREEN, t), between(GREEN, HIGH,
 const twoSided = (middle, end) => table((t) => between(`oklab(${middle} 0 0)`, `oklab(${end} ${t < 0.5 ? "-0.03 -0.12" : "0.09 0.11"})`, Math.abs(2 * t - 1)));
 const diverging = { true: twoSided(0.38, 0.8), false: twoSided(0.93, 0.55) };
 
-// A scale of colours over a range. With `values` it is by quantile: each colour has as many of them.
-function scaleOf(low, high, { signed = false, dark = false, values = null } = {}) {
+// A scale of colours over a range.
+function scaleOf(low, high, signed, dark) {
   const colours = signed ? diverging[dark] : rising;
-  const sorted = values?.toSorted((a, b) => a - b);
-  const edges = sorted?.length ? colours.map((_, i) => sorted[Math.round((i / (STEPS - 1)) * (sorted.length - 1))]) : null;
-  const ranked = (value) => { // the middle of the colours of equal values
-    const above = edges.findIndex((each) => each >= value);
-    return (edges.findLastIndex((each) => each <= value) + (above < 0 ? STEPS : above)) / 2;
-  };
-  const place = edges ? ranked : (value) => ((STEPS - 1) * (value - low)) / (high - low || 1);
-  const index = (value) => Math.round(Math.min(STEPS - 1, Math.max(0, place(value))));
+  const index = (value) => Math.round(Math.min(STEPS - 1, Math.max(0, ((STEPS - 1) * (value - low)) / (high - low || 1))));
   return { low, high, css: (value) => `rgb(${colours[index(value)].join(", ")})` };
 }

@@ -1,54 +1,14 @@
-// What map and profile share: a picture as SVG with axes. And the scale of the map, and the bar of its colours.
+// The axes and the scale of the map, and the bar of its colours.
 import { label, made, ticks } from "metafem-law/svg.js";
 import { digits, range } from "./contacts.js";
 
 const [LEFT, BOTTOM, TOP, BAR, ASIDE] = [38, 34, 8, 104, 29];
 
 // Part of the least distance between sites that is free around them.
-export const EDGE = 0.62;
+const EDGE = 0.62;
 
 // Widths of the colours and of the most frequent class of the histogram [pixels], and number of classes.
 const [COLOURS, FREQUENT, CLASSES] = [10, 22, 48];
-
-export class Picture {
-  // `marks` has the sites that are pointed at, selected and active; `on` the functions hover(site, event), pick(sites, add)
-  // and key(event).
-  constructor(box, marks, on) {
-    Object.assign(this, { box, marks, on, look: null });
-    this.svg = made("svg", { tabindex: 0, role: "application" });
-    box.append(this.svg);
-    this.axes = made("g", { class: "axes" }, this.svg);
-    this.svg.addEventListener("keydown", (event) => on.key(event));
-    this.svg.addEventListener("pointerleave", () => on.hover(null));
-  }
-
-  resize() {
-    const { clientWidth: width, clientHeight: height } = this.box;
-    if (!width || !height || !this.layout) return;
-    this.svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
-    this.place(width, height);
-    this.mark();
-  }
-
-  // The data of the server; `contacts` may be those of the surface before for some milliseconds.
-  show(layout, surface, contacts, look) {
-    const placed = this.layout === layout && this.view;
-    Object.assign(this, { layout, surface, contacts, look });
-    if (placed) this.mark(); else this.resize();
-  }
-
-  // Place of an event in the picture.
-  at(event) {
-    const { left, top } = this.svg.getBoundingClientRect();
-    return [event.clientX - left, event.clientY - top];
-  }
-}
-
-// From the units of the axes to the pixels of a box; `aside` is the distance of the title of the upward axis.
-export function viewIn(box, [west, east, low, high], aside) {
-  const [wide, tall] = [(box.right - box.left) / (east - west), (box.bottom - box.top) / (high - low)];
-  return { box, range: [west, east, low, high], aside, wide, tall, px: (x) => box.left + wide * (x - west), py: (y) => box.bottom - tall * (y - low) };
-}
 
 // The view of the map: one scale for both directions.
 export function viewOf(layout, width, height) {
@@ -60,12 +20,13 @@ export function viewOf(layout, width, height) {
   const top = TOP + Math.max(0, (height - TOP - BOTTOM - scale * along) / 2);
   const box = { left, top, right: left + scale * across, bottom: top + scale * along };
   const bar = { top: TOP, bottom: Math.max(TOP, height - BOTTOM) }; // a map of one row is lower
-  return { ...viewIn(box, [west - edge, east + edge, south - edge, north + edge], ASIDE), scale, bar };
+  const [x, y] = [west - edge, south - edge];
+  return { box, range: [x, east + edge, y, north + edge], scale, bar, px: (each) => box.left + scale * (each - x), py: (each) => box.bottom - scale * (each - y) };
 }
 
 function upward(words, x, y, parent) { label(words, x, y, "middle", parent).setAttribute("transform", `rotate(-90 ${x} ${y})`); }
 
-export function drawAxes(parent, view, upwards) {
+export function drawAxes(parent, view) {
   parent.replaceChildren();
   const { left, top, right, bottom } = view.box;
   const [west, east, south, north] = view.range;
@@ -74,7 +35,7 @@ export function drawAxes(parent, view, upwards) {
   for (const x of ticks(west, east, room(right - left)).values) label(digits(x), view.px(x), bottom + 14, "middle", parent);
   for (const y of ticks(south, north, room(bottom - top)).values) label(digits(y), left - 5, view.py(y) + 4, "end", parent);
   label("x [mm]", (left + right) / 2, bottom + 29, "middle", parent);
-  upward(upwards, left - view.aside, (top + bottom) / 2, parent);
+  upward("y [mm]", left - ASIDE, (top + bottom) / 2, parent);
 }
 
 // The power of ten that is left out of the numbers of a bar, where they would be too long for it.

@@ -1,7 +1,7 @@
 // The map of the sites: draws them, finds the one under the pointer, and those in a rectangle.
 import { made, set } from "metafem-law/svg.js";
 import { colouring } from "./colours.js";
-import { Picture, drawAxes, drawBar, viewOf } from "./frame.js";
+import { drawAxes, drawBar, viewOf } from "./frame.js";
 import { MARKER, MOST_ELEMENTS, PixelMarks, SvgMarks } from "./marks.js";
 
 // Fill of sites without a value, in both themes.
@@ -10,13 +10,17 @@ const PLAIN = { light: "rgb(236 239 242)", dark: "rgb(52 60 69)" };
 // A drag that is shorter than this is a click [pixels].
 const CLICK = 5;
 
-export class SiteMap extends Picture {
-  static title = "Map of the heights";
-
-  constructor(...given) {
-    super(...given);
+export class SiteMap {
+  // `marks` has the sites that are pointed at, selected and active; `on` the functions hover(site, event), pick(sites, add)
+  // and key(event).
+  constructor(box, marks, on) {
+    Object.assign(this, { box, marks, on });
     this.canvas = document.createElement("canvas");
-    this.box.prepend(this.canvas);
+    this.svg = made("svg", { tabindex: 0, role: "application" });
+    box.append(this.canvas, this.svg);
+    this.axes = made("g", { class: "axes" }, this.svg);
+    this.svg.addEventListener("keydown", (event) => on.key(event));
+    this.svg.addEventListener("pointerleave", () => on.hover(null));
     this.svg.setAttribute("aria-roledescription", "map of the sites");
     this.bar = made("g", { class: "axes" }, this.svg);
     this.sites = { svg: new SvgMarks(this.svg), canvas: new PixelMarks(this.canvas) };
@@ -26,19 +30,36 @@ export class SiteMap extends Picture {
     }
   }
 
-  place(width, height) {
+  // The data of the server; `contacts` may be those of the surface before for some milliseconds.
+  show(layout, surface, contacts, look) {
+    const placed = this.layout === layout && this.view;
+    Object.assign(this, { layout, surface, contacts, look });
+    if (placed) this.mark(); else this.resize();
+  }
+
+  resize() {
+    const { clientWidth: width, clientHeight: height } = this.box;
+    if (!width || !height || !this.layout) return;
+    this.svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
     this.view = viewOf(this.layout, width, height);
     const many = this.layout.x.length > MOST_ELEMENTS;
     const [used, other] = many ? [this.sites.canvas, this.sites.svg] : [this.sites.svg, this.sites.canvas];
     other.clear();
     this.used = used;
     used.place(this.layout, this.view, width, height);
-    drawAxes(this.axes, this.view, "y [mm]");
+    drawAxes(this.axes, this.view);
+    this.mark();
+  }
+
+  // Place of an event in the picture.
+  at(event) {
+    const { left, top } = this.svg.getBoundingClientRect();
+    return [event.clientX - left, event.clientY - top];
   }
 
   mark() {
     if (!this.surface || !this.view) return;
-    const { surface, contacts, view, marks: { selected, active, pointed }, look: { dark, spread } } = this;
+    const { surface, contacts, view, marks: { selected, active, pointed }, look: { dark } } = this;
     const colours = colouring(surface, contacts, this.look);
     const disc = contacts?.radius ? (i) => view.scale * (contacts.radius[i] ?? 0) : () => 0;
     this.used.draw((i) => {
@@ -53,7 +74,7 @@ export class SiteMap extends Picture {
       return { fill, classes: names.join(" "), contact: height === null ? 0 : disc(i) };
     });
     const { name, scale, present } = colours;
-    const drawn = scale && [name, scale.low, scale.high, dark, spread, view.bar.top, view.bar.bottom, view.box.right, ...present].join();
+    const drawn = scale && [name, scale.low, scale.high, dark, view.bar.top, view.bar.bottom, view.box.right, ...present].join();
     if (drawn !== this.drawnBar) drawBar(this.bar, view, colours);
     this.drawnBar = drawn;
   }
