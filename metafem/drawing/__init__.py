@@ -138,17 +138,14 @@ def name_law(ax: Axes, *, forces: bool) -> None:
     ax.set_ylim(bottom=0.0)
 
 
-def summits(
-    ax: Axes, position: FloatArray, height: FloatArray, radius: FloatArray, scale: str = "right"
-) -> None:
+def summits(ax: Axes, position: FloatArray, height: FloatArray, radius: FloatArray) -> None:
     """Draw summits at their positions (n, 2) [mm] as circles, coloured by height [mm].
 
-    `scale` is the side of the colour scale, "right" or "bottom".
     If the radii [mm] differ, the diameters are proportional to them, and a legend explains them.
     """
     diameter = LARGEST_DOT * spacing(position) * (radius / radius.max())
     dots = circles(ax, position, diameter, height * MICROMETRES)
-    ax.figure.colorbar(dots, ax=ax, location=scale, label="summit height [µm]", shrink=0.85)
+    ax.figure.colorbar(dots, ax=ax, label="summit height [µm]", shrink=0.85)
     if np.ptp(radius) > 0.0:
         shown = np.unique(radius)
         shown = shown if len(shown) <= MOST_DOTS else np.linspace(shown[0], shown[-1], MOST_DOTS)

@@ -28,7 +28,7 @@ DATE = (1980, 1, 1, 0, 0, 0)
 SCRIPT = 'import metafem as mf\n\nspec = mf.read_spec("spec.toml")\nprint(spec.design())\n'
 
 # Files that need only the design. All other files describe the part, or are written together with it.
-OF_THE_DESIGN = ("heights.csv", "law.csv", "law.svg", "figure.zip")
+OF_THE_DESIGN = ("heights.csv", "law.csv", "law.svg")
 
 # Messages above the files.
 NO_DESIGN = (

@@ -14,11 +14,10 @@ from metafem.explorer.answer import Answer
 from metafem.explorer.control import Control, Panel
 from metafem.explorer.session import State
 from metafem.explorer.take import files
-from metafem.explorer.take.figure import FORMATS, HEIGHT, WIDTH, figure_files
 from metafem.inversion import Design
 
-# Names of the archives and of the picture.
-ARCHIVE, FIGURE, PICTURE = "surface.zip", "figure.zip", "law.svg"
+# Names of the archive and of the picture.
+ARCHIVE, PICTURE = "surface.zip", "law.svg"
 
 # The files that the page offers and their meanings. Tables, pictures and the specification are written at
 # once; all other files take some seconds.
@@ -33,10 +32,9 @@ MEANINGS = {
     "surface.vtu": "Surface for ParaView",
     PICTURE: "Picture of the law, with its difference from the target",
     files.SPECIFICATION: "Specification, with the tables that it names",
-    FIGURE: "Law and map of heights, with a caption and their data",
     ARCHIVE: "Everything: the result folder of metafem design",
 }
-QUICK = ("mould.csv", "heights.csv", "law.csv", PICTURE, FIGURE)
+QUICK = ("mould.csv", "heights.csv", "law.csv", PICTURE)
 
 # Message beside the link, and message after the link is copied.
 LINK = "The address of this page, for this machine; colleagues need spec.toml"
@@ -82,12 +80,6 @@ class Taking(Panel):
             self._buttons("report.html")
         with _card("Data"):
             self._buttons("heights.csv", "law.csv", PICTURE, "surface.vtu")
-        with _card("A figure for a paper"):
-            with ui.element("div").classes("size"):
-                self.width = ui.input("Width [mm]", value=WIDTH).props("dense")
-                self.height = ui.input("Height [mm]", value=HEIGHT).props("dense")
-                self.format = ui.select(list(FORMATS), value=FORMATS[0], label="Format").props("dense")
-            self._buttons(FIGURE)
         with _card("The same from the command line"):
             self.command = self._lines("command", files.command_of(self.answer.state))
             self._lines("script", files.SCRIPT)
@@ -159,9 +151,6 @@ class Taking(Panel):
 
     def _quick(self, name: str, answer: Answer, design: Design) -> bytes:
         """Return the content of one of the files in `QUICK`."""
-        if name == FIGURE:
-            size = self.width.value, self.height.value
-            return files.archive(figure_files(answer, self.format.value, *size))
         if name == PICTURE:
             return files.law_picture(design)
         if name == "mould.csv" and answer.no_part:

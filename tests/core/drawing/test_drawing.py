@@ -1,4 +1,4 @@
-"""What figures show, and where: data on axes, pictures in pages, cards of notebooks and files of papers."""
+"""What figures show, and where: data on axes, pictures in pages, and cards of notebooks."""
 
 import re
 from urllib.parse import unquote
@@ -9,7 +9,7 @@ import pytest
 
 import metafem as mf
 from metafem import drawing
-from metafem.drawing import calibration, card, contacts, diagnosis, paper, topography
+from metafem.drawing import calibration, card, contacts, diagnosis, topography
 from metafem.drawing.inline import drawn, themed
 
 X = np.array([1.0, 2.0, 4.0])
@@ -194,23 +194,6 @@ def test_errors_of_a_part_are_drawn_in_their_units(ax):
     diagnosis.heights(fourth, X, 0.5 * X, 2.0)
     np.testing.assert_allclose(bars(fourth.containers[0])[0], np.column_stack([0.5 * X, 1.5 * X]))
     assert (fourth.patches[0].get_y(), fourth.patches[0].get_height()) == (-2.0, 4.0)
-
-
-def test_figures_of_papers_have_their_size_scales_and_one_legend():
-    for width, height, side in ((90.0, 120.0, "right"), (180.0, 60.0, "right"), (120.0, 110.0, "bottom")):
-        figure, first, _, found = paper.two_parts(width, height)
-        np.testing.assert_allclose(25.4 * figure.get_size_inches(), (width, height))
-        assert found == side
-    first.plot(X, X, label="law")
-    first.legend()
-    paper.scaled_axes(first, (2.0, "x [m]"), (3.0, "y [m]"))
-    first.set(xlim=(0.0, 4.0), ylim=(0.0, 4.0))
-    assert paper.saved(figure, "A law", "svg").startswith(b"<svg")
-    across, up = first.child_axes
-    assert (across.get_xlim(), up.get_ylim(), first.get_legend()) == ((0.0, 8.0), (0.0, 12.0), None)
-    assert (across.get_xlabel(), up.get_ylabel(), len(figure.legends)) == ("x [m]", "y [m]", 1)
-    figure.legends[0].remove()
-    assert paper.saved(figure, "A law", "pdf").startswith(b"%PDF")
 
 
 def test_pictures_of_pages_are_equal_small_and_in_the_colours_of_the_page(ax):

@@ -36,7 +36,7 @@ LONG = [
     "surface.panel.layout_data", "surface.panel.contact_data", "surface.panel.press_data",
     "surface.panel.edited", "workshop.header.header_data", "workshop.header.with_field",
     "workshop.panel.contents", "workshop.panel.with_kind", "take.files.specification_file",
-    "take.files.tables_of", "take.panel.figure_files",
+    "take.files.tables_of",
 ]  # fmt: skip
 
 
@@ -317,7 +317,7 @@ def test_files_are_taken_or_it_is_said_why_not(monkeypatch):
         before = files.label.text
         await page.alter()
         await shown(page)
-        for name in ("spec.toml", "law.csv", "mould.csv", "law.svg", "figure.zip"):
+        for name in ("spec.toml", "law.csv", "mould.csv", "law.svg"):
             await files.take(name)
         offered = files.offered["mould.csv"][0].enabled
         page.warn({"take": ["no part can be made: it is low"]})
@@ -325,9 +325,9 @@ def test_files_are_taken_or_it_is_said_why_not(monkeypatch):
 
     before, after, offered, hindered, command = on_page(scene, Taking)
     assert "metafem design" in command
-    assert ("not downloaded" in before, after) == (True, "figure.zip was downloaded.")
+    assert ("not downloaded" in before, after) == (True, "law.svg was downloaded.")
     assert (offered, hindered) == (True, False)
-    assert list(taken) == ["spec.toml", "law.csv", "mould.csv", "law.svg", "figure.zip"]
+    assert list(taken) == ["spec.toml", "law.csv", "mould.csv", "law.svg"]
     assert taken["spec.toml"] == TEXT.encode()
     assert taken["mould.csv"].count(b"\n") > 60
 

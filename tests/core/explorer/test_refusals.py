@@ -20,7 +20,6 @@ from metafem.explorer.law.nearest import reachable, with_nearest
 from metafem.explorer.session import Session, State
 from metafem.explorer.start import explore, first_state
 from metafem.explorer.surface.sites_text import edited, typed_height
-from metafem.explorer.take.figure import figure_files
 from metafem.explorer.text.document import Document
 from metafem.explorer.text.fields import with_field
 from metafem.explorer.text.handles import added, moved, removed, scene_of
@@ -160,10 +159,6 @@ FILES = [
     (sites("pin", [64]), "sites", "select"),
     (sites("pin", [True]), "sites", "select"),
     (lambda: typed_height("-3"), "height", "-3"),
-    (lambda: figure_files(demo(), "svg", "wide", "75"), "width", "wide"),
-    (lambda: figure_files(demo(), "svg", "85", "400.1"), "height", "400.1"),
-    (lambda: figure_files(demo(), "svg", "39.9", "75"), "width", "39.9"),
-    (lambda: figure_files(demo(), "svg", "70", "60"), "width", "70"),
     (lambda: hindered("block", block=None), "Block", "needs"),
     (lambda: hindered("draws", height=[0.1] * 58), "summits", "height"),
     (lambda: loaded(State(TEXT), [SPECIFIED, Given("b.toml", SAMPLED)]), "specifications", "several"),
