@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property, lru_cache
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from metafem._validate import FloatArray
@@ -195,17 +195,6 @@ def _refused(answer: Answer, error: Infeasible) -> Answer:
     target = answer.nearest_target
     nearest = None if target is None else _law_of(given, target, draft)
     return replace(answer, refusal=refusal, nearest=nearest)
-
-
-# The pages of one server rarely compare with more than this number of pinned designs.
-@lru_cache(maxsize=8)
-def pinned_answer(pinned: str) -> Answer | None:
-    """Return the answer to a pinned state; None without one that has a design."""
-    try:
-        answer = answered(State.from_json(pinned), 0)
-    except InvalidInput:
-        return None
-    return answer if answer.current else None
 
 
 def specification_of(state: State) -> Specification:

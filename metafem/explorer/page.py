@@ -9,10 +9,8 @@ from pathlib import Path
 from nicegui import ui
 from nicegui.element import Element
 
-from metafem.explorer.answer import Answer
 from metafem.explorer.certainty.panel import Certainty, PlaceWarnings
 from metafem.explorer.control import Control, Panel
-from metafem.explorer.law.comparison import COMPARED, Comparison
 from metafem.explorer.law.panel import LawPanel
 from metafem.explorer.session import State
 from metafem.explorer.surface.panel import SurfacePanel
@@ -60,14 +58,12 @@ class Inspector(Panel):
             "Specification": partial(Specification, page),
             "How sure": Certainty(page).create,
             "Take it": partial(Taking, page),
-            COMPARED: partial(Comparison, page),
         }
         self.made: dict[str, Panel] = {}
         look = 'dense no-caps align=left outside-arrows mobile-arrows aria-label="Inspector"'
         with ui.tabs().props(look) as self.tabs:
-            names = {name: ui.tab(name) for name in self.late}
-        self.compared = names[COMPARED]
-        self.compared.set_visibility(False)
+            for name in self.late:
+                ui.tab(name)
         with ui.tab_panels(self.tabs, value="Workshop", animated=False).props("keep-alive").classes("panels"):
             self.places = {name: ui.tab_panel(name) for name in self.late}
         self.turned("Workshop")
@@ -82,7 +78,3 @@ class Inspector(Panel):
             panel.open = each == name
         # before the first request nothing is known, and its answer follows
         return self.page.renew(self.made[name]) if self.page.number else None
-
-    def show(self, answer: Answer, _: object) -> None:
-        """Show the tab that compares two designs while one is pinned."""
-        self.compared.set_visibility(answer.state.pinned != "")

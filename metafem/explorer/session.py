@@ -32,8 +32,6 @@ class State:
         Names of further models whose laws are plotted with the law of the design.
     load : float or None
         Rescaled load at which the contacts are shown [mm^2]; None for the largest load of the law.
-    pinned : str
-        The state that is pinned as A for comparison, as JSON; "" without one.
     """
 
     text: str
@@ -43,7 +41,6 @@ class State:
     newtons: bool = True
     models: tuple[str, ...] = ()
     load: float | None = None
-    pinned: str = ""
 
     def designs_the_same(self, other: State) -> bool:
         """Return whether another state has the same specification and tables, and so the same design."""
@@ -51,7 +48,7 @@ class State:
 
     def as_shown_in(self, other: State) -> State:
         """Return the state with the display settings of another state, which make no step of the history."""
-        settings = {name: getattr(other, name) for name in ("newtons", "models", "load", "pinned")}
+        settings = {name: getattr(other, name) for name in ("newtons", "models", "load")}
         return replace(self, **settings)
 
     def to_json(self) -> str:
@@ -74,7 +71,7 @@ class State:
 
     def valid(self) -> bool:
         """Return whether every member has its type and the load is positive and finite."""
-        texts: list[Any] = [self.text, self.measured, self.measured_name, self.pinned, *self.models]
+        texts: list[Any] = [self.text, self.measured, self.measured_name, *self.models]
         tables = isinstance(self.tables, dict)
         texts += [*self.tables, *self.tables.values()] if tables else []
         number = self.load is None or (isinstance(self.load, float) and 0.0 < self.load < float("inf"))
@@ -114,15 +111,9 @@ class Session:
         return Session(states, len(states) - 1, first)
 
     def moved(self, steps: int) -> Session:
-        """Return the history at the state so many steps later; the same history without such a state.
-
-        The pinned state stays, so that a design can be compared with an earlier one.
-        """
+        """Return the history at the state so many steps later; the same history without such a state."""
         at = self.at + steps
-        if not 0 <= at < len(self.states):
-            return self
-        state = replace(self.states[at], pinned=self.state.pinned)
-        return replace(self, at=at, states=(*self.states[:at], state, *self.states[at + 1 :]))
+        return replace(self, at=at) if 0 <= at < len(self.states) else self
 
     @classmethod
     def restored(cls, record: Any) -> Session | None:

@@ -51,17 +51,11 @@ def test_a_part_of_ones_own_becomes_a_mould_table(visit, press, tmp_path):
 
 def test_a_law_is_pinned_beside_the_next_one(visit, press):
     page = visit.page
-    press("Pin as A")
-    page.get_by_role("button", name="Unpin").wait_for()
+    press("Pin")
+    pinned = page.locator("path.pinned")
+    pinned.wait_for(state="attached")
+    before = pinned.get_attribute("d")
     visit.drag("point-0", -15, 4)
-    page.reload()
-    page.get_by_role("button", name="Unpin").wait_for()
-    press("A and B", "tab")
-    load = page.get_by_role("row", name="Largest load").get_by_role("cell")
-    load.first.wait_for()
-    assert load.count() == 2
-    page.get_by_label("Colour of the sites").select_option("difference from A")
-    page.get_by_text("height, B − A [µm]").wait_for()
+    assert pinned.get_attribute("d") == before != page.locator("path.achieved").get_attribute("d")
     press("Unpin")
-    page.get_by_text("Nothing is pinned").wait_for()
-    page.get_by_text("height [µm]").wait_for()
+    pinned.wait_for(state="detached")

@@ -1,4 +1,4 @@
-"""Curves beside the law: the tolerance band, the laws under further models and the law that is pinned."""
+"""Curves beside the law: the tolerance band and the laws under further models."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 from metafem._validate import FloatArray
 from metafem._values import percent
 from metafem.errors import MetafemError
-from metafem.explorer.answer import Answer, pinned_answer
+from metafem.explorer.answer import Answer
 from metafem.explorer.certainty.background import Tasks
 from metafem.explorer.certainty.band import EVERY, band_words, tolerance_band
 from metafem.explorer.law.law_data import band_data
@@ -130,7 +130,7 @@ class Block:
 
 @dataclass(frozen=True, eq=False)
 class More:
-    """What is shown beside the law of an answer: further laws, and data of the band and the pinned law."""
+    """What is shown beside the law of an answer: further laws, and data of the band."""
 
     answer: Answer
     laws: tuple[Other, ...]
@@ -159,13 +159,9 @@ class Further:
         known = {law.name: law for law in shown}
         names = [name for name in QUICK if name in answer.state.models and name != own_name(design)]
         laws = tuple(known.get(name) or other_law(design, name) for name in names)
-        band, pinned = tolerance_band(answer), pinned_answer(answer.state.pinned)
-        units = Units.of_design(answer, answer.state.newtons)
-        data = {
-            "tolerance": None if band is None else band_data(band, units, name=band_words(answer)),
-            "pinned": None if pinned is None else _curve(pinned, units),
-        }
-        return More(answer, laws, data)
+        band, units = tolerance_band(answer), Units.of_design(answer, answer.state.newtons)
+        data = None if band is None else band_data(band, units, name=band_words(answer))
+        return More(answer, laws, {"tolerance": data})
 
     def _show(self, more: More) -> None:
         self.last = more
@@ -173,8 +169,7 @@ class Further:
 
     def _failed(self, answer: Answer, error: Exception) -> None:
         """Show the error, and no further curves of the answer."""
-        nothing = {"tolerance": None, "pinned": None}
-        self._show(More(answer, (Other("", error=in_words(error)),), nothing))
+        self._show(More(answer, (Other("", error=in_words(error)),), {"tolerance": None}))
 
     def _renew(self) -> None:
         """Draw the curves that are known."""
@@ -194,11 +189,3 @@ class Further:
                 "block": block.data(more.answer.design),
             }
         )
-
-
-def _curve(pinned: Answer, units: Units) -> dict[str, Any] | None:
-    """Return the law of a pinned answer in the units of the axes; None if it has no forces for newtons."""
-    own = Units.of_design(pinned, units.newtons)
-    if pinned.design is None or own.newtons != units.newtons:
-        return None
-    return own.curve(pinned.design.law.rescaled_load, pinned.design.law.rescaled_friction)

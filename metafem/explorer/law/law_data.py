@@ -56,6 +56,14 @@ def law_data(answer: Answer) -> dict[str, Any]:
     }
 
 
+def pinned_data(pinned: Answer | None, units: Units) -> dict[str, Any] | None:
+    """Return the law of a pinned answer in the units of the axes; None if it has no forces for newtons."""
+    if pinned is None or pinned.design is None:
+        return None
+    own, law = Units.of_design(pinned, units.newtons), pinned.design.law
+    return own.curve(law.rescaled_load, law.rescaled_friction) if own.newtons == units.newtons else None
+
+
 def band_data(band: Band, units: Units, **more: Any) -> dict[str, Any]:
     """Return loads, lowest and highest friction of a band of laws, in the units of the axes."""
     load, low, high = band

@@ -7,7 +7,7 @@ import { Plot } from "metafem-law/plot.js";
 const [HINT, WELCOME] = ["metafem-hint", "Drag the points of the target law: the heights follow. “Take it” has the mould table, and “Menu” the help."];
 // Buttons in the legend: their words, and the event that they emit.
 const ACTS = {
-  achieved: [["Pin as A", "pin", { on: true }]],
+  achieved: [["Pin", "pin", { on: true }]],
   pinned: [["Unpin", "pin", { on: false }]],
   measured: [["Use as target", "measured", { action: "use" }], ["Remove", "measured", { action: "remove" }]],
 };

@@ -15,7 +15,7 @@ from metafem.explorer.certainty.band import Band
 from metafem.explorer.control import Control, Panel
 from metafem.explorer.law.dropped import as_target, measured_of, read_points
 from metafem.explorer.law.further import Further, tools_data
-from metafem.explorer.law.law_data import band_data, law_data
+from metafem.explorer.law.law_data import band_data, law_data, pinned_data
 from metafem.explorer.law.nearest import reachable, with_nearest, with_point
 from metafem.explorer.law.reach import reach_of
 from metafem.explorer.law.shown import Units
@@ -49,6 +49,7 @@ class LawPanel(Panel):
         self.request = 0
         self.base: Scene | None = None  # the target of the current state, where every step of a drag starts
         self.refused: Answer | None = None
+        self.pinned: Answer | None = None
         self.stuck = False  # whether the state from which a drag starts is refused
 
     def prepare(self, answer: Answer) -> dict[str, Any]:
@@ -56,7 +57,7 @@ class LawPanel(Panel):
         specification = answer.specification
         data = law_data(answer)
         units = Units.of(answer.template, answer.state.newtons)
-        data["tools"] = tools_data(answer)
+        data["tools"], data["pinned"] = tools_data(answer), pinned_data(self.pinned, units)
         try:
             points = measured_of(answer)
         except InvalidInput as error:
@@ -153,9 +154,9 @@ class LawPanel(Panel):
         await self.page.step(chosen)
 
     async def on_pin(self, event: Event) -> None:
-        """Pin the design that is shown as A, or remove the pinned one."""
-        state = self.page.answer.state
-        await self.page.alter(pinned=State(state.text, state.tables).to_json() if event["on"] else "")
+        """Keep the law that is shown on the plot, or remove the one that is kept."""
+        self.pinned = self.page.answer if event["on"] else None
+        await self.page.renew(self)
 
     async def on_block(self, event: Event) -> None:
         """Start the computation of the law under the block model, or stop it and hide its law."""

@@ -6,13 +6,13 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
-from metafem.explorer.answer import Answer, pinned_answer
+from metafem.explorer.answer import Answer
 from metafem.explorer.control import Control, Panel
 from metafem.explorer.queue import Queue
 from metafem.explorer.session import State
 from metafem.explorer.surface.contact_data import contact_data, press_data
 from metafem.explorer.surface.sites_text import edited
-from metafem.explorer.surface.surface_data import difference, layout_data, message_data, site_data
+from metafem.explorer.surface.surface_data import layout_data, message_data, site_data
 from metafem.explorer.widget import Widget
 from metafem.inversion import Design
 
@@ -47,8 +47,7 @@ class SurfacePanel(Panel):
         layout = {} if design is None else layout_data(design)
         if layout and layout != self.layout:
             data["layout"] = layout
-        pinned = pinned_answer(answer.state.pinned)
-        return data | {"difference": difference(design, None if pinned is None else pinned.design)}
+        return data
 
     def show(self, answer: Answer, data: dict[str, Any]) -> None:
         """Show the surface of an answer."""

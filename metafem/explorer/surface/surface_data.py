@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from metafem._validate import IntArray
 from metafem._values import MICROMETRES
 from metafem.explorer.answer import Answer
 from metafem.explorer.surface.cap_data import cap_data, kind_of_cap, mould_data
@@ -98,29 +97,12 @@ def message(answer: Answer) -> str:
     return ""
 
 
-def at_sites(
-    design: Design, values: ArrayLike, decimals: int, sites: IntArray | None = None
-) -> list[float | None]:
-    """Return values by site of the template, None elsewhere; default: at the sites of the asperities."""
+def at_sites(design: Design, values: ArrayLike, decimals: int) -> list[float | None]:
+    """Return values at the asperities by site of the template, None at empty sites."""
     listed: list[float | None] = [None] * design.template.count
-    at = (design.sites if sites is None else sites).tolist()
-    for site, value in zip(at, _rounded(values, decimals), strict=True):
+    for site, value in zip(design.sites.tolist(), _rounded(values, decimals), strict=True):
         listed[site] = value
     return listed
-
-
-def difference(design: Design | None, pinned: Design | None) -> list[float | None] | None:
-    """Return by how much the heights differ from those of a pinned design [um], None at empty sites.
-
-    None without a pinned design that has the same sites.
-    """
-    if design is None or pinned is None:
-        return None
-    if not np.array_equal(design.template.position, pinned.template.position):
-        return None
-    there, row, own = np.intersect1d(pinned.sites, design.sites, assume_unique=True, return_indices=True)
-    heights = MICROMETRES * (design.surface.height[own] - pinned.surface.height[row])
-    return at_sites(design, heights, HEIGHT_DECIMALS, there)
 
 
 def _rounded(values: ArrayLike, decimals: int) -> list[float]:

@@ -24,7 +24,7 @@ export default {
           <q-tab v-for="[name, label] in views" :name="name" :label="label"></q-tab>
         </q-tabs>
         <label class="small">Colour <select class="text" v-model="what" @change="recolour" aria-label="Colour of the sites">
-          <option value="height">height</option><option v-if="radii" value="radius">radius</option><option value="pressure">contact pressure</option><option value="sensitivity">sensitivity</option><option v-if="compared" value="difference">difference from A</option>
+          <option value="height">height</option><option v-if="radii" value="radius">radius</option><option value="pressure">contact pressure</option><option value="sensitivity">sensitivity</option>
         </select></label>
       </div>
       <div class="small line" role="status"><p v-if="message" class="wrong">{{ message }}</p><p v-if="(line || note) && !(message && old)">{{ line }} {{ note }}</p></div>
@@ -76,7 +76,6 @@ export default {
     // What is said of the sites that are not at the pointer, where the tip says it.
     spoken() { return this.at ? "" : this.lines.join(", "); },
     unmade() { return this.surface?.mould?.problem ?? " "; },
-    compared() { return Boolean(this.surface?.difference); },
     radii() { return Array.isArray(this.surface?.radius); },
     told() { return this.contacts ? told(this.contacts, this.surface.modulus) : ""; },
   },
@@ -123,8 +122,8 @@ export default {
         this.chosen = new Chosen();
         tell("entries", null);
         if (this.playing) tell("load", { load: Math.min(this.contacts.load, data.loads[1]), moving: false });
-      } else if (this.surface) this.surface = Object.freeze({ ...this.surface, difference: data.difference });
-      if ({ radius: !this.radii, difference: !this.compared }[this.what]) {
+      }
+      if (this.what === "radius" && !this.radii) {
         this.what = "height";
         this.recolour();
       }

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.explorer.answer import _advised, answered, pinned_answer
+from metafem.explorer.answer import _advised, answered
 from metafem.explorer.largest import largest_line
 from metafem.explorer.law.law_data import law_data
 from metafem.explorer.law.nearest import offer, reachable, with_nearest
@@ -47,8 +47,6 @@ def test_an_answer_is_the_design_of_the_command_once_for_each_text():
     assert (again.number, again.state.load) == (4, 0.2)
     assert answered(State(TEXT + "\n"), 5, answer).design is not answer.design
     assert answered(State(SAMPLED, {"wanted.csv": WANTED}), 6).current
-    assert pinned_answer(State(TEXT).to_json()).design == answer.design
-    assert pinned_answer("") is pinned_answer(State("[target]").to_json()) is None
     header = header_data(answer)
     assert (header["status"], header["kind"], header["model"]) == (
         "meets the target exactly", "good", "independent",

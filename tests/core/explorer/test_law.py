@@ -1,4 +1,4 @@
-"""The data of the plot of the law: curves, bands, further laws, measured points, and the comparison."""
+"""The data of the plot of the law: curves, bands, further laws, pinned and measured points."""
 
 import asyncio
 from dataclasses import replace
@@ -7,16 +7,14 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.explorer.answer import answered, pinned_answer
+from metafem.explorer.answer import answered
 from metafem.explorer.certainty.background import Tasks
-from metafem.explorer.law.comparison import comparison
 from metafem.explorer.law.dropped import as_target, better_titles, measured_of, read_points
 from metafem.explorer.law.further import NO_BLOCK, NO_FORCES, Block, Further, other_law, own_name, tools_data
-from metafem.explorer.law.law_data import band_data, law_data
+from metafem.explorer.law.law_data import band_data, law_data, pinned_data
 from metafem.explorer.law.reach import reach_of
 from metafem.explorer.law.shown import Units, numbers
 from metafem.explorer.session import State
-from metafem.explorer.surface.surface_data import difference
 from metafem.explorer.text.document import Document
 from metafem.files import demo_text
 
@@ -162,12 +160,11 @@ class Answering:
 
 def test_the_plot_gets_the_newest_band_and_laws(answer):
     drawn = []
-    pinned = replace(answer, state=replace(answer.state, pinned=State(TEXT).to_json()))
     tasks = Answering(other_law(answer.design, "independent"))
 
     async def run():
         further = Further(tasks, drawn.append)
-        further.put(pinned)
+        further.put(answer)
         while further.newest.running:
             await asyncio.wait([further.newest.task])
         await further.block.start(answer.design)
@@ -185,7 +182,8 @@ def test_the_plot_gets_the_newest_band_and_laws(answer):
     middle = (np.array(tolerance["low"]) + tolerance["high"]) / 2
     np.testing.assert_allclose(middle, np.interp(tolerance["x"], law.rescaled_load, law.area), rtol=1e-4)
     assert "SD" in tolerance["name"]
-    np.testing.assert_allclose(first["pinned"]["y"], law.area, rtol=1e-4)
+    np.testing.assert_allclose(pinned_data(answer, Units())["y"], law.area, rtol=1e-4)
+    assert pinned_data(None, Units()) is None
     again = answered(State(TEXT), 6).design
     assert further.block.of(again) is further.block.law  # after undo
     assert further.block.of(answered(State(TEXT.replace("0.84", "0.85")), 7).design) is None
@@ -232,34 +230,3 @@ def test_measured_points_are_rescaled_compared_and_become_a_target(answer):
     assert better_titles(["P [mN]", "contact area (mm²)", "load_N", "temperature", ""]) == {
         "P [mN]": "load_mN", "contact area (mm²)": "area_mm²",
     }  # fmt: skip
-
-
-def test_a_pinned_design_is_compared_with_the_one_that_is_shown(answer):
-    def compared(**values):
-        text = Document(TEXT).with_values({key.replace("__", "."): value for key, value in values.items()})
-        return answered(State(text, pinned=State(TEXT).to_json()), 1)
-
-    same = compared()
-    rows = {name: (before, now) for name, before, now in comparison(same)}
-    assert all(before == now for before, now in rows.values())
-    assert rows["Largest load"][1] == "0.971 N"
-    found = difference(same.design, pinned_answer(same.state.pinned).design)
-    assert {each for each in found if each is not None} == {0.0}
-    assert found.count(None) == 64 - same.design.surface.count
-    other = compared(limits__height_sd="1.8 um", limits__offset="10 um")
-    rows = {
-        name: [float(each.split()[0]) for each in pair]
-        for name, *pair in comparison(other)
-        if "%" in pair[0] or "mm³" in pair[0]
-    }
-    before, now = rows["Scatter of the law of made surfaces"]
-    assert now == pytest.approx(2.0 * before, abs=0.02)  # by linear response, with two digits
-    surface = other.design.surface
-    volume = (np.pi * surface.height**2 * (surface.radius - surface.height / 3)).sum()
-    assert rows["Volume of the caps"][1] == pytest.approx(volume, rel=5e-3)
-    assert rows["Volume of the caps"][0] < 0.99 * volume
-    found = difference(other.design, pinned_answer(other.state.pinned).design)
-    assert np.unique([each for each in found if each is not None]) == pytest.approx(10.0)
-    moved = compared(lattice__pitch="1.6 mm")
-    assert difference(moved.design, answer.design) is difference(moved.design, None) is None
-    assert comparison(answer) == []

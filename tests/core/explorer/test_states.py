@@ -16,7 +16,7 @@ from metafem.explorer.workshop.loading import Given, loaded, table_names
 from metafem.files import demo_text, read_spec, save
 from tests.explorer.scenes import SAMPLED, WANTED
 
-FIRST = State("a = 1", {"wanted.csv": "load_N\n1\n"}, "1,2\n", "m.csv", False, ("layer",), 0.2, "{}")
+FIRST = State("a = 1", {"wanted.csv": "load_N\n1\n"}, "1,2\n", "m.csv", False, ("layer",), 0.2)
 
 
 def named(text):
@@ -48,16 +48,11 @@ def test_the_history_is_that_of_an_editor():
     assert State.from_json(found["state"]) == from_link(found["link"]) == session.state
 
 
-def test_display_settings_are_no_step_and_the_pinned_state_stays():
+def test_display_settings_are_no_step():
     session = Session((FIRST,)).after(named("b")).moved(-1)
     shown = replace(FIRST, newtons=True, load=0.3, models=())
     assert session.after(shown) == Session((shown, named("b")))
     assert len(session.after(replace(shown, measured="0.1,0.2")).states) == 2
-    pinned = replace(named("b"), pinned=FIRST.to_json())
-    session = Session((FIRST,)).after(named("b")).after(pinned)
-    assert session.states == (FIRST, pinned)
-    assert session.moved(-1).state == replace(FIRST, pinned=pinned.pinned)
-    assert session.moved(-1).moved(1).state == pinned
 
 
 def test_a_state_comes_back_from_its_link_and_damaged_ones_are_refused(monkeypatch):

@@ -17,7 +17,7 @@ export function entries(data) {
     data.crowd && "Change them in the specification or its table, or choose another kind of target law.");
   if (data.refusal) add(data.achieved, "achieved old", "last law found", "last law");
   else add(data.achieved, "achieved", `achieved law (${data.model})`, "achieved");
-  add(data.pinned, "pinned", "A", "A");
+  add(data.pinned, "pinned", "pinned law", "pinned");
   add(data.measured && { ...data.measured, loose: true }, "measured", data.measured?.name, "measured");
   add(data.nearest, "nearest named", "nearest law that can be designed", "nearest law");
   add(data.band, "band named", data.reach, "possible", "What the surfaces within the limits can have at one load. A law inside is refused where no single surface meets all of its loads.");

@@ -28,7 +28,7 @@ export class Plot {
   view = new View();
   data = null;
   band = null;
-  beside = { tolerance: null, others: [], pinned: null };
+  beside = { tolerance: null, others: [] };
   requests = new Requests((request) => this.emit("drag", { ...request, part: this.view.part }));
   closed = new AbortController();
 

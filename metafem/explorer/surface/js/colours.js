@@ -5,7 +5,6 @@ const NAMES = {
   height: ["height", "µm"],
   radius: ["radius of curvature", "µm"],
   pressure: ["mean contact pressure", "MPa"],
-  difference: ["height, B − A", "µm"],
   sensitivity: ["change of friction per height", "%/µm"],
 };
 
@@ -13,7 +12,7 @@ const NAMES = {
 export function colouring(surface, contacts, { what, dark }) {
   const [name, unit] = NAMES[what];
   const filled = (i) => surface.height[i] !== null;
-  const own = { height: surface.height, radius: surface.height.map((_, i) => (filled(i) ? 1e3 * radiusOf(surface, i) : null)), difference: surface.difference };
+  const own = { height: surface.height, radius: surface.height.map((_, i) => (filled(i) ? 1e3 * radiusOf(surface, i) : null)) };
   const values = own[what] ?? contacts?.[what];
   if (!values) return { name, unit, values: [], scale: null, shown: () => false };
   const shown = own[what] ? (i) => values[i] !== null : (i) => values[i] !== null && contacts.radius[i] > 0;

@@ -33,8 +33,6 @@ export function words(i, surface, contacts, press) {
   lines.push(`height ${height.toFixed(1)} µm${kept === undefined ? "" : ", kept"}`);
   if (typeof surface.radius !== "number") lines.push(`radius of curvature ${digits(1e3 * surface.radius[i], 4)} µm`);
   if (surface.empty.has(i)) lines.push("to be left empty");
-  const change = surface.difference?.[i];
-  if (change !== undefined && change !== null) lines.push(`B − A: ${change > 0 ? "+" : ""}${digits(change)} µm`);
   const radius = contacts?.radius?.[i];
   if (radius > 0) {
     lines.push(`contact radius ${digits(1e3 * radius)} µm`);
