@@ -36,7 +36,7 @@ def main(folder: Path, part: Path | None) -> None:
 
 
 def write(folder: Path, tests: list[Series]) -> None:
-    """Write tests as TIFF files with their pixel size, and a table of the forces."""
+    """Write tests as TIFF files, with pixels of 10 um, and a table of the forces."""
     import tifffile
 
     folder.mkdir(parents=True, exist_ok=True)
@@ -45,14 +45,7 @@ def write(folder: Path, tests: list[Series]) -> None:
         for k, (load, force) in enumerate(zip(test.load, test.friction_force, strict=True), 1):
             names = [f"test{number}_{k}{state}.tif" for state in ("", "_sheared")]
             for name, sheared in zip(names, (False, True), strict=True):
-                per_centimetre = 10.0 / test.pixel
-                tifffile.imwrite(
-                    folder / name,
-                    test.image(k - 1, sheared),
-                    resolution=(per_centimetre, per_centimetre),
-                    resolutionunit="CENTIMETER",
-                    compression="zlib",
-                )
+                tifffile.imwrite(folder / name, test.image(k - 1, sheared), compression="zlib")
             rows.append(f"{names[0]},{names[1]},test {number},{1e3 * load:.2f},{1e3 * force:.2f}")
     (folder / "forces.csv").write_text("\n".join(rows) + "\n")
 

@@ -10,12 +10,11 @@ from .measurement.contacts import contacts_table as contacts_table
 from .measurement.contacts import read_contacts as read_contacts
 from .measurement.figures import refuse_figure as refuse_figure
 from .measurement.figures import write_figure as write_figure
-from .measurement.images.find import Images as Images
-from .measurement.images.find import find_images as find_images
-from .measurement.images.forces import Shot as Shot
-from .measurement.images.forces import shots as shots
-from .measurement.images.pages import ImageFile as ImageFile
-from .measurement.images.pixel_size import pixel_size as pixel_size
+from .measurement.forces import Shot as Shot
+from .measurement.forces import shots as shots
+from .measurement.images import ImageFile as ImageFile
+from .measurement.images import Images as Images
+from .measurement.images import find_images as find_images
 from .measurement.laws import read_measured_law as read_measured_law
 from .measurement.maps import read_height_map as read_height_map
 from .measurement.sites import read_sites as read_sites

@@ -31,7 +31,8 @@ PRINTED = 20
 @click.option(
     "--pixel",
     metavar="LENGTH",
-    help='Side of a pixel in the plane of the contacts, such as "5.3 um". Default: what the files state.',
+    required=True,
+    help='Side of a pixel in the plane of the contacts, such as "5.3 um".',
 )
 @click.option(
     "--forces",
@@ -133,15 +134,13 @@ def images(
 def _measured(source: tuple[Path, ...], options: dict[str, Any]) -> Series:
     """Return the measured images with tracked contacts."""
     given = quantities({"pixel": ("mm", "5.3 um", ""), "rotation": ("rad", "90 deg", "")}, options)
-    pixel, name = given["pixel"], options["picture_of"]
-    pixel = None if pixel is None else check.number("--pixel", pixel, above=0.0)
+    pixel, name = check.number("--pixel", given["pixel"], above=0.0), options["picture_of"]
     with doing("opening the images"):
         files = mf.files.find_images(source)
         known = [None, *(file.name for file in files if not file.broken)]
         refuse_if(name not in known, f"--picture-of = {name} is not among the images that can be read")
-        series, of_forces = mf.files.shots(files, options["forces"])
-        pixel, notes = mf.files.pixel_size(files, pixel)
-    return measured_series(series, pixel, [*of_forces, *notes], given["rotation"] or 0.0, options)
+        series, notes = mf.files.shots(files, options["forces"])
+    return measured_series(series, pixel, notes, given["rotation"] or 0.0, options)
 
 
 def _figure(found: Series, name: str | None) -> tuple[Figure, str]:

@@ -17,20 +17,14 @@ from metafem.errors import InvalidInput, refuse_if
 from metafem.files.reading import file_label, refuse_unreadable
 from metafem.files.units import factor, quantity
 
-# Formats that are read: files of instruments, arrays of numpy and lists of points.
-FORMATS = ".x3p, .sur, .plux, .npy, .xyz and others that SurfaceTopography reads"
+# Formats that are read: files of instruments and arrays of numpy.
+FORMATS = ".x3p, .sur, .plux, .npy and others that SurfaceTopography reads"
 
 # Units of heights that the option --height-unit accepts; both Unicode micro signs are read.
 UNITS = ("m", "mm", "um", "µm", "μm", "micron", "nm")
 
 # Number of rows of a map that are converted at a time, to limit the memory.
 AT_ONCE = 256
-
-# Points of a list may deviate from a grid by this fraction of a pixel, because coordinates are rounded.
-ON_GRID = 0.1
-
-# Largest ratio of the number of pixels to the number of points in a list; pixels without a point are holes.
-SPARSE = 10
 
 # Warning of SurfaceTopography's import if mpi4py is not installed.
 NO_MPI = "Could not import mpi4py"
@@ -42,8 +36,8 @@ def read_height_map(path: str | Path, pixel: str | None = None, height_unit: str
     Parameters
     ----------
     path : str or Path
-        File in one of the formats .x3p, .sur, .plux, .npy (rows as in an image) and .xyz (lines x y z), or in
-        another format that SurfaceTopography reads.
+        File in one of the formats .x3p, .sur, .plux and .npy (rows as in an image), or in another format that
+        SurfaceTopography reads.
     pixel : str, optional
         Distance between neighbouring pixels, such as ``"2 um"``, for a file that does not state it.
     height_unit : str, optional
@@ -62,10 +56,10 @@ def read_height_map(path: str | Path, pixel: str | None = None, height_unit: str
             f'--height-unit = "{printable(height_unit, 40)}" must be m, mm, um, µm, micron or nm'
         )
     width = None if pixel is None else check.number("--pixel", quantity("--pixel", pixel, "mm"), above=0.0)
-    heights, pixels, unit = {".npy": _array, ".xyz": _points}.get(kind, _instrument)(path, name)
+    heights, pixels, unit = (_array if kind == ".npy" else _instrument)(path, name)
     lacking = {}
     for option, example, what, stated, given in (
-        ("--pixel", '"2 um"', "the size of its pixels", not isinstance(pixels, float), width),
+        ("--pixel", '"2 um"', "the size of its pixels", pixels is not None, width),
         ("--height-unit", '"um"', "the unit of its heights", unit is not None, height_unit),
     ):
         refuse_if(stated and given is not None, f"{name} states {what}; leave {option} out")
@@ -77,12 +71,11 @@ def read_height_map(path: str | Path, pixel: str | None = None, height_unit: str
         size = float(factor(unit or height_unit or "", "mm"))
     except InvalidInput as error:
         raise InvalidInput(f'--height-unit {error}; write for example "um"') from None
-    sides = (pixels[0] * size, pixels[1] * size) if width is None else (width, width * pixels)
+    sides: Any = (width, width) if pixels is None else (pixels[0] * size, pixels[1] * size)
     return HeightMap(_millimetres(heights, size), sides)
 
 
-# Heights (rows, columns); width and height of a pixel or, if the file does not state these, their ratio
-# height / width; and the unit of all lengths, or None.
+# Heights (rows, columns); width and height of a pixel, and the unit of all lengths, None if not stated.
 _Read = tuple[NDArray[Any], Any, str | None]
 
 
@@ -95,51 +88,7 @@ def _array(path: str | Path, name: str) -> _Read:
     shape = getattr(values, "shape", "of several arrays")
     wrong = not isinstance(values, np.ndarray) or values.ndim != 2 or values.dtype.kind not in "iuf"
     refuse_if(wrong, f"{name} holds no map: its array {shape} must have rows and columns of heights")
-    return values, 1.0, None
-
-
-def _points(path: str | Path, name: str) -> _Read:
-    """Return the map in a list of points x y z, which must lie on a grid."""
-    import pandas
-
-    with open(path, encoding="utf-8", errors="replace") as file:
-        first = next((line for line in file if line.strip() and not line.startswith("#")), "")
-    refuse_if(not first, f"{name} holds no points")
-    separator = next((sign for sign in ";,\t" if sign in first), r"\s+")
-    try:
-        table = pandas.read_csv(
-            path, sep=separator, header=None, comment="#", dtype=np.float64, skip_blank_lines=True,
-            skipinitialspace=True, na_values=["NaN", "***"],
-        )  # fmt: skip
-    except (ValueError, pandas.errors.ParserError) as error:
-        raise InvalidInput(f"{name} is not a list of points x y z: {printable(str(error), 200)}") from None
-    columns = table.shape[1]
-    refuse_if(columns != 3, f"{name} has {columns} columns; a list of points has three, x y z")
-    x, y, z = table.to_numpy().T
-    for bad in np.flatnonzero(~np.isfinite(x + y))[:1]:
-        raise InvalidInput(f"{name}: point {bad + 1} has no finite x and y")
-    column, dx = _grid(x, "x", name)
-    row, dy = _grid(y, "y", name)
-    rows, columns = int(row.max()) + 1, int(column.max()) + 1
-    on_grid = f"its {len(z)} points are not on a grid; {columns} x {rows} pixels would hold them"
-    refuse_if(rows * columns > SPARSE * len(z), f"{name}: {on_grid}")
-    heights = np.full((rows, columns), np.nan)
-    heights[rows - 1 - row, column] = z
-    return heights, dy / dx, None
-
-
-def _grid(values: NDArray[Any], axis: str, name: str) -> tuple[NDArray[np.intp], float]:
-    """Return the index of each coordinate on an equidistant grid, and the step of the grid."""
-    steps = np.diff(np.unique(values))
-    steps = steps[steps > 1e-6 * np.ptp(values)]  # equal coordinates may differ in their last digits
-    refuse_if(not steps.size, f"{name}: all points have the same {axis}; a map has rows and columns")
-    step = float(np.ptp(values) / np.rint(np.ptp(values) / np.median(steps)))
-    place = (values - values.min()) / step
-    off = np.abs(place - np.rint(place))
-    i = int(off.argmax())
-    where = f"point {i + 1}, {axis} = {values[i]:g}, is not on the grid with steps of {step:g}"
-    refuse_if(off[i] > ON_GRID, f"{name}: {where}")
-    return np.rint(place).astype(np.intp), step
+    return values, None, None
 
 
 def _instrument(path: str | Path, name: str) -> _Read:
@@ -163,7 +112,7 @@ def _instrument(path: str | Path, name: str) -> _Read:
             f"{name} cannot be read as a height map ({FORMATS}): {kind}: {printable(str(error), 200)}"
         ) from None
     unit = channel.unit if isinstance(channel.unit, str) and channel.unit else None
-    pixels = (sizes[0] / points[0], sizes[1] / points[1]) if sizes and unit else 1.0
+    pixels = (sizes[0] / points[0], sizes[1] / points[1]) if sizes and unit else None
     # in SurfaceTopography the first index runs along x, and the second upwards along y
     return heights.T[::-1], pixels, unit
 

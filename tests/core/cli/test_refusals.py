@@ -87,7 +87,8 @@ REFUSALS = [
     ((*MAP[:2], "--design", "linear"), "part.npy", "pixels"),
     ((*MAP, "--picture", "made.pdf"), "made.pdf", ".svg"),
     ((*MAP, "-o", "part.npy"), "part.npy", "exists"),
-    (("images", "nosuchfolder"), "nosuchfolder", "no such file"),
+    (("images", "nosuchfolder", "--pixel", "5 um"), "nosuchfolder", "no such file"),
+    (("images", "part.npy"), "--pixel", "Missing option"),
 ]  # fmt: skip
 
 

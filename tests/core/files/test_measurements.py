@@ -17,7 +17,7 @@ from metafem._given import Names
 from metafem.calibration import fit_compression, shear
 from metafem.drawing import new_figure
 from metafem.files.measurement.calibrated import calibration_data
-from metafem.files.measurement.images.find import natural, read_image
+from metafem.files.measurement.images import natural, read_image
 from metafem.files.measurement.numbers import interval, published, rounded
 from metafem.progress import listening
 from tests.core.files.specs import spec
@@ -318,123 +318,55 @@ def test_images_of_all_kinds_have_their_grey_levels(tmp_path):
     tifffile.imwrite(tmp_path / "6.tif", grey[0], photometric="palette", colormap=palette)
     first, *others = (Image.fromarray(page) for page in grey)
     first.save(tmp_path / "7.tiff", compression="tiff_lzw", save_all=True, append_images=others)
-    with tifffile.TiffWriter(tmp_path / "8.tif", imagej=True) as file:  # tags of the first page alone
-        file.write(grey.astype(np.uint16), contiguous=True, truncate=True)
+    tifffile.imwrite(tmp_path / "8.tif", grey[0].astype(np.uint16), byteorder=">")
     (tmp_path / "9.jpg").touch()
     (tmp_path / ".1.png").touch()
     files.write_figure(tmp_path / "1.png", new_figure(1.0, 1.0), "no image")
     heard = []
     with listening(lambda step, done: None, heard.append):
-        images = files.find_images([tmp_path, tmp_path / "2.png"])
-    assert [fact.rpartition(": ")[2] for fact in heard] == ["9.jpg", "1.png"]
+        images = files.find_images([tmp_path])
+    assert [fact.rpartition(": ")[2] for fact in heard] == ["1.png"]
     stack = files.Images(images)
     expected = {
         "2.png": grey[0], "3.png": luminance, **{f"4.tif:{i + 1}": grey[i] for i in range(3)},
-        "5.tif": 255 - grey[0],
-        "6.tif": 257.0 * grey[0], **{f"7.tiff:{i + 1}": grey[i] for i in range(3)},
-        **{f"8.tif:{i + 1}": grey[i] for i in range(3)}, "10.png": 257.0 * grey[0],
+        "5.tif": 255 - grey[0], "6.tif": grey[0], **{f"7.tiff:{i + 1}": grey[i] for i in range(3)},
+        "8.tif": grey[0], "10.png": 257.0 * grey[0],
     }  # fmt: skip
     assert [image.name for image in images] == list(expected)
     for found, (name, values) in zip(stack, expected.items(), strict=True):
         np.testing.assert_allclose(found, values, err_msg=name)
     assert (list(stack.coloured), len(stack[1:3])) == (["3.png"], 2)
-    assert [image.shape for image in images] == [(16, 20)] * len(images)
     assert sorted(["a10", "a2", "A1", "b"], key=natural) == ["A1", "a2", "a10", "b"]
     (tmp_path / "4.tif").write_bytes((tmp_path / "4.tif").read_bytes()[:-40])
     (tmp_path / "5.tif").write_bytes(b"")
     (tmp_path / "2.png").write_bytes((tmp_path / "2.png").read_bytes()[:100])
     for name in ("4.tif", "5.tif", "2.png"):
-        with pytest.raises(mf.InvalidInput, match=rf"^{name}(:3)?: (is cut off|cannot be read)"):
+        with pytest.raises(mf.InvalidInput, match=rf"^{name}(:3)?: cannot be read"):
             read_image(files.find_images([tmp_path / name])[-1])
     (tmp_path / "empty").mkdir()
-    for name in ("empty", "9.jpg", "none.tif"):
-        with pytest.raises(mf.InvalidInput, match=name):
-            files.find_images([tmp_path / name])
-
-
-PIXEL = 5.3e-3
-
-
-def test_the_size_of_pixels_is_that_of_the_files_or_the_given_one(tmp_path):
-    grey, per_cm = np.zeros((8, 8), np.uint8), (10 / PIXEL, 10 / PIXEL)
-
-    def tiff(name, **options):
-        tifffile.imwrite(tmp_path / name, grey, **options)
-        return files.find_images([tmp_path / name])
-
-    inches, um = (25.4 / PIXEL, 25.4 / PIXEL), (1 / 5.3, 1 / 5.3)
-    for options in (
-        {"resolution": per_cm, "resolutionunit": 3}, {"resolution": inches, "resolutionunit": 2},
-        {"imagej": True, "resolution": um, "metadata": {"unit": "micron"}},
-        {"ome": True, "metadata": {"PhysicalSizeX": 5300.0, "PhysicalSizeXUnit": "nm", "PhysicalSizeY": 5.3}},
-    ):  # fmt: skip
-        size, (note,) = files.pixel_size(tiff("1.tif", **options))
-        assert size == pytest.approx(PIXEL, rel=1e-5)  # ratios of two integers
-        assert note.text.startswith("pixels of 5.3 um, as 1.tif states by")
-    Image.fromarray(grey).save(tmp_path / "1.png", dpi=inches)
-    assert files.pixel_size(files.find_images([tmp_path / "1.png"]))[0] == pytest.approx(PIXEL, rel=1e-4)
-    for options in (
-        {},
-        {"resolution": (72, 72), "resolutionunit": 2},
-        {"resolution": (1, 1), "resolutionunit": 1},
-    ):
-        images = tiff("2.tif", **options)
-        with pytest.raises(mf.InvalidInput, match=r'2\.tif states no size .*--pixel "5\.3 um"'):
-            files.pixel_size(images)
-        assert files.pixel_size(images, PIXEL) == (PIXEL, [])
-    first = tiff("3.tif", resolution=per_cm, resolutionunit=3)
-    assert files.pixel_size(first, PIXEL * 1.0001) == (PIXEL * 1.0001, [])
-    size, (note,) = files.pixel_size(first, 0.01)
-    assert (size, note.warns) == (0.01, True)
-    assert "pixels of 5.3 um by its resolution tags, and --pixel 10 um is used" in note.text
-    assert note.text.endswith("areas change by +256 %")
-    for other, words in (((1000, 1000), "3.tif states pixels of 5.3 um, and 4.tif of 10 um"),
-                         ((1000, 2000), "4.tif states oblong pixels, 10 um x 5 um")):  # fmt: skip
-        with pytest.raises(mf.InvalidInput, match=words):
-            files.pixel_size([*first, *tiff("4.tif", resolution=other, resolutionunit=3)])
-    (tmp_path / "5.tif").write_bytes(b"")
-    with pytest.raises(mf.InvalidInput, match=r"none of the images can be read: 5\.tif: cannot be read"):
-        files.pixel_size(files.find_images([tmp_path / "5.tif"]))
+    for names in (["empty"], ["9.jpg"], ["none.tif"], ["3.png", "3.png"]):
+        with pytest.raises(mf.InvalidInput, match=names[0]):
+            files.find_images([tmp_path / name for name in names])
 
 
 HEIGHTS = np.arange(30.0).reshape(6, 5)  # [um], with two holes
 HEIGHTS[0, 1] = HEIGHTS[4, 3] = np.nan
-POINTS = [
-    f"{2.0 * j:.6f} {3.0 * (5 - i):.6f} {HEIGHTS[i, j]:.6f}"
-    for j in range(5) for i in range(6) if HEIGHTS[i, j] >= 0.0
-]  # fmt: skip
 
 
-def test_height_maps_are_read_from_arrays_and_lists_of_points(tmp_path):
+def test_height_maps_are_read_from_arrays(tmp_path):
     np.save(tmp_path / "map.npy", HEIGHTS)
-    (tmp_path / "map.xyz").write_text("\n".join(["# x y z", *POINTS]))
-    (tmp_path / "b.xyz").write_text("\n".join(POINTS).replace(" ", ";"))
-    for name, pixel, unit, sides in (
-        ("map.npy", "2 um", "um", (2e-3, 2e-3)), ("map.npy", "0.002 mm", "nm", (2e-3, 2e-3)),
-        ("map.xyz", "2 um", "um", (2e-3, 3e-3)), ("b.xyz", "2 um", "mm", (2e-3, 3e-3)),
-    ):  # fmt: skip
-        found = files.read_height_map(tmp_path / name, pixel, unit)
-        size = {"um": 1e-3, "nm": 1e-6, "mm": 1.0}[unit]
-        assert found.pixel == pytest.approx(sides, rel=1e-12)
+    for pixel, unit in (("2 um", "um"), ("0.002 mm", "nm")):
+        found = files.read_height_map(tmp_path / "map.npy", pixel, unit)
+        size = {"um": 1e-3, "nm": 1e-6}[unit]
+        assert found.pixel == pytest.approx((2e-3, 2e-3), rel=1e-12)
         np.testing.assert_allclose(found.values, size * (HEIGHTS - np.nanmedian(HEIGHTS)), rtol=1e-6)
-    for name, content in {
-        "two.xyz": "0 0\n1 1\n", "line.xyz": "0 0 1\n1 0 1\n2 0 1\n", "words.xyz": "0 0 high\n",
-        "off.xyz": "0 0 1\n1 0 1\n2.4 0 1\n3 0 1\n4 0 1\n0 1 1\n", "nan.xyz": "0 0 1\nNaN 0 1\n",
-        "t.npy": "no",
-        "no.xyz": "# a\n",
-    }.items():  # fmt: skip
-        (tmp_path / name).write_text(content)
+    (tmp_path / "t.npy").write_text("no")
     np.save(tmp_path / "cube.npy", np.zeros((3, 3, 3)))
-    np.savetxt(tmp_path / "sparse.xyz", [[i, i, 1] for i in range(30)])
     for name, options, words in (
         ("none.npy", (), "no such file"), ("map.npy", (), '--pixel "2 um" --height-unit "um"'),
         ("map.npy", ("2", "um"), "--pixel"), ("map.npy", ("-2 um", "um"), "-0.002"),
         ("map.npy", ("2 um", "N"), '"N"'),
-        *((name, ("2 um", "um"), words) for name, words in {
-            "cube.npy": "rows and columns", "t.npy": "array of numpy", "two.xyz": "2 columns",
-            "line.xyz": "the same y", "words.xyz": "not a list of points", "no.xyz": "no points",
-            "off.xyz": "point 3, x = 2.4", "nan.xyz": "point 2", "sparse.xyz": "30 x 30 pixels",
-        }.items()),
+        ("cube.npy", ("2 um", "um"), "rows and columns"), ("t.npy", ("2 um", "um"), "array of numpy"),
     ):  # fmt: skip
         with pytest.raises(mf.InvalidInput) as error:
             files.read_height_map(tmp_path / name, *options)

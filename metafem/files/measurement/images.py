@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections import Counter
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -17,17 +16,29 @@ from metafem._extras import refuse_missing
 from metafem._given import printable
 from metafem.errors import InvalidInput, refuse_if
 from metafem.files.atomic import is_of_kind
-from metafem.files.measurement.images import png, tiff
-from metafem.files.measurement.images.pages import Damaged, ImageFile
 from metafem.files.reading import file_label
 from metafem.progress import message
 
-# Readers by the extension of a file, and extensions of images and videos that are not read.
-FORMATS = {".tif": tiff, ".tiff": tiff, ".png": png}
-OTHERS = {".jpg", ".jpeg", ".bmp", ".gif", ".webp", ".avi", ".mp4", ".czi", ".nd2", ".lif", ".raw", ".jp2"}
+# Extensions of the files that are read.
+FORMATS = (".tif", ".tiff", ".png")
 
 # Weights of red, green and blue in the luminance, from Recommendation ITU-R BT.709.
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
+
+
+@dataclass(frozen=True)
+class ImageFile:
+    """One image, which is a file or a page of a file.
+
+    `name` is the path of the file as it was given, or its name in the folder that was given. If the file has
+    several pages, the name ends with the number of the page, counted from 1, such as ``stack.tif:3``.
+    `broken` is the reason why the image cannot be read, or "".
+    """
+
+    name: str
+    path: Path
+    broken: str = ""
+    page: int = 0
 
 
 class Images(Sequence[NDArray[Any]]):
@@ -57,23 +68,19 @@ def find_images(sources: Iterable[str | Path]) -> list[ImageFile]:
     """Return all images in files and folders; every page of a file is one image.
 
     The files of a folder are in natural order, 2 before 10. A file that cannot be opened is returned as an
-    image that is `broken`. Raise InvalidInput for a name that does not exist, a file of another format or a
-    folder without an image.
+    image that is `broken`. Raise InvalidInput for a name that does not exist, a file of another format, a
+    folder without an image, or two images of one name.
     """
-    refuse_missing("tifffile", "images", "reading images")
+    refuse_missing("imageio", "images", "reading images")
     paths: list[Path] = []
     for source in map(Path, sources):
         paths += _in_folder(source) if source.is_dir() else [_checked(source)]
-    once: dict[Path, Path] = {}
-    for path in paths:
-        once.setdefault(path.absolute(), path)
-    files = [image for path in once.values() for image in _pages(path)]
-    count = Counter(image.name for image in files)
-    # images of the same name in different folders are named with their folders
-    return [
-        replace(image, name=str(image.path.parent / image.name)) if count[image.name] > 1 else image
-        for image in files
-    ]
+    files = [image for path in paths for image in _pages(path)]
+    names = [image.name for image in files]
+    for name in names:
+        twice = f"two images have the name {printable(name)}; give them different names"
+        refuse_if(names.count(name) > 1, twice)
+    return files
 
 
 def read_image(image: ImageFile) -> tuple[NDArray[Any], bool]:
@@ -81,12 +88,13 @@ def read_image(image: ImageFile) -> tuple[NDArray[Any], bool]:
 
     Raise InvalidInput, which names the image, if the image cannot be read.
     """
+    from imageio.v3 import imread
+
     refuse_if(image.broken, f"{printable(image.name)}: {image.broken}")
     try:
-        values = FORMATS[image.path.suffix.lower()].read(image)
-    except Damaged as error:
-        raise InvalidInput(f"{printable(image.name)}: {error}") from None
-    return _grey(values)
+        return _grey(imread(image.path, index=image.page, plugin="pillow"))
+    except (OSError, ValueError, SyntaxError, EOFError) as error:
+        raise InvalidInput(f"{printable(image.name)}: {_unreadable(error)}") from None
 
 
 def natural(name: str) -> list[tuple[int, str]]:
@@ -101,7 +109,7 @@ def _grey(values: NDArray[Any]) -> tuple[NDArray[Any], bool]:
     The shape of `values` is (rows, columns) or (rows, columns, channels).
     """
     if values.ndim == 2:
-        return values, False
+        return values.astype(values.dtype.newbyteorder("="), copy=False), False
     colours = values[..., :3] if values.shape[2] > 2 else values[..., :1]
     if (colours == colours[..., :1]).all():
         return np.ascontiguousarray(colours[..., 0]), False
@@ -112,17 +120,13 @@ def _grey(values: NDArray[Any]) -> tuple[NDArray[Any], bool]:
 
 def _in_folder(folder: Path) -> list[Path]:
     """Return the paths of the images in a folder, in natural order; figures by metafem are left out."""
-    names = [entry for entry in folder.iterdir() if not entry.name.startswith(".")]
-    names.sort(key=lambda entry: (natural(entry.name), entry.name))
-    found = [entry for entry in names if entry.suffix.lower() in FORMATS and not entry.is_dir()]
+    names = sorted(folder.iterdir(), key=lambda entry: (natural(entry.name), entry.name))
+    found = [entry for entry in names if entry.suffix.lower() in FORMATS and entry.is_file()]
+    found = [entry for entry in found if not entry.name.startswith(".")]
     drawn = [entry for entry in found if _is_drawing(entry)]
-    for what, entries in (
-        ("no TIFF or PNG", [entry for entry in names if entry.suffix.lower() in OTHERS]),
-        ("drawings by metafem", drawn),
-    ):
-        which = printable(", ".join(entry.name for entry in entries), 80)
-        if entries:
-            message(f"{file_label(folder)}: not read, because they are {what}: {which}")
+    if drawn:
+        which = printable(", ".join(entry.name for entry in drawn), 80)
+        message(f"{file_label(folder)}: not read, because they are drawings by metafem: {which}")
     found = [entry for entry in found if entry not in drawn]
     refuse_if(not found, f"{file_label(folder)} holds no TIFF or PNG image")
     return found
@@ -141,22 +145,25 @@ def _checked(path: Path) -> Path:
     with suppress(OSError, ValueError):
         exists = path.exists()
     refuse_if(not exists, f"{file_label(path)}: no such file or folder")
-    kind = path.suffix.lower()
-    why = "; JPEG changes grey levels at the edges of contacts" if kind in (".jpg", ".jpeg") else ""
-    must = f"is no image that can be read; save it as TIFF or PNG{why}"
-    refuse_if(kind not in FORMATS, f"{file_label(path)} {must}")
+    must = "is no image that can be read; save it as TIFF or PNG"
+    refuse_if(path.suffix.lower() not in FORMATS, f"{file_label(path)} {must}")
     return path
 
 
 def _pages(path: Path) -> list[ImageFile]:
-    """Return the images in a file; the part of a stack after a damaged page is one broken image."""
-    images: list[ImageFile]
+    """Return the images in a file; a file that cannot be opened is one broken image."""
+    from imageio.v3 import improps
+
     try:
-        images, damage = FORMATS[path.suffix.lower()].pages(path)
-    except Damaged as error:
-        return [ImageFile(path.name, path, str(error))]
-    if damage:
-        images = [*images, ImageFile(path.name, path, damage, len(images) + 1)]
-    if len(images) == 1:
-        return images
-    return [replace(image, name=f"{path.name}:{image.number}") for image in images]
+        everything: Any = ...
+        count = improps(path, index=everything, plugin="pillow").n_images or 1
+    except (OSError, ValueError, SyntaxError, EOFError) as error:
+        return [ImageFile(path.name, path, _unreadable(error))]
+    if count == 1:
+        return [ImageFile(path.name, path)]
+    return [ImageFile(f"{path.name}:{page + 1}", path, page=page) for page in range(count)]
+
+
+def _unreadable(error: Exception) -> str:
+    reason = getattr(error, "strerror", None) or " ".join(str(error).split())
+    return f"cannot be read: {printable(reason, 200) or 'it is damaged'}"

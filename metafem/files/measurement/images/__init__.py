@@ -1,1 +1,0 @@
-"""Reading of images of contacts: grey values, size of the pixels, and forces."""
