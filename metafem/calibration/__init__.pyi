@@ -34,8 +34,6 @@ from .sites.match import match_sites as match_sites
 from .sites.tracking import DesignSites as DesignSites
 from .sites.tracking import TrackedContacts as TrackedContacts
 from .sites.tracking import track_contacts as track_contacts
-from .topography.correction import Correction as Correction
-from .topography.correction import corrected_heights as corrected_heights
 from .topography.made_surface import MadeSurface as MadeSurface
 from .topography.made_surface import measured_surface as measured_surface
 from .verdict import Heterogeneity as Heterogeneity

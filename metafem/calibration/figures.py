@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from metafem.calibration.sheared.full_contact import StrengthFit
     from metafem.calibration.sheared.lines import ShearCalibration
     from metafem.calibration.sites.tracking import TrackedContacts
-    from metafem.calibration.topography.correction import Correction
     from metafem.calibration.topography.made_surface import MadeSurface
     from metafem.prediction import FrictionLaw
 
@@ -121,7 +120,6 @@ def _expected(height_map: HeightMap, made: MadeSurface, rows: slice, columns: sl
 
 def made_figure(
     made: MadeSurface,
-    correction: Correction | None,
     height_map: HeightMap,
     designed: FrictionLaw,
     law: FrictionLaw,
@@ -134,7 +132,6 @@ def made_figure(
         sites, design.position[made.site], made.height_error, design.position[made.missing]
     )
     topography.residual_map(residual, residuals(height_map, made), *height_map.extent)
-    fit = None if correction is None else correction.systematic[made.site]
-    topography.errors_over_height(heights, design.height[made.site], made.height_error, made.height_sd, fit)
+    topography.errors_over_height(heights, design.height[made.site], made.height_error, made.height_sd)
     topography.made_law(laws, designed.rescaled_load, designed.area, law.area)
     return figure

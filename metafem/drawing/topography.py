@@ -41,19 +41,12 @@ def height_errors(ax: Axes, position: FloatArray, error: FloatArray, missing: Fl
     ax.set(title="made minus designed", xlabel="x [mm]", ylabel="y [mm]")
 
 
-def errors_over_height(
-    ax: Axes, height: FloatArray, error: FloatArray, sd: FloatArray, fit: FloatArray | None
-) -> None:
-    """Draw height errors (n,) against designed heights, and their systematic parts if known [mm]."""
+def errors_over_height(ax: Axes, height: FloatArray, error: FloatArray, sd: FloatArray) -> None:
+    """Draw height errors (n,) against designed heights [mm]."""
     scale = MICROMETRES
     ax.axhline(0.0, color=QUIET, lw=0.8)
-    ax.errorbar(
-        scale * height, scale * error, scale * sd, fmt="o", ms=3.5, lw=0.8, color=ACHIEVED, label="made"
-    )
-    if fit is not None:
-        ax.plot(scale * height, scale * fit, "_", ms=8.0, color=TARGET, label="systematic")
+    ax.errorbar(scale * height, scale * error, scale * sd, fmt="o", ms=3.5, lw=0.8, color=ACHIEVED)
     ax.set(xlabel="designed height [µm]", ylabel="height error [µm]")
-    ax.legend(frameon=False)
 
 
 def residual_map(ax: Axes, values: FloatArray, width: float, height: float) -> None:

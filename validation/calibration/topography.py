@@ -1,8 +1,7 @@
-"""Heights, radii and positions of caps on synthetic height maps, their errors, and corrected heights."""
+"""Heights, radii and positions of caps on synthetic height maps, and their errors."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 
@@ -10,7 +9,7 @@ import numpy as np
 
 import metafem as mf
 from metafem._validate import FloatArray
-from metafem.calibration import Correction, MadeSurface
+from metafem.calibration import MadeSurface
 from validation.check import Claim, Picture, Row, below, near, reported, rms
 from validation.scenes.cap_bound import smallest_errors
 from validation.scenes.height_maps import Placement, Roughness, height_map
@@ -28,7 +27,6 @@ OFFSET, SCALE, TILT, RANDOM = 3e-3, -0.02, 1e-3, 0.9e-3
 
 TRUE = known_input("heights, radii and positions of the synthetic caps, of the paper's roughness")
 DEVIATION = known_input("errors of the synthetic caps, whose standard errors the measurement states")
-MADE = known_input("systematic error with which the synthetic part was made, within three standard errors")
 BOUND = second_method(smallest_errors, "generalised least squares of a cap of known roughness (Gauss-Markov)")
 WORDS = "generalised least squares of a cap with known covariance of its roughness"
 
@@ -63,14 +61,12 @@ def _made(ordered: mf.Surface, design: mf.Surface, rng: np.random.Generator) -> 
 def claim() -> Claim:
     """Two synthetic parts of 16 asperities with the paper's roughness are measured on height maps of 9
     megapixels. Heights are found to 0.1 µm, a ninth of the precision with which the paper's moulds were made,
-    and not much worse than any method could find them. The systematic errors of the workshop follow from
-    them, and heights that are ordered with these errors taken into account come out without.
+    and not much worse than any method could find them.
     """
     parts = [_part(seed) for seed in (1, 2)]
     error, sd, bound = (np.concatenate([each(part) for part in parts]) for each in (_errors, _sd, _bounds))
     height, radius, x, y = error.T
     score = error / sd
-    correction = mf.calibration.corrected_heights(parts[0].design, parts[0].made)
     longest = _longest()
     checks: list[Row] = [
         below("32 asperities: root mean square error of the heights [µm]", 1e3 * rms(height), 0.1, TRUE),
@@ -83,26 +79,9 @@ def claim() -> Claim:
         near("errors over their standard errors, root mean square", rms(score), 1.0, 0.2, DEVIATION),
         reported("longest correlation length at which 0.1 µm is possible [µm]", 1e3 * longest[0], WORDS),
         reported("the same with a common radius [µm]", 1e3 * longest[1], WORDS),
-        *_correction_checks(parts[0], correction),
     ]
-    title = "Height maps: made surface and corrected heights"
+    title = "Height maps: the made surface"
     return Claim(title, checks, {"a measured part": Picture(_figure)})
-
-
-def _correction_checks(part: _Part, correction: Correction) -> Iterator[Row]:
-    rng = np.random.default_rng(3)
-    following = [_made(correction.surface, part.design, rng) - part.design.height for _ in range(200)]
-    true = {"offset": OFFSET, "scale": SCALE, "tilt_x": TILT}
-    for name, value in true.items():
-        i = correction.terms.index(name)
-        off = (correction.value[i] - value) / correction.value_sd[i]
-        yield near(f"systematic error, {name}: off by standard errors", off, 0.0, 3.0, MADE)
-    words = "difference of the measured heights from the design"
-    yield reported("height errors of this part [µm]", 1e3 * correction.error, words)
-    expected, after = 1e3 * correction.expected_error, 1e3 * rms(np.array(following))
-    source = second_method(_made, "200 parts made with the corrected heights")
-    # the tolerance is the standard deviation of 16 random errors, and what four terms of it remove
-    yield near("next part: expected height errors [µm]", expected, after, 0.4 * after, source)
 
 
 def _errors(part: _Part) -> FloatArray:
@@ -137,8 +116,8 @@ def _longest() -> list[float]:
 
 def _figure():
     """A synthetic part of 16 asperities, measured on a height map: errors of the heights at their sites; what
-    is left of the map without plane and caps, which is roughness alone; the errors over the heights with
-    their systematic part; and the friction laws as designed and as made.
+    is left of the map without plane and caps, which is roughness alone; the errors over the heights; and the
+    friction laws as designed and as made.
     """
     from metafem.calibration.figures import made_figure
     from metafem.calibration.topography.cells import HeightMap
@@ -147,5 +126,4 @@ def _figure():
     heights = HeightMap(part.heights, (PIXEL, PIXEL))
     law = mf.friction_law(part.design)
     made = mf.friction_law(part.made.surface, load=law.load)
-    correction = mf.calibration.corrected_heights(part.design, part.made)
-    return made_figure(part.made, correction, heights, law, made)
+    return made_figure(part.made, heights, law, made)

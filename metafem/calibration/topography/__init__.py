@@ -1,1 +1,1 @@
-"""Measured topography: base plane, spherical caps, the made surface, and corrected heights."""
+"""Measured topography: base plane, spherical caps and the made surface."""

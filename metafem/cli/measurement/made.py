@@ -1,9 +1,8 @@
-"""Output of `metafem topography`: the made surface, its systematic errors and its law."""
+"""Output of `metafem topography`: the made surface, its errors and its law."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,28 +12,13 @@ from metafem.cli.terminal import notes_data, print_notes, print_table, say, term
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from metafem.calibration import Correction, MadeSurface
+    from metafem.calibration import MadeSurface
     from metafem.inversion import Design
-    from metafem.notes import Note
     from metafem.prediction import FrictionLaw
 
 # Number of asperities that are printed, which are those with the largest height errors; number of loads at
 # which the two laws are printed.
 WORST, LOADS = 5, 5
-
-# Printed unit of each term of the systematic error, and the factor from the package's unit to it.
-TERMS = {
-    "offset": ("um", 1e3),
-    "scale": ("% of the height above or below the mean of {mean:.4g} um", 1e2),
-    "tilt_x": ("um/mm along x", 1e3),
-    "tilt_y": ("um/mm along y", 1e3),
-    "bow_xx": ("um/mm^2 along x", 1e3),
-    "bow_xy": ("um/mm^2 along x and y", 1e3),
-    "bow_yy": ("um/mm^2 along y", 1e3),
-}
-
-# Members of a Correction that are errors of the heights [mm], of this part or expected for the next part.
-ERRORS = ("random_sd", "error", "expected_error", "spread", "expected_spread")
 
 UM = 1e3
 
@@ -43,15 +27,13 @@ UM = 1e3
 DIGITS = 6
 
 
-def print_made(design: Design, made: MadeSurface, correction: Correction | None, law: FrictionLaw) -> None:
-    """Print the errors of the part, its worst asperities, its systematic errors, and both friction laws."""
+def print_made(design: Design, made: MadeSurface, law: FrictionLaw) -> None:
+    """Print the errors of the part, its worst asperities, and both friction laws."""
     console = terminal()
     found = f"{made.surface.count} of {made.design.count} asperities measured"
     say(console, f"{found}, roughness (s.d.) {UM * made.roughness:.2g} um")
     _print_errors(console, made)
     _print_worst(console, design, made)
-    if correction is not None:
-        say(console, *_sentences(correction, UM * float(made.design.height[made.site].mean())))
     areas = list(zip(law.load, design.law.area, law.area, strict=True))
     every = max(1, len(areas) // LOADS)
     rows = [
@@ -66,7 +48,7 @@ def print_made(design: Design, made: MadeSurface, correction: Correction | None,
     change = 100.0 * _rms(law.area[touching] / design.law.area[touching] - 1.0)
     differs = f"{change:.2g} % (root mean square over the loads)"
     say(console, f"law of the made surface: A0 differs from that of the design by {differs}")
-    print_notes(console, dict.fromkeys(_notes(made, correction)))
+    print_notes(console, dict.fromkeys(made.notes))
 
 
 def _print_errors(console: Console, made: MadeSurface) -> None:
@@ -110,37 +92,14 @@ def _print_worst(console: Console, design: Design, made: MadeSurface) -> None:
     print_table(console, titles, rows, "largest height errors")
 
 
-def _sentences(correction: Correction, mean: float) -> Iterator[str]:
-    """Yield sentences on the height errors; the scale refers to the mean designed height, `mean` [um]."""
-    for name, value, sd in zip(correction.terms, correction.value, correction.value_sd, strict=True):
-        unit, size = TERMS[name]
-        what = (
-            "mean height error" if name == "offset" else f"systematic height error, {name.replace('_', ' ')}:"
-        )
-        yield f"{what} {size * value:+.3g} ± {size * sd:.2g} {unit.format(mean=mean)}"
-    if not correction.terms:
-        yield "no systematic height error is significant"
-    yield (
-        f"random height errors, which cannot be corrected: {UM * correction.random_sd:.2g} um (s.d.); height "
-        f"error (root mean square) {UM * correction.error:.3g} um here, "
-        f"{UM * correction.expected_error:.3g} um expected with corrected heights"
-    )
-
-
 def _rms(values: Any) -> float:
     return math.sqrt(float((values**2).mean()))
 
 
-def _notes(made: MadeSurface, correction: Correction | None) -> tuple[Note, ...]:
-    return (*made.notes, *(() if correction is None else correction.notes))
-
-
-def made_data(
-    design: Design, made: MadeSurface, correction: Correction | None, law: FrictionLaw
-) -> dict[str, Any]:
-    """Return the made surface, its friction law and its correction, for JSON."""
+def made_data(design: Design, made: MadeSurface, law: FrictionLaw) -> dict[str, Any]:
+    """Return the made surface, and its friction law, for JSON."""
     level = made.levelling
-    data: dict[str, Any] = {
+    return {
         "site": design.sites[made.site].tolist(),
         "missing": design.sites[made.missing].tolist(),
         "x_mm": made.surface.position[:, 0].tolist(),
@@ -159,13 +118,5 @@ def made_data(
         "load_N": law.load.tolist(),
         "designed_area_mm2": design.law.area.tolist(),
         "made_area_mm2": law.area.tolist(),
-        "notes": notes_data(_notes(made, correction)),
+        "notes": notes_data(made.notes),
     }
-    if correction is not None:
-        terms = zip(correction.terms, correction.value.tolist(), correction.value_sd.tolist(), strict=True)
-        data["correction"] = {
-            "terms": {name: {"value": value, "sd": sd} for name, value, sd in terms},
-            **{f"{name}_mm": getattr(correction, name) for name in ERRORS},
-            "height_mm": correction.surface.height.tolist(),
-        }
-    return data

@@ -14,10 +14,10 @@ from metafem.cli.group import Name, force_option, json_option, main
 from metafem.cli.measurement.made import made_data, print_made
 from metafem.cli.progress import progress
 from metafem.cli.terminal import loaded, print_json, print_written
-from metafem.errors import InvalidInput, named, refuse_if
+from metafem.errors import InvalidInput, named
 
 if TYPE_CHECKING:
-    from metafem.calibration import Correction, MadeSurface
+    from metafem.calibration import MadeSurface
     from metafem.inversion import Design
 
 
@@ -32,7 +32,7 @@ ARGUMENTS = Names(
 )
 
 
-@main.command(short_help="Measure a made surface on a height map, and correct the next one.")
+@main.command(short_help="Measure a made surface on a height map.")
 @click.argument("height_map", type=Name(), metavar="MAP")
 @click.option(
     "--design", "folder", type=Name(), metavar="DIR", required=True, help="Result folder of the design."
@@ -54,9 +54,6 @@ ARGUMENTS = Names(
     "-o", "--output", type=Name(), help="Write the made surface to this CSV file, for metafem predict."
 )
 @click.option(
-    "--corrected", type=Name(), help="Write the heights for the next part to this CSV file, like heights.csv."
-)
-@click.option(
     "--picture", type=Name(), help="Draw height errors, residual map and laws: a file .svg or .png."
 )
 @force_option
@@ -68,7 +65,6 @@ def topography(
     height_unit: str | None,
     keep_bow: bool,
     output: Path | None,
-    corrected: Path | None,
     picture: Path | None,
     force: bool,
     as_json: bool,
@@ -76,46 +72,36 @@ def topography(
 ) -> None:
     """Measure heights, radii and positions of the asperities in MAP, and compare them with the design.
 
-    MAP is a height map in the format .x3p, .sur, .plux, .npy, .xyz or in another format of a microscope. It
+    MAP is a height map in the format .x3p, .sur, .plux, .npy or in another format of a microscope. It
     is seen from the side of the asperities. Tilt and bow are subtracted, and a sphere is fitted to each cap.
-    Systematic errors of the heights (offset, error proportional to the height, tilt and bow across the part)
-    are separated from random errors. --corrected writes heights that compensate the systematic errors, for
-    the next part.
 
-    Example: metafem topography part.x3p --design linear -o made.csv --corrected next.csv --picture made.svg
+    Example: metafem topography part.x3p --design linear -o made.csv --picture made.svg
     """
-    for path in (output, corrected):
-        if path is not None:
-            mf.files.refuse_existing(path, force, "heights")
+    if output is not None:
+        mf.files.refuse_existing(output, force, "heights")
     if picture is not None:
         mf.files.refuse_figure(picture, force)
-    same = output is not None and corrected is not None and output.absolute() == corrected.absolute()
-    refuse_if(same, f"--output and --corrected both name {output}; give each a file of its own")
     with progress():
         design = loaded(folder)
     with progress():
         stored = mf.files.read_height_map(height_map, pixel, height_unit)
         made = _measured(height_map, stored, design, {"bow": not keep_bow, **options})
-        correction = _correction(design, made, corrected)
         law = mf.friction_law(made.surface, design.law.model, load=design.law.load)
         if picture is not None:
             from metafem.calibration.figures import made_figure
 
             heights = replace(stored, sign=-1.0 if options["mould"] else 1.0)
-            figure = made_figure(made, correction, heights, design.law, law)
+            figure = made_figure(made, heights, design.law, law)
             mf.files.write_figure(picture, figure, "made surface", force=force)
     if output is not None:
         text = mf.files.made_table(made, design.sites)
         mf.files.write_text(output, text, force=force, kind="heights")
-    if corrected is not None and correction is not None:
-        text = mf.files.heights_table(correction.surface, design.sites)
-        mf.files.write_text(corrected, text, force=force, kind="heights")
-    written = [path for path in (output, corrected, picture) if path is not None]
+    written = [path for path in (output, picture) if path is not None]
     if as_json:
-        data = made_data(design, made, correction, law)
+        data = made_data(design, made, law)
         print_json({**data, "files": [str(path) for path in written]})
         return
-    print_made(design, made, correction, law)
+    print_made(design, made, law)
     print_written(written)
 
 
@@ -126,16 +112,3 @@ def _measured(file: Path, stored: Any, design: Design, options: dict[str, bool])
             return mf.calibration.measured_surface(stored.values, stored.pixel, design.surface, **options)
     except InvalidInput as error:
         raise InvalidInput(f"{printable(str(file))}: {error}") from None
-
-
-def _correction(design: Design, made: MadeSurface, wanted: Path | None) -> Correction | None:
-    """Return the correction of the heights, or None if there are too few asperities to determine it.
-
-    If --corrected requests the correction, too few asperities are an error.
-    """
-    try:
-        return mf.calibration.corrected_heights(design, made)
-    except InvalidInput:
-        if wanted is not None:
-            raise
-        return None

@@ -13,7 +13,6 @@ from metafem.calibration import (
     branches,
     compare,
     contact_areas,
-    corrected_heights,
     fit_compression,
     fit_segments,
     joint_covariance,
@@ -40,7 +39,7 @@ from tests.calibration.measured_law.scenes import (
 )
 from tests.calibration.sheared.scenes import SURFACE, X, area, force, measured
 from tests.calibration.sites import scenes as images
-from tests.calibration.topography.scenes import FOUR, lattice, made_surface
+from tests.calibration.topography.scenes import FOUR, lattice
 from tests.refusals import faults
 from validation.scenes.lattice_views import lattice as sites
 from validation.scenes.lattice_views import seen
@@ -175,7 +174,6 @@ REFUSALS = [
     (mapped(), "map", "0.526"),
     (mapped(design_surface=FOUR.replaced(cap=mf.Power(3))), "design_surface.cap", "3"),
     (lambda: aligned(0.7 * FOUR.position, FOUR.height, FOUR, False), "caps", "1.05"),
-    (lambda: corrected_heights(FEW, made_surface(FEW, np.zeros(2))), "made", "2"),
     (mapped(height_map=np.full((80, 80), np.nan)), "map", "heights"),
     (lambda: Sample(model=mf.Interacting()), "model", "surface"),
     (sampled(poisson_ratio=0.4), "poisson_ratio", "0.4"),
@@ -220,7 +218,6 @@ REFUSALS = [
         "2 caps",
         "20",
     ),
-    (lambda: corrected_heights(FOUR, made_surface(FEW, np.zeros(2))), "design", "made.design"),
 ]
 
 

@@ -1,4 +1,4 @@
-"""The made surface that a height map shows: caps, base plane, sites, errors and corrections."""
+"""The made surface that a height map shows: caps, base plane, sites and errors."""
 
 import math
 
@@ -14,7 +14,7 @@ from metafem.calibration.topography.caps import pooled
 from metafem.calibration.topography.cells import HeightMap, cells
 from metafem.calibration.topography.correlation import correlation, lagged, summed
 from metafem.calibration.topography.levelled import SD_OF_MEDIAN, levelled
-from tests.calibration.topography.scenes import FOUR, PIXEL, damaged, lattice, made_surface, mapped
+from tests.calibration.topography.scenes import FOUR, PIXEL, damaged, lattice, mapped
 from validation.scenes.height_maps import Placement, Roughness, height_map
 
 EXACT = {"roughness": Roughness(0.0), "noise": 0.0, "steepest": None}
@@ -161,36 +161,6 @@ def test_summits_are_matched_whichever_way_the_part_lay_on_the_map():
     np.testing.assert_allclose(found.position, pair.position[::-1], atol=1e-15)
 
 
-def test_systematic_errors_of_heights_are_found_and_corrected():
-    rng = np.random.default_rng(1)
-    true = {"offset": 3e-3, "scale": -0.02, "tilt_x": 4e-4, "tilt_y": -6e-4}
-    scores, random, seen = [], [], []
-    for _ in range(40):
-        design = lattice(rng)
-        x, y = (design.position - design.position.mean(axis=0)).T
-        terms = {
-            "offset": np.ones(64),
-            "scale": design.height - design.height.mean(),
-            "tilt_x": x,
-            "tilt_y": y,
-        }
-        error = sum(true[name] * term for name, term in terms.items())
-        made = made_surface(design, error + rng.normal(0.0, 0.9e-3, 64))
-        found = mf.calibration.corrected_heights(design, made)
-        known = dict(zip(found.terms, zip(found.value, found.value_sd, strict=True), strict=True))
-        scores += [(known[name][0] - value) / known[name][1] for name, value in true.items()]
-        random.append(found.random_sd)
-        terms["scale"] = found.surface.height - design.height.mean()
-        again = found.surface.height + sum(true[name] * term for name, term in terms.items())
-        again += rng.normal(0.0, 0.9e-3, 64)
-        seen.append(((again - design.height) ** 2).mean() / found.expected_error**2)
-    # 160 values of s.d. 1: their s.d. within three of its standard errors
-    assert np.std(scores) == pytest.approx(1.0, abs=3.0 / np.sqrt(320))
-    # 40 parts of 60 degrees of freedom each: 1.5 % standard error
-    assert np.sqrt(np.mean(np.square(random))) == pytest.approx(0.9e-3, rel=0.05)
-    assert np.mean(seen) == pytest.approx(1.0, rel=0.12)
-
-
 def test_an_exact_map_leaves_nothing_above_the_feet_and_is_drawn():
     row = mf.Surface.square_lattice([0.05, 0.12, 0.2], (1, 3), radius=0.526, material=mf.Material(1.36))
     exact = height_map(row, (160, 460), 0.01, **EXACT)
@@ -205,8 +175,7 @@ def test_an_exact_map_leaves_nothing_above_the_feet_and_is_drawn():
     np.testing.assert_allclose(rest[11:19, 11:19], 5e-3, atol=1e-6)
     np.testing.assert_allclose(residuals(HeightMap(-exact, (0.01, 0.01), -1.0), made), rest)
     law = mf.friction_law(row)
-    correction = mf.calibration.corrected_heights(row, made)
-    figure = made_figure(made, correction, shown, law, mf.friction_law(made.surface, load=law.load))
+    figure = made_figure(made, shown, law, mf.friction_law(made.surface, load=law.load))
     assert [ax.get_ylabel() != "" for ax in figure.axes[:4]] == [True] * 4
 
 
@@ -229,17 +198,6 @@ def test_caps_of_the_height_of_the_roughness_are_missing_and_the_others_are_meas
     made = mf.calibration.measured_surface(values, PIXEL, low)
     assert set(made.missing.tolist()) <= {0, 1, 2, 3}
     assert np.abs(made.height_error[-5:] / made.height_sd[-5:]).max() < 4.0
-
-
-def test_a_design_can_be_saved_with_corrected_heights(tmp_path):
-    template = mf.Surface.square_lattice(0.12, (4, 4), radius=0.526, material=mf.Material(1.36))
-    design = mf.design(mf.LinearLaw(6.87), template)
-    made = made_surface(design.surface, np.full(design.surface.count, -1e-4), sd=1e-6)
-    correction = mf.calibration.corrected_heights(design, made)
-    mf.save(correction.design, tmp_path / "next")
-    stored = mf.load(tmp_path / "next")
-    np.testing.assert_allclose(stored.surface.height, design.surface.height + 1e-4, rtol=1e-12)
-    assert "make next" in str(stored.notes[-1])
 
 
 @pytest.mark.parametrize("width", [0.3, 2.0])
@@ -284,12 +242,3 @@ def test_a_common_radius_is_the_joint_least_squares_estimate():
     for i in range(3):
         at = [3 * i, 3 * i + 1, 3 * i + 2, 9]
         np.testing.assert_allclose(error[i], spread[np.ix_(at, at)], atol=1e-8)
-
-
-def test_a_bow_is_found_and_a_missing_asperity_is_corrected_too():
-    design = lattice(np.random.default_rng(3))
-    bow = 1e-4 * (design.position**2).sum(axis=1)
-    made = made_surface(design, bow[1:], sd=0.0, site=np.arange(1, 64))
-    correction = mf.calibration.corrected_heights(design, made)
-    np.testing.assert_allclose(correction.surface.height, design.height - bow, atol=1e-12)
-    assert "1 of the asperities" in str(correction.notes[0])

@@ -181,7 +181,7 @@ def test_errors_of_a_part_are_drawn_in_their_units(ax):
     dots = ax.collections[0]
     assert (dots.get_array().tolist(), dots.get_clim()) == ([1.0, -2.0, 0.0, 0.0], (-2.0, 2.0))
     first, second, third, fourth = drawing.new_figure(9.0, 9.0).subplots(2, 2).ravel()
-    topography.errors_over_height(first, 0.1 * X, 1e-3 * X, 1e-4 * X, 2e-3 * X)
+    topography.errors_over_height(first, 0.1 * X, 1e-3 * X, 1e-4 * X)
     for line, y in zip(first.lines[1:], (X, 2.0 * X), strict=False):
         np.testing.assert_allclose(points(line), np.column_stack([100.0 * X, y]))
     np.testing.assert_allclose(bars(first.containers[0])[0], np.column_stack([0.9 * X, 1.1 * X]))
