@@ -21,7 +21,7 @@ UNITS: Mapping[str, str] = {
         "mm^2": (
             *("rescaled_load", "rescaled_friction", "crossover_load", "crossover_loads", "load_range"),
             *("area", "area_sd", "asperity_area", "asperity_area_sd"),
-            *("area_before", "area_sheared", "expected_area", "smallest_area"),
+            *("area_before", "area_sheared", "smallest_area"),
         ),
         "N": ("load", "load_min", "friction_force", "load_sd", "friction_force_sd"),
         "N/mm": ("adhesion_energy",),

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -25,7 +23,7 @@ from metafem.calibration.sites.search import (
     spacing_of,
 )
 from metafem.errors import InvalidInput, refuse_if
-from metafem.notes import Note, information
+from metafem.notes import Note
 
 # Sides from which the contacts may be viewed, and whether x is mirrored.
 SIDES = {"glass": False, "block": True}
@@ -50,8 +48,6 @@ def match_sites(
     rotation: float = 0.0,
     rotation_range: float = TURN,
     scale_range: float = STRETCH,
-    area: ArrayLike | None = None,
-    expected_area: ArrayLike | None = None,
     frame: ArrayLike | None = None,
 ) -> SiteMatch:
     """Return the sites of the contacts in an image, and the shift, rotation and scale of the image.
@@ -79,13 +75,10 @@ def match_sites(
         Largest difference from `rotation` [rad]; default: 5°. It must be less than 45° for a square lattice.
     scale_range : float
         Largest relative error of the pixel size [-]; default: 0.1.
-    area, expected_area : array_like, (n,) and (m,)
-        Measured areas of the contacts, and areas that the design's law predicts at the sites [mm^2], up to a
-        common factor; default: None. If several shifts match equally many contacts, the areas decide between
-        them. A note is added if the areas make another viewing side or a quarter turn much more likely.
     frame : array_like, (2,)
-        Width and height of the image [mm]. A comparison of areas ignores sites outside the image; default:
-        all sites are in the image.
+        Width and height of the image [mm]; default: none. If several shifts match equally many contacts, the
+        one that puts the centre of the design nearest to the centre of the frame is used, or of the contacts
+        without a frame.
 
     Returns
     -------
@@ -99,8 +92,7 @@ def match_sites(
     Notes
     -----
     If an outer row of a square lattice is open, the remaining contacts match two positions of the lattice.
-    Then ``SiteMatch.ambiguous`` is true, unless the areas decide. Without areas, the position with the
-    design's centre nearest to the centre of the frame, or of the contacts if `frame` is None, is used.
+    Then ``SiteMatch.ambiguous`` is true, and a note says so.
     Positions do not show whether a square lattice is mirrored or turned by 90°.
 
     Examples
@@ -125,19 +117,12 @@ def match_sites(
         check.number("rotation_range", rotation_range, above=0.0, at_most=math.pi),
         check.number("scale_range", scale_range, above=0.0, at_most=0.5),
     )
-    areas = None
-    if expected_area is not None:
-        refuse_if(area is None, "expected_area needs area, the measured areas of the contacts")
-        areas = (
-            check.array("area", area, shape=(len(centres),)),
-            check.array("expected_area", expected_area, shape=(len(sites),)),
-        )
     size = None if frame is None else check.array("frame", frame, shape=(2,), positive=True)
     for what, count in (("contacts", len(centres)), ("sites", len(sites))):
         must = f"cannot be matched: shift, rotation and scale need at least {FEWEST}"
         refuse_if(count < FEWEST, f"{count} {what} {must}")
     mirrored = SIDES[viewed_from]
-    scene = _Scene(complex_points(centres), complex_points(sites, mirrored), bounds, mirrored, areas, size)
+    scene = _Scene(complex_points(centres), complex_points(sites, mirrored), bounds, mirrored, size)
     coincident = "site_position holds coincident sites; each site must have a position of its own"
     refuse_if(scene.spacing == 0.0, coincident)
     poses = scene.poses()
@@ -148,60 +133,34 @@ def match_sites(
 
 @dataclass(frozen=True)
 class _Scene(Search):
-    """Search within bounds for one viewing side, with the measured and the expected areas."""
+    """Search within bounds for one viewing side."""
 
     bounds: Bounds
     mirrored: bool
-    areas: tuple[FloatArray, FloatArray] | None
     frame: FloatArray | None
 
     def poses(self) -> list[Pose]:
-        """Return the poses that match the largest number of contacts, the most likely pose first."""
+        """Return the poses that match the largest number of contacts, the most central pose first."""
         found = self.searched(self.bounds)
-        return self._likeliest([*found, *self.shifted(found[0], self.bounds)] if found else [])
+        return self._most([*found, *self.shifted(found[0], self.bounds)] if found else [])
 
-    def _likeliest(self, poses: list[Pose]) -> list[Pose]:
+    def _most(self, poses: list[Pose]) -> list[Pose]:
         known = {pose.site.tobytes(): pose for pose in reversed(poses)}.values()
         most = max((pose.matched for pose in known), default=0)
         best = [pose for pose in known if pose.matched == most]
-        if self.areas is None:
-            return sorted(best, key=self._off_centre)
-        return sorted(best, key=lambda pose: -self.likely(pose))
+        return sorted(best, key=self._off_centre)
 
     def _off_centre(self, pose: Pose) -> float:
         """Return the distance [mm] of the design's centre from the centre of the frame or of the contacts."""
         middle = 0.5 * complex(*self.frame) if self.frame is not None else self.points.mean()
         return float(abs(pose.image(self.sites).mean() - middle))
 
-    def likely(self, pose: Pose) -> float:
-        """Return the log-likelihood of the measured areas for the expected areas, up to a constant.
-
-        The true areas are the expected areas times an unknown factor, which allows for errors of E* or load.
-        The measured areas have normal errors with an unknown common standard deviation. A site in the frame
-        without a contact has the area 0.
-        """
-        assert self.areas is not None
-        area, expected = self.areas
-        measured: Any = np.zeros(len(expected))
-        measured[pose.site[pose.site >= 0]] = area[pose.site >= 0]
-        if self.frame is not None:
-            place = real_points(pose.image(self.sites))
-            seen = np.all((place >= 0.0) & (place <= self.frame), axis=1)
-            measured, expected = measured[seen], expected[seen]
-        total, own = measured @ measured, expected @ expected
-        if not total or not own:
-            return 0.0
-        part = max(measured @ expected, 0.0) ** 2 / (total * own)
-        # the bound keeps the likelihood finite if the areas agree exactly
-        return -0.5 * len(measured) * math.log(max(1.0 - part, np.finfo(float).eps))
-
     def match(self, poses: list[Pose]) -> SiteMatch:
         """Return the match for the first pose; all poses match equally many contacts."""
         best, matched = poses[0], poses[0].site >= 0
         away = self.points[matched] - best.image(self.sites[best.site[matched]])
         ambiguous = len(poses) > 1
-        if self.areas is not None and ambiguous:
-            ambiguous = not _decides(self.likely(best), self.likely(poses[1]))
+        many = f"the {best.matched} contacts match the sites equally well in {len(poses)} places; a larger "
         site = best.site.copy()
         site.flags.writeable = False
         return SiteMatch(
@@ -212,49 +171,7 @@ class _Scene(Search):
             mirrored=self.mirrored,
             residual=float(np.sqrt(np.mean(np.abs(away) ** 2))),
             ambiguous=ambiguous,
-            notes=tuple(self._notes(poses, ambiguous)),
-        )
-
-    def _notes(self, poses: list[Pose], ambiguous: bool) -> Iterator[Note]:
-        n, best = len(poses), poses[0]
-        if ambiguous:
-            remedy = (
-                "expected areas" if self.areas is None else "a larger load, at which more contacts close,"
-            )
-            yield Note(
-                f"the {best.matched} contacts match the sites equally well in {n} places; {remedy} can "
-                "decide between them"
-            )
-        elif n > 1:
-            yield information(
-                f"the contacts match the sites in {n} places; their areas fit one of them best, by odds "
-                "of more than 100 to 1"
-            )
-        if self.areas is not None:
-            yield from self._other_views(best)
-
-    def _other_views(self, best: Pose) -> Iterator[Note]:
-        """Return a warning if the areas favour the other viewing side or a quarter turn."""
-        own = self.likely(best)
-        others: list[tuple[float, bool, int]] = []
-        mirror = replace(self, sites=-self.sites.conj(), mirrored=not self.mirrored)
-        for scene, first in ((self, 1), (mirror, 0)):
-            for quarter in range(first, 4):
-                turned = replace(best, factor=best.factor * 1j**quarter)
-                rotation = self.bounds.rotation + 0.5 * math.pi * quarter
-                poses = scene._likeliest(scene.shifted(turned, replace(self.bounds, rotation=rotation)))
-                if poses and poses[0].matched >= best.matched:
-                    others.append((scene.likely(poses[0]), scene.mirrored, 90 * quarter))
-        likely, side, angle = max(others, default=(own, self.mirrored, 0))
-        if not _decides(likely, own):
-            return
-        views = [name for name, value in SIDES.items() if value == side != self.mirrored]
-        changes = [f"seen through the {name}" for name in views] + [f"turned by {angle}°"] * bool(angle)
-        turn = (math.degrees(self.bounds.rotation) + angle + 180.0) % 360.0 - 180.0
-        tries = [f"--viewed-from {name}" for name in views] + [f'--rotation "{turn:.4g} deg"'] * bool(angle)
-        yield Note(
-            f"the areas fit the design much better if it is {' and '.join(changes)}; try "
-            f"{' and '.join(tries)}, and check the viewing side and the rotation of the image"
+            notes=(Note(f"{many}load, at which more contacts close, can decide between them"),) * ambiguous,
         )
 
     def another_lattice(self, poses: list[Pose]) -> str:
@@ -281,16 +198,6 @@ class _Scene(Search):
             f"the {count} contacts are not on the sites of the design: {best}; {apart}{pixel}; {searched}. "
             "Check the design, the pixel size, the rotation and the viewing side"
         )
-
-
-# Odds at which one of two poses is preferred. With equal prior probabilities, the other pose then has a
-# probability of 1 %.
-ODDS = 100.0
-
-
-def _decides(likely: float, other: float) -> bool:
-    """Return whether a log-likelihood clearly exceeds another."""
-    return likely - other >= math.log(ODDS)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -103,9 +103,6 @@ def track_contacts(
     if sites is None:
         return stack.numbered()
     check.instance("sites", sites, DesignSites, "a metafem.calibration.DesignSites")
-    expected, shape = sites.expected_area, (k, len(sites.position))
-    if expected is not None and expected.shape != shape:
-        raise InvalidInput(f"expected_area has shape {expected.shape}; it must have shape {shape}")
     return stack.matched(sites)
 
 
@@ -119,9 +116,6 @@ class DesignSites(Value):
         Positions of the sites [mm], as in `heights.csv`.
     number : array_like of int, (m,), optional
         Numbers of the sites for tables; default: 0 to m - 1.
-    expected_area : array_like, (k, m), optional
-        Areas that the design's law predicts at the loads of k images [mm^2], nan where unknown; default:
-        none.
     viewed_from : {"glass", "block"}
         As for `match_sites`; default: "glass".
     rotation : float
@@ -140,7 +134,6 @@ class DesignSites(Value):
 
     position: FloatArray
     number: NDArray[np.intp] = None  # type: ignore[assignment]
-    expected_area: FloatArray | None = None
     viewed_from: str = "glass"
     rotation: float = 0.0
 
@@ -150,9 +143,8 @@ class DesignSites(Value):
         number = np.arange(m) if self.number is None else np.asarray(self.number, dtype=np.intp)
         wrong = number.shape != (m,) or len(np.unique(number)) != m
         refuse_if(wrong, f"site must hold {m} different numbers, one for each site")
-        expected = None if self.expected_area is None else np.asarray(self.expected_area, dtype=np.float64)
-        for name, value in (("position", position), ("number", number), ("expected_area", expected)):
-            object.__setattr__(self, name, value)
+        object.__setattr__(self, "position", position)
+        object.__setattr__(self, "number", number)
 
 
 @dataclass(frozen=True)
@@ -217,15 +209,12 @@ class _Stack:
         errors = []
         for i in self.fullest()[:TRIED]:
             areas = self.areas[i]
-            known = None if sites.expected_area is None else sites.expected_area[i]
             try:
                 return i, match_sites(
                     areas.centre[areas.complete],
                     sites.position,
                     viewed_from=sites.viewed_from,
                     rotation=sites.rotation,
-                    area=areas.area[areas.complete],
-                    expected_area=known if known is not None and np.isfinite(known).all() else None,
                     frame=areas.frame,
                 )
             except InvalidInput as error:

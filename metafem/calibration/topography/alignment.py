@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,22 +46,20 @@ class Alignment:
         return int((self.site >= 0).sum())
 
 
-def aligned(centre: FloatArray, height: FloatArray, design: Surface, mirrored: bool | None) -> Alignment:
+def aligned(centre: FloatArray, height: FloatArray, design: Surface, mirrored: bool) -> Alignment:
     """Return the alignment of summits (m, 2) with heights (m,) to the sites of a design.
 
-    All quarter turns are compared. `mirrored` states whether the map is mirrored; if None, both cases are
-    compared. The orientation with the largest number of matched summits is used. If several orientations
-    match this number, the heights decide.
+    All quarter turns are compared. `mirrored` states whether the map is mirrored. The turn with the largest
+    number of matched summits is used. If several turns match this number, the heights decide.
     """
     if min(len(centre), design.count) < FEWEST:
         return _few(centre, height, design)
     found, refused = [], []
-    for flip in (False, True) if mirrored is None else (mirrored,):
-        for quarter in range(4):
-            try:
-                found.append(_placed(centre, height, design, flip, 0.5 * math.pi * quarter))
-            except InvalidInput as error:
-                refused.append(error)
+    for quarter in range(4):
+        try:
+            found.append(_placed(centre, height, design, mirrored, 0.5 * math.pi * quarter))
+        except InvalidInput as error:
+            refused.append(error)
     if not found:
         raise InvalidInput(str(refused[0]).replace("contacts", "caps").replace("in the image", "on the map"))
     most = max(each.matched for each in found)
@@ -77,11 +74,8 @@ def _placed(
     centre: FloatArray, height: FloatArray, design: Surface, mirrored: bool, rotation: float
 ) -> Alignment:
     """Return the alignment for one orientation of the map, with summits moved by a rigid motion."""
-    view: dict[str, Any] = {"viewed_from": "block" if mirrored else "glass", "rotation": rotation}
-    match = match_sites(centre, design.position, rotation_range=TURN, **view)
-    if match.ambiguous:
-        view |= {"area": height, "expected_area": design.height}
-        match = match_sites(centre, design.position, rotation_range=TURN, **view)
+    side = "block" if mirrored else "glass"
+    match = match_sites(centre, design.position, viewed_from=side, rotation=rotation, rotation_range=TURN)
     on_site = match.site >= 0
     points = centre * np.array([-1.0, 1.0]) if mirrored else centre
     position, angle = _rigid(points, points[on_site], design.position[match.site[on_site]])
@@ -126,7 +120,7 @@ FOREIGN, FOREIGN_MEAN = 0.5, 0.05
 # Largest number of caps, hills or missing asperities that notes list individually.
 NAMED = 5
 
-UNDECIDED = "the heights do not show how the part was turned, mirrored or shifted; the map is used as it is"
+UNDECIDED = "the heights do not show how the part was turned or shifted; the map is used as it is"
 
 
 def placement_notes(
@@ -155,9 +149,8 @@ def placement_notes(
     turn = round(math.degrees(place.rotation) / 90.0) % 4 * 90
     if not place.decided:
         yield information(UNDECIDED)
-    elif turn or place.mirrored:
-        ways = [f"turned by {turn} degrees"] * bool(turn) + ["mirrored"] * place.mirrored
-        yield information(f"by its heights, the part is {' and '.join(ways)} on the map")
+    elif turn:
+        yield information(f"by its heights, the part is turned by {turn} degrees on the map")
     if abs(place.scale - 1.0) > SCALE:
         larger = percent(place.scale - 1.0, "+.2g")
         yield Note(f"distances on the map differ from the design's by {larger}; check pixel_size")

@@ -161,8 +161,7 @@ def measured_surface(
     mould : bool
         Whether the map shows the mould, whose holes form the caps; default: False.
     mirrored : bool, optional
-        Whether the map is a mirror image of the part, like the map of a mould; default: the choice that fits
-        the heights better.
+        Whether the map is a mirror image of the part; default: the value of `mould`.
 
     Returns
     -------
@@ -215,7 +214,7 @@ def measured_surface(
     value = np.array([[cap.x, cap.y, cap.height, cap.radius] for cap in caps])
     if common_radius:
         value, covariance = pooled(value, covariance)
-    place = aligned(value[:, :2], value[:, 2], design, True if mould and mirrored is None else mirrored)
+    place = aligned(value[:, :2], value[:, 2], design, mould if mirrored is None else mirrored)
     matched = np.flatnonzero(place.site >= 0)
     refuse_if(not matched.size, f"none of the {len(caps)} caps of the map lies on a site of the design")
     order = matched[np.argsort(place.site[matched])]

@@ -13,7 +13,7 @@ import numpy as np
 import metafem as mf
 from metafem._given import Names
 from metafem.calibration.contact_table import listed
-from metafem.cli.terminal import loaded, notes_data
+from metafem.cli.terminal import notes_data
 from metafem.errors import InvalidInput, refuse_if
 from metafem.notes import Note, information
 from metafem.progress import doing
@@ -141,7 +141,7 @@ def measured_series(
     images = mf.files.Images(files)
     found = _measured(images, pixel, np.concatenate([load, load[after]]), options["bright_contacts"])
     areas, sheared = found[: len(before)], dict(zip(after, found[len(before) :], strict=True))
-    sites = _sites(options, load, rotation)
+    sites = _sites(options, rotation)
     others = [sheared.get(i) for i in range(len(before))]
     with doing("following the contacts"):
         tracked = mf.calibration.track_contacts(
@@ -154,15 +154,6 @@ def measured_series(
             sites=sites,
         )
     more = [*notes, *_notes(images, areas, tracked, pixel)]
-    if sites is not None and (
-        sites.expected_area is None or np.isnan(sites.expected_area[tracked.reference]).any()
-    ):
-        more.append(
-            information(
-                "positions alone do not show whether the viewing side and the quarter turn are right; areas "
-                "do, with --sites DIR, the result folder of the design, and --forces"
-            )
-        )
     # warnings on the match come first, because the sentence on the match is printed before the notes
     first = [note for note in tracked.notes if note.warns]
     last = [note for note in tracked.notes if not note.warns]
@@ -211,27 +202,14 @@ def _notes(
         )
 
 
-def _sites(options: dict[str, Any], load: Any, rotation: float) -> DesignSites | None:
-    """Return the sites of a design; a result folder adds the area of each asperity at each load."""
+def _sites(options: dict[str, Any], rotation: float) -> DesignSites | None:
+    """Return the sites of a design, from its table of heights."""
     source = options["sites"]
     if source is None:
         return None
-    expected: Any = None
-    number: Any
-    if source.is_dir():
-        design = loaded(source)
-        position, number = design.surface.position, np.asarray(design.sites)
-        expected = np.full((len(load), len(position)), np.nan)
-        with doing("predicting the areas"):
-            for i, force in enumerate(load.tolist()):
-                if force > 0.0:
-                    # the independent model suffices, because only ratios of the areas are compared
-                    state = mf.equilibrium(design.surface, mf.Independent(), load=force)
-                    expected[i] = state.asperity_area
-    else:
-        refuse_if(not source.exists(), f"--sites {source}: no such file or folder")
-        position, number = mf.files.read_sites(source)
-    return mf.calibration.DesignSites(position, number, expected, options["viewed_from"], rotation)
+    refuse_if(not source.exists(), f"--sites {source}: no such file or folder")
+    position, number = mf.files.read_sites(source / "heights.csv" if source.is_dir() else source)
+    return mf.calibration.DesignSites(position, number, options["viewed_from"], rotation)
 
 
 def _known(value: float) -> float | None:

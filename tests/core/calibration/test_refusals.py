@@ -210,11 +210,10 @@ REFUSALS = [
     (matched(viewed_from="below"), "viewed_from", "below"),
     (tracked(areas=[]), "image", "1"),
     (tracked(areas=[images.contacts(sites(), 0.1)] * 2, image=["a", "a"]), "image", "a"),
-    (tracked(sites=DesignSites(sites(), expected_area=np.ones(64))), "expected_area", "(1, 64)"),
     (tracked(sites=DesignSites(1.4 * sites())), "a", "2.1"),
     (lambda: DesignSites(sites(), [1] * 64), "site", "64"),
     (
-        lambda: aligned(FEW.position, FEW.height, lattice(np.random.default_rng(0), (5, 4)), None),
+        lambda: aligned(FEW.position, FEW.height, lattice(np.random.default_rng(0), (5, 4)), False),
         "2 caps",
         "20",
     ),

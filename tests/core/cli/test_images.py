@@ -7,7 +7,6 @@ import pytest
 import tifffile
 from PIL import Image
 
-import metafem as mf
 from metafem.files import read_contacts
 from validation.scenes.lattice_views import lattice, seen
 from validation.scenes.pictures import picture
@@ -127,25 +126,3 @@ def test_a_drawing_in_the_folder_is_no_image_and_an_image_is_no_drawing(run, pic
         in run("images", "pictures", "--pixel", "20 um", "--picture", "pictures/11.png", "--force").refusal
     )
     assert (pictures / "11.png").read_bytes() == before
-
-
-@pytest.mark.slow
-def test_the_areas_of_a_design_tell_a_wrong_viewing_side(run, demo, tmp_path):
-    demo("linear")
-    surface = mf.load("linear").surface
-    area = mf.equilibrium(surface, load=0.3).asperity_area
-    closed = area > 0.02
-    centre, axes = surface.position[closed] + 6.2, np.sqrt(area[closed] / np.pi)
-    image = picture((620, 620), centre / PIXEL, axes / PIXEL, noise=0.02, bits=8)
-    tifffile.imwrite(tmp_path / "1.tif", image)
-    (tmp_path / "forces.csv").write_text("image,load_mN\n1.tif,300\n", encoding="utf-8")
-    arguments = ["images", "1.tif", "--pixel", "20 um", "--forces", "forces.csv", "--sites", "linear"]
-    assert "viewing side" not in run(*arguments).output
-    unknown = run(*arguments[:4], "--sites", "linear").words
-    assert "positions alone do not show whether the viewing side and the quarter turn are right" in unknown
-    wrong = run(*arguments, "--viewed-from", "block").words
-    assert wrong.count("the areas fit the design much better if it is seen through the glass") == 1
-    assert "try --viewed-from glass" in wrong
-    assert "µm warning: the areas" in wrong or "µm warning: 1.tif: the areas" in wrong
-    turned = run(*arguments, "--rotation", "90 deg").words
-    assert 'turned by 270°; try --rotation "0 deg"' in turned
