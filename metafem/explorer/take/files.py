@@ -117,15 +117,10 @@ def hindrance(name: str, answer: Answer, problem: str = "") -> str:
         return NEEDS_DESIGN
     if problem and name not in OF_THE_DESIGN:
         return NEEDS_PART
-    stem, _, kind = name.partition(".")
     specification = answer.specification
-    if specification is None or stem not in ("block", "mould") or kind == "csv":
+    if specification is None or not name.endswith(".stl") or specification.template.block is not None:
         return ""
-    if specification.template.block is None:
-        return NO_BLOCK
-    if kind != "svg" and kind not in specification.part.formats:
-        return f"needs “{kind}” among the “formats” of “Part files”"
-    return ""
+    return NO_BLOCK
 
 
 def said_above(answer: Answer, problem: str = "") -> str:

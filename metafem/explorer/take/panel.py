@@ -28,7 +28,6 @@ MEANINGS = {
     "report.html": "Report: one page that opens without a network",
     "block.stl": "Solid of the block with its summits",
     "mould.stl": "Solid of the mould",
-    "mould.svg": "Drawing of the mould with its holes",
     "surface.vtu": "Surface for ParaView",
     PICTURE: "Picture of the law, with its difference from the target",
     files.SPECIFICATION: "Specification, with the tables that it names",
@@ -71,7 +70,7 @@ class Taking(Panel):
     def _cards(self) -> None:
         """Create the cards with their buttons."""
         with _card("To make the part"):
-            self._buttons("mould.csv", "block.stl", "mould.stl", "mould.svg")
+            self._buttons("mould.csv", "block.stl", "mould.stl")
         with _card("To keep and to repeat the design"):
             self._buttons(ARCHIVE, files.SPECIFICATION)
             copy = self._copy("location.href", COPIED, text="Copy link", icon="link")

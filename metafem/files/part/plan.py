@@ -8,19 +8,18 @@ from pathlib import Path
 from typing import Any
 
 from metafem import _validate as check
-from metafem._given import shown
 from metafem._values import MICROMETRES
 from metafem.caps import SPHERE
-from metafem.errors import InvalidInput, refuse_if
+from metafem.errors import refuse_if
 from metafem.files.part.block import block_mesh, mould_mesh, triangle_count
 from metafem.files.part.caps import refuse_impossible, with_alignment
-from metafem.files.part.formats import WRITERS, stl_size
-from metafem.files.part.mould_drawing import mould_drawing
+from metafem.files.part.stl import stl_size, write_stl
 from metafem.notes import Note, information
 from metafem.progress import doing, message
 from metafem.surface import Block, Surface
 
-FORMATS = tuple(WRITERS)
+# Files of a part.
+FILES = ("block.stl", "mould.stl")
 
 # Default chord error as a fraction of the smallest radius. For the source paper's radius of 526 um it is
 # 0.2 um, a quarter of the 0.9 um accuracy of the paper's moulds (doi:10.1126/science.adk4234).
@@ -50,26 +49,19 @@ class PartOptions:
         at a given separation, the contact area of an asperity changes by at most ``pi R`` times the chord
         error. Most of this change equals that of a common shift of all caps, which does not affect A0(P).
         Default: 4e-4 of the smallest radius, or more if a solid would have over two million triangles.
-    formats : sequence of str
-        File formats of the solids: "stl", "3mf" and "obj"; default: ("stl",).
 
     Examples
     --------
-    >>> PartOptions(chord_error=1e-3, formats=("stl", "3mf")).formats
-    ('stl', '3mf')
+    >>> PartOptions(chord_error=1e-3).chord_error
+    0.001
     """
 
     alignment_height: float | None = None
     chord_error: float | None = None
-    formats: tuple[str, ...] = ("stl",)
 
     def __post_init__(self) -> None:
         for name in ("alignment_height", "chord_error"):
             check.member(self, name, optional=True, above=0.0)
-        if isinstance(self.formats, str) or not all(name in FORMATS for name in self.formats):
-            words = f"must be a list of {', '.join(FORMATS)}"
-            raise InvalidInput(words, key="formats", value=shown(self.formats))
-        object.__setattr__(self, "formats", tuple(dict.fromkeys(self.formats)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,36 +89,26 @@ class Part:
         return {
             "chord_error_mm": self.chord_error,
             "triangles": self.triangles,
-            "files": [f"{solid}.{kind}" for kind in self.options.formats for solid in ("block", "mould")]
-            + ["mould.svg"],
+            "files": list(FILES),
         }
 
     def size(self) -> str:
         """Return a text with the names of the solids, their size and their chord error."""
-        names = " and ".join(f"block.{kind}, mould.{kind}" for kind in self.options.formats)
-        stl = f", {stl_size(self.triangles) / 1e6:.3g} MB as STL" if "stl" in self.options.formats else ""
+        megabytes = stl_size(self.triangles) / 1e6
         return (
-            f"{names}: {self.triangles:,} triangles each{stl}, "
+            f"{', '.join(FILES)}: {self.triangles:,} triangles and {megabytes:.3g} MB each, "
             f"at most {self.chord_error * MICROMETRES:.2g} um below the {self.caps}"
         )
 
     def write(self, folder: Path) -> None:
-        """Write the solids and the drawing of the mould into a folder."""
-        (folder / "mould.svg").write_text(
-            mould_drawing(self.surface, self.asperities, self.block),
-            encoding="utf-8",
-            newline="\n",
-        )
-        if not self.options.formats:
-            return
+        """Write the solids into a folder."""
         message(self.size())
         with doing("meshing the part"):
             block = block_mesh(self.surface, self.block, self.chord_error)
             mould = mould_mesh(block, self.surface, self.block)
         with doing("writing the part"):
-            for kind in self.options.formats:
-                WRITERS[kind](block, folder / f"block.{kind}", "block")
-                WRITERS[kind](mould, folder / f"mould.{kind}", "mould")
+            write_stl(block, folder / "block.stl", "block")
+            write_stl(mould, folder / "mould.stl", "mould")
 
 
 def planned(surface: Surface, template: Surface, options: PartOptions) -> Part | None:

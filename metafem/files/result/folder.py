@@ -48,7 +48,7 @@ def save(
 
     The files are ``design.json`` (all data that `load` reads, and versions of libraries), ``heights.csv``,
     ``law.csv``, ``mould.csv`` and ``surface.vtu``. A specification adds ``spec.toml`` and the tables that it
-    names. A block adds the solids ``block.stl`` and ``mould.stl`` and the drawing ``mould.svg``. The folder
+    names. A block adds the solids ``block.stl`` and ``mould.stl``. The folder
     appears when all files are written. Its hidden file ``.metafem-files`` lists the files with their SHA-256
     hashes, so that `force` can recognise changed files.
 

@@ -67,7 +67,7 @@ def law_table(law: FrictionLaw) -> str:
 def mould_table(design: Design, part: Surface | None = None) -> str:
     """Return the text of mould.csv: one hole for each summit, of kind "asperity" or "alignment".
 
-    Holes are numbered as in ``mould.svg``, and sites as in ``heights.csv``. The depth of a hole below the
+    Sites are numbered as in ``heights.csv``. The depth of a hole below the
     face of the mould is the height of its summit, and the radius of its tool is the radius of the summit. The
     mould is viewed from its open face, as on the milling machine, so that x is mirrored.
 

@@ -19,7 +19,7 @@ from metafem.files.samples import COLUMNS, TARGET, columns_of, samples_of
 RESULT_FILES = frozenset(
     {
         *("design.json", "heights.csv", "law.csv", "mould.csv", "surface.vtu", "spec.toml", "report.html"),
-        *("block.stl", "block.3mf", "block.obj", "mould.stl", "mould.3mf", "mould.obj", "mould.svg"),
+        *("block.stl", "mould.stl"),
     }
 )
 

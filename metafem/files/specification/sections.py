@@ -13,7 +13,7 @@ from metafem.caps import SPHERE, Cap
 from metafem.caps.shapes import STEEPEST
 from metafem.errors import InvalidInput, refuse_if
 from metafem.files.caps import cap_named
-from metafem.files.part.plan import FORMATS, PartOptions
+from metafem.files.part.plan import PartOptions
 from metafem.files.specification.fields import (
     Angle,
     Length,
@@ -282,9 +282,6 @@ class PartSection(Section):
     )
     chord_error: PositiveLength | None = optional(
         "largest distance of the mesh from the caps; default: 4e-4 R, at most 2 million triangles", "1 um"
-    )
-    formats: tuple[Annotated[str, Field(strict=True), one_of(FORMATS)], ...] = key(
-        "of the part and its mould: stl, 3mf, obj", ["stl", "3mf"], default=("stl",)
     )
 
 

@@ -98,7 +98,7 @@ def test_texts_archives_and_pictures(answer):
 
 
 def test_what_hinders_a_file_is_told(answer):
-    every = ["mould.csv", "heights.csv", "law.csv", "block.stl", "mould.stl", "mould.svg", "surface.zip"]
+    every = ["mould.csv", "heights.csv", "law.csv", "block.stl", "mould.stl", "surface.zip"]
 
     def hindered(answer, problem=""):
         return [name for name in every if hindrance(name, answer, problem)]
@@ -108,11 +108,8 @@ def test_what_hinders_a_file_is_told(answer):
     assert hindered(answer, problem) == [name for name in every if name not in ("heights.csv", "law.csv")]
     assert "height 0 mm" in said_above(answer, problem)
     bare = answered(State(without_section(without_section(TEXT, "part"), "block")), 2)
-    assert hindered(bare) == ["block.stl", "mould.stl", "mould.svg"]
+    assert hindered(bare) == ["block.stl", "mould.stl"]
     assert "“Block”" in hindrance("block.stl", bare)
-    other = answered(State(TEXT + 'formats = ["3mf"]\n'), 3)
-    assert hindered(other) == ["block.stl", "mould.stl"]
-    assert "“stl”" in hindrance("mould.stl", other)
     none = Answer(1, State(TEXT), refusal="the target ends above the reach")
     assert hindered(none) == every
     assert said_above(none) == f"{NO_DESIGN} the target ends above the reach"

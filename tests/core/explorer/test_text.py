@@ -169,7 +169,6 @@ TYPED = [
     ("material.poisson_ratio", " .45 ", 0.45),
     ("material.poisson_ratio", "0,45", 0.45),
     ("layout.follow_law", "true", True),
-    ("part.formats", "stl, 3mf", ["stl", "3mf"]),
     ("target.load_range", '"0.1 N"; "0.4 N"', ["0.1 N", "0.4 N"]),
     ("target.load_range", "0,1; 0,4 mm^2", ["0.1 mm^2", "0.4 mm^2"]),
     ("target.load_range", "0.1, 0.4", ["0.1 mm^2", "0.4 mm^2"]),
@@ -209,7 +208,6 @@ def test_a_problem_is_at_its_key_and_its_line_in_the_words_of_the_page():
         ("lattice.shape", "8, a", "Entry 2 = 'a'", {}),
         ("material.poisson_ratio", "0.7", "0.5", {}),
         ("model.kind", "rigid", "nknown", {}),
-        ("part.formats", "stl, dwg", "stl, 3mf, obj", {}),
     ):
         text = with_field(LINEAR, key, typed)
         answer = answered(State(text), 1)

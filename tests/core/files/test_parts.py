@@ -1,9 +1,6 @@
-"""The files of a part: closed solids of the right volume, their formats, and the drawing of the mould."""
+"""The files of a part: closed solids of the right volume, as STL."""
 
-import io
 import math
-import zipfile
-from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -13,9 +10,8 @@ import metafem as mf
 from metafem.files import PartOptions, part_notes, planned
 from metafem.files.part.block import block_mesh, cap_faces, cap_vertices, mould_mesh, ring_count
 from metafem.files.part.caps import alignment_positions, with_alignment
-from metafem.files.part.formats import WRITERS, stl_size
-from metafem.files.part.mould_drawing import mould_drawing
 from metafem.files.part.plan import MOST_BY_DEFAULT
+from metafem.files.part.stl import stl_size, write_stl
 
 MATERIAL, BLOCK = mf.Material(1.36), mf.Block(8.0, 7.0, 3.0)
 HEIGHTS = np.array([0.02, 0.05, 0.1, 0.2, 0.3, 0.4])
@@ -23,7 +19,6 @@ PART = mf.Surface.square_lattice(HEIGHTS, (2, 3), 1.5, radius=0.526, material=MA
 LOW = PART.replaced(height=HEIGHTS * 0.3)
 RHO = np.linspace(0.0, 0.6, 40)
 TABLE = mf.Profile([RHO, 0.5 * RHO**2 + 0.004 * (1.0 - np.cos(20.0 * RHO))])
-SVG = "{http://www.w3.org/2000/svg}"
 
 
 def volume(mesh):
@@ -79,19 +74,14 @@ def test_faces_of_a_cap_keep_the_chord_error(cap):
         assert rings <= 8 or np.abs(depth).max() >= 0.1 * chord_error  # and not much finer than it must be
 
 
-def test_solids_are_written_in_three_formats(tmp_path):
+def test_a_solid_is_written_as_stl(tmp_path):
     mesh = block_mesh(PART, BLOCK, 1e-2)
-    for kind, write in WRITERS.items():
-        write(mesh, tmp_path / f"a.{kind}", "block")
-        write(mesh, tmp_path / "again", "block")
-        assert (tmp_path / "again").read_bytes() == (tmp_path / f"a.{kind}").read_bytes()
-    assert list(WRITERS) == ["stl", "3mf", "obj"]
-    for kind in ("stl", "obj"):
-        again = trimesh.load(tmp_path / f"a.{kind}", file_type=kind)
-        assert again.is_volume
-        assert len(again.faces) == len(mesh.faces)
-        assert again.volume == pytest.approx(volume(mesh), rel=1e-6)  # single precision
-        np.testing.assert_allclose(again.bounds, [[-4.0, -3.5, -3.0], [4.0, 3.5, 0.4]], rtol=1e-7)
+    write_stl(mesh, tmp_path / "a.stl", "block")
+    again = trimesh.load(tmp_path / "a.stl", file_type="stl")
+    assert again.is_volume
+    assert len(again.faces) == len(mesh.faces)
+    assert again.volume == pytest.approx(volume(mesh), rel=1e-6)  # single precision
+    np.testing.assert_allclose(again.bounds, [[-4.0, -3.5, -3.0], [4.0, 3.5, 0.4]], rtol=1e-7)
     content = (tmp_path / "a.stl").read_bytes()
     assert content[:80].rstrip() == b"metafem block; units: mm"
     assert len(content) == stl_size(len(mesh.faces)) == 84 + 50 * len(mesh.faces)
@@ -101,26 +91,15 @@ def test_solids_are_written_in_three_formats(tmp_path):
     normal = np.cross(b - a, c - a)
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     np.testing.assert_allclose(triangle["normal"], normal, atol=1e-4)
-    assert (tmp_path / "a.obj").read_text().startswith("# metafem block\n# units: mm\no block\nv ")
-    with zipfile.ZipFile(tmp_path / "a.3mf") as archive:
-        assert archive.namelist() == ["[Content_Types].xml", "_rels/.rels", "3D/3dmodel.model"]
-        assert "/3D/3dmodel.model" in archive.read("_rels/.rels").decode()
-        model = ElementTree.parse(io.BytesIO(archive.read("3D/3dmodel.model"))).getroot()
-    space = "{http://schemas.microsoft.com/3dmanufacturing/core/2015/02}"
-    assert model.attrib["unit"] == "millimeter"
-    found = [[float(v.attrib[k]) for k in "xyz"] for v in model.iter(f"{space}vertex")]
-    np.testing.assert_allclose(found, mesh.vertices, rtol=1e-8, atol=1e-12)
-    faces = [[int(t.attrib[k]) for k in ("v1", "v2", "v3")] for t in model.iter(f"{space}triangle")]
-    np.testing.assert_array_equal(faces, mesh.faces)
 
 
 def test_a_plan_states_size_files_and_chord_error(tmp_path):
-    part = planned(PART, PART, PartOptions(chord_error=1e-3, formats=("obj", "stl", "obj")))
+    part = planned(PART, PART, PartOptions(chord_error=1e-3))
     assert part.record() == {
         "chord_error_mm": 1e-3, "triangles": part.triangles,
-        "files": ["block.obj", "mould.obj", "block.stl", "mould.stl", "mould.svg"],
+        "files": ["block.stl", "mould.stl"],
     }  # fmt: skip
-    assert f"{(84 + 50 * part.triangles) / 1e6:.3g} MB as STL, at most 1 um below" in part.size()
+    assert f"{(84 + 50 * part.triangles) / 1e6:.3g} MB each, at most 1 um below" in part.size()
     part.write(tmp_path)
     assert {path.name for path in tmp_path.iterdir()} == set(part.record()["files"])
     mould = trimesh.load(tmp_path / "mould.stl")
@@ -156,49 +135,3 @@ def test_alignment_asperities_stand_one_pitch_outside_and_are_the_tallest():
         assert error.value.example == '"0.46 mm"'  # the middle of what is possible
     with pytest.raises(mf.InvalidInput, match=r"exceeds 0\.1806 mm, where the profile of the caps ends"):
         with_alignment(LOW.replaced(cap=TABLE), PART, 0.4)
-
-
-def holes(text):
-    return [c.attrib for g in ElementTree.fromstring(text).iter(f"{SVG}g") for c in g.findall(f"{SVG}circle")]
-
-
-def test_the_mould_is_drawn_to_scale_mirrored_and_dimensioned():
-    part = planned(PART, PART, PartOptions(0.5))
-    text = mould_drawing(part.surface, part.asperities, part.block)
-    root = ElementTree.fromstring(text)
-    outline = root.find(f"{SVG}g/{SVG}rect").attrib
-    assert (outline["width"], outline["height"]) == ("160", "140")  # 20:1
-    x, y, r = np.array([[float(hole[name]) for name in ("cx", "cy", "r")] for hole in holes(text)]).T / 20.0
-    left, top = float(outline["x"]) / 20.0, float(outline["y"]) / 20.0
-    np.testing.assert_allclose(
-        np.column_stack([left + 4.0 - x, top + 3.5 - y]), part.surface.position, atol=1e-3
-    )
-    np.testing.assert_allclose(r, part.surface.cap.foot_radius(part.surface.height, 0.526), rtol=5e-3)
-    words = [str(element.text) for element in root.iter(f"{SVG}text")]
-    for word in ("8", "7", "10 holes, tool radius R 0.526, depths from 0.02 to 0.5",
-                 "Lengths in mm. Scale 20:1. Circles: rims of the holes in the face.",
-                 *map(str, range(1, 11))):  # fmt: skip
-        assert word in words
-    assert words.count("pitch 1.5") == 2
-    assert any("x is mirrored" in word for word in words)
-
-
-def test_each_tool_has_its_line_and_each_profile_its_rims():
-    mixed = PART.replaced(radius=np.array([0.3, 0.3, 0.3, 0.5, 0.5, 0.5]), height=np.full(6, 0.1))
-    text = mould_drawing(mixed, 6, BLOCK)
-    assert "3 holes, tool radius R 0.3, depth 0.1" in text
-    assert "3 holes, tool radius R 0.5, depth 0.1" in text
-    many = mould_drawing(mixed.replaced(radius=np.linspace(0.3, 0.55, 6)), 6, BLOCK)
-    assert "6 holes, 6 tools, radii R from 0.3 to 0.55, depth 0.1" in many
-    caps = mixed.replaced(cap=[mf.Power(4, 0.3), *[mf.Sphere()] * 4, mf.Paraboloid()])
-    for words in ("1 holes, tool radius R 0.3, power 4.0 0.3", "2 holes, tool radius R 0.5, sphere",
-                  "1 holes, tool radius R 0.5, paraboloid"):  # fmt: skip
-        assert words in mould_drawing(caps, 6, BLOCK)
-    pair = mf.Surface([[0, 0], [3, 0.2]], [0.1, 0.1], 0.5, MATERIAL, cap=mf.Power(4))
-    text = mould_drawing(pair, 2, mf.Block(10.0, 10.0, 3.0))
-    # the foot R (2 h/R)^(1/4), drawn at 20:1
-    assert [float(c["r"]) for c in holes(text)][:2] == [7.95, 7.95]
-    assert "Profile of the holes: Power(exponent=4.0, coefficient=0.5)." in text
-    three = mf.Surface([[0, 0], [1.3, 0.2], [3.1, 1.7]], 0.1 * np.ones(3), 0.5, MATERIAL)
-    assert "pitch" not in mould_drawing(three, 3, mf.Block(300.0, 300.0, 3.0))
-    assert "Scale 1:2" in mould_drawing(three, 3, mf.Block(300.0, 300.0, 3.0))

@@ -169,7 +169,6 @@ KEYS = [
     (of_spec(lattice='shape = 8\npitch = "1 mm"'), "lattice.shape", "must be a list"),
     (of_spec(lattice='shape = [8.5, 8]\npitch = "1 mm"'), "lattice.shape[0]", "8.5 must be a whole number"),
     (of_spec(sites="empty = [-3]"), "sites.empty[0]", "-3 must be at least 0"),
-    (of_spec(part='formats = ["step"]'), "part.formats", "step"),
     (of_spec(layout="follow_law = 1"), "layout.follow_law", "1 must be true or false"),
     (tools("radii = []"), "tools.radii", "[] must have at least 1"),
     (of_spec(model='kind = "flat"'), "model.kind", '"flat"'),
@@ -224,7 +223,6 @@ BORDERS = {
         (of_value(contact_named, "power 4 -1"), "coefficient", "-1"),
         (of_value(model_named, "layr"), "model", "layr"),
         (of_value(files.demo_text, "lineal"), "lineal", "linear"),
-        (of_value(files.PartOptions, formats="stl"), "formats", "'stl'"),
     ],
     "results": [
         (design_json("[]"), "design.json", "metafem design 1"),
