@@ -14,16 +14,13 @@ from metafem.cli.terminal import loaded, print_json
 
 @main.command()
 @click.argument("folder", type=Name())
-@click.option("--checks", is_flag=True, help="Add the finite-element checks, which take about a minute.")
 @json_option
-def report(folder: Path, checks: bool, as_json: bool) -> None:
+def report(folder: Path, as_json: bool) -> None:
     """Write or replace report.html in a result folder, with the results of the studies in the folder."""
     with progress():
         path, still = folder / "report.html", mf.files.same_design(folder)
         studies = mf.files.stored_studies(folder)
-        text = mf.report.page(
-            loaded(folder), mf.files.stored_hardness(folder), checks=checks, studies=studies
-        )
+        text = mf.report.page(loaded(folder), mf.files.stored_hardness(folder), studies=studies)
         mf.files.write_text(path, text, force=True, still=still)
     if as_json:
         print_json({"report": str(path)})

@@ -19,7 +19,6 @@ from metafem.inversion.assessment import empty_sites_words
 from metafem.prediction.validity import base_contact_load
 from metafem.progress import doing
 from metafem.report.comparison import MOST_COMPARED, Comparison, compared
-from metafem.report.elements import elements_section
 from metafem.report.figures import comparison_figure, force_figure, law_figure, sensitivity_figure
 from metafem.report.fits import fit_table
 from metafem.report.html import render
@@ -105,7 +104,6 @@ def page(
     design: Design,
     hardness: float | None = None,
     *,
-    checks: bool = False,
     studies: Mapping[str, Dataset] = NO_STUDIES,
 ) -> str:
     """Return the report of a design as one self-contained HTML text.
@@ -115,8 +113,6 @@ def page(
     design : Design
     hardness : float, optional
         Hardness H of the softer material [MPa]; default: None, without the plasticity index.
-    checks : bool
-        Whether to add the finite-element checks, which take about a minute; default: False.
     studies : mapping of str to xarray.Dataset
         Studies of this design by name; the report shows their answers and figures. Default: none.
 
@@ -163,7 +159,6 @@ def page(
         left_out=left_out,
         exactness=exactness_section(studies),
         explanation=explanation_section(studies),
-        elements=elements_section(design) if checks else None,
         parameters=parameter_rows(design),
         fit_columns=fit_columns,
         fits=fits,

@@ -1,4 +1,4 @@
-"""Studies of a design as datasets, and checks of the finite elements against closed forms."""
+"""Studies of a design as datasets."""
 
 import lazy_loader
 

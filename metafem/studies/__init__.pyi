@@ -1,11 +1,5 @@
 from .combined import Requirement as Requirement
 from .combined import combined as combined
-from .element_checks import Check as Check
-from .element_checks import Convergence as Convergence
-from .element_checks import cap_check as cap_check
-from .element_checks import cell_check as cell_check
-from .element_checks import hertz_check as hertz_check
-from .element_checks import layer_check as layer_check
 from .fidelity import fidelity as fidelity
 from .interaction import interaction as interaction
 from .manufacturing import manufacturing as manufacturing

@@ -22,7 +22,7 @@ def test_the_pages_of_the_validation_are_in_order(look, tmp_path):
     look(tmp_path / "index.html", tmp_path / "paper.html")
 
 
-def test_a_report_with_studies_and_finite_elements_is_in_order(look, full_report):
+def test_a_report_with_studies_is_in_order(look, full_report):
     look(full_report)
 
 

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from skfem import MeshQuad
 
-from metafem import fe, studies
-from metafem.report.elements import cap_pressure_figure, mesh_figure
-from metafem.studies.element_checks import BLOCK_RADIUS, CAP_ROWS, RADIUS, THICKNESS
+from metafem import fe
 from validation.check import Claim, Picture
+from validation.finite_elements.checks import BLOCK_RADIUS, CAP_ROWS, RADIUS, THICKNESS, cap_check
 from validation.finite_elements.frozen_meshes import CAP_CONTACT, FOLDER, cap
-from validation.finite_elements.rows import as_rows
+from validation.finite_elements.pictures import cap_pressure_figure, mesh_figure
 
 # Several seconds of finite elements.
 SLOW = True
@@ -24,7 +23,7 @@ def claim() -> Claim:
     """
     return Claim(
         "Finite elements: the spherical cap on the bonded block",
-        as_rows(studies.cap_check()),
+        cap_check(),
         {"Mesh of the cap": Picture(_mesh), "Pressure below the cap": Picture(_pressure)},
     )
 

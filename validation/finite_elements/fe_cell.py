@@ -6,13 +6,12 @@ import math
 
 import numpy as np
 
-from metafem import fe, studies
+from metafem import fe
 from metafem.reference import bonded_layer
 from metafem.reference import single_contacts as exact
-from metafem.studies.element_checks import PITCH, RADIUS, THICKNESS
 from validation.check import Claim, Picture
 from validation.figures import panels
-from validation.finite_elements.rows import as_rows
+from validation.finite_elements.checks import PITCH, RADIUS, THICKNESS, cell_check
 
 # Several seconds of finite elements.
 SLOW = True
@@ -26,7 +25,7 @@ def claim() -> Claim:
     """
     return Claim(
         "Finite elements: interaction in an infinite lattice",
-        as_rows(studies.cell_check()),
+        cell_check(),
         {"Stiffening by the neighbours": Picture(_figure)},
     )
 

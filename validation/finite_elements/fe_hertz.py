@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from metafem import fe, studies
+from metafem import fe
 from metafem.reference import single_contacts
-from metafem.report.elements import hertz_figure
-from metafem.studies.element_checks import HERTZ, search_convergence, spectral_convergence
 from validation.check import Check, Claim, Picture, near
 from validation.figures import panels
-from validation.finite_elements.rows import SOURCES, as_rows
+from validation.finite_elements.checks import HERTZ, hertz_check, search_convergence, spectral_convergence
+from validation.finite_elements.pictures import hertz_figure
 
 A, R = 0.2, 0.526
 
@@ -29,7 +28,7 @@ def claim() -> Claim:
     """
     return Claim(
         "Finite elements: Hertz's contact on a half-space",
-        [*as_rows(studies.hertz_check()), _compressible()],
+        [*hertz_check(), _compressible()],
         {"Pressure and displacement": Picture(_fields), "Convergence": Picture(_rates)},
     )
 
@@ -39,7 +38,7 @@ def _compressible() -> Check:
     found = fe.search_contact(A**2 / R, R, OTHER, cell=CELL * A)
     exact = single_contacts.hertz(A, R)[0]
     name = f"active set, ν = {OTHER:g}: load over Hertz"
-    return near(name, found.rescaled_load / exact, 1.0, 3e-4, SOURCES[HERTZ])
+    return near(name, found.rescaled_load / exact, 1.0, 3e-4, HERTZ)
 
 
 def _fields():

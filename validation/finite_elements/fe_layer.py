@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from metafem import fe, studies
+from metafem import fe
 from metafem.reference import bonded_layer
-from metafem.studies.element_checks import RADIUS, THICKNESS
 from validation.check import Claim, Picture
 from validation.figures import panels
-from validation.finite_elements.rows import as_rows
+from validation.finite_elements.checks import RADIUS, THICKNESS, layer_check
 
 # Several seconds of finite elements.
 SLOW = True
@@ -20,7 +19,7 @@ def claim() -> Claim:
     surface at a distance r from a load. Here it is computed by finite elements of a small contact, and
     compared at seven distances and three Poisson's ratios, as a multiple of the influence of the half-space.
     """
-    checks = [row for nu in (0.5, 0.49, 0.3) for row in as_rows(studies.layer_check(nu))]
+    checks = [row for nu in (0.5, 0.49, 0.3) for row in layer_check(nu)]
     figures = {"Influence of the layer": Picture(_figure)}
     return Claim("Finite elements: the bonded layer's influence", checks, figures)
 

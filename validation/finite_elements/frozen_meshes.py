@@ -13,7 +13,7 @@ from metafem.fe import tabulated_contact
 from metafem.fe.axisymmetric.geometry import Cap
 from metafem.fe.axisymmetric.mesh import graded_mesh, half_space_mesh
 from metafem.material import Material
-from metafem.studies.element_checks import BLOCK_RADIUS, PITCH, RADIUS, THICKNESS
+from validation.finite_elements.checks import BLOCK_RADIUS, PITCH, RADIUS, THICKNESS
 
 FOLDER = Path(__file__).parents[2] / "meshes"
 

@@ -136,22 +136,6 @@ def resolved(design: Design, tolerances: Tolerances | None) -> Found:
     return Found("A0 with resolved contacts", tuple(columns), rows, fine.notes, answer, picture)
 
 
-def element_checks(design: Design, tolerances: Tolerances | None) -> Found:
-    """Check the finite elements against closed forms and press the tallest cap; return the checks."""
-    from metafem.report.elements import elements_section
-
-    section = elements_section(design)
-    passed = [row[4] for row in section["rows"]]
-    rows = tuple(
-        (f"{group}: {name}", computed, expected, "passed" if good else "missed")
-        for group, name, computed, expected, good, _ in section["rows"]
-    )
-    answer = f"{sum(passed)} of {len(passed)} checks of the finite elements pass. {section['left_out']}"
-    columns = ("check", "computed", "expected", "result")
-    picture = section["figures"][-1].svg
-    return Found("Finite elements against closed forms", columns, rows, (), answer.strip(), picture)
-
-
 def _needs_block(design: Design) -> str:
     return "" if design.surface.block else "It needs “Block” with its width, length and thickness."
 
@@ -183,9 +167,6 @@ STUDIES: dict[str, LongStudy] = {
     ),
     "resolved": LongStudy(
         "Resolved contacts", "What do point contacts leave out?", "ten seconds", resolved, _needs_profile
-    ),
-    "elements": LongStudy(
-        "Finite-element check", "Do the finite elements meet closed forms?", "about a minute", element_checks
     ),
 }  # fmt: skip
 

@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,8 +11,7 @@ import metafem as mf
 from metafem import report
 from metafem.calibration import MeasuredLaw, compare, explain
 from metafem.drawing import TARGET
-from metafem.reference import single_contacts
-from metafem.report import elements, study_figures
+from metafem.report import study_figures
 from metafem.report.comparison import compared
 from metafem.report.figures import comparison_figure, force_figure, law_figure, sensitivity_figure
 from metafem.report.relief import projected, relief
@@ -250,32 +248,3 @@ def test_the_onset_of_sliding_is_stated(design):
     assert "the only contact slides from" in report.onset_words(one)
     bare = mf.design(POINTS, LATTICE.replaced(friction=None), limits=mf.Limits(0.16))
     assert sliding_section(bare) is None
-
-
-def test_checks_of_the_finite_elements_are_tabulated_and_drawn(design, monkeypatch):
-    def press(a, radius, nu, **options):
-        """Return Hertz's contact in place of one of the finite elements."""
-        return SimpleNamespace(
-            contact_radius=a, pressure=lambda r: single_contacts.hertz_pressure(r, a, radius),
-            displacement=lambda r: single_contacts.hertz_displacement(r, a, radius),
-        )  # fmt: skip
-
-    check = SimpleNamespace(name="a", computed=1.0 / 3.0, expected="0.33", passed=True, source="Hertz")
-    for name in ("hertz_check", "cap_check", "layer_check", "cell_check"):
-        monkeypatch.setattr(mf.studies, name, lambda: [check])
-    monkeypatch.setattr(mf.fe, "press", press)
-    monkeypatch.setattr(elements, "drawn", lambda figure, *_: figure)
-    section = elements.elements_section(design)
-    assert [row[1:] for row in section["rows"]] == [("a", "0.333333", "0.33", True, "Hertz")] * 4
-    state = mf.equilibrium(design.surface, load=float(design.law.load[-1]))
-    a = math.sqrt(state.asperity_area[design.surface.height.argmax()] / math.pi)
-    assert (section["contact_radius"], len(section["figures"]), section["left_out"]) == (f"{a:.3g}", 3, "")
-    bare = replace(design, surface=design.surface.replaced(block=None))
-    assert "no block" in elements.elements_section(bare)["left_out"]
-    left, right = elements.hertz_figure(press(0.1, 0.526, 0.5), 0.526).axes
-    for ax, x, factor in ((left, (0.0, 1.0), 1.0), (right, (1.0, 5.0), 1e3)):
-        numbers, curve = ax.lines
-        np.testing.assert_allclose(numbers.get_ydata(), curve.get_ydata())
-        assert curve.get_xdata().max() == pytest.approx(x[1])
-        closed = (single_contacts.hertz_pressure, single_contacts.hertz_displacement)[ax is right]
-        np.testing.assert_allclose(curve.get_ydata(), factor * closed(0.1 * curve.get_xdata(), 0.1, 0.526))

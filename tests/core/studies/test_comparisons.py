@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.studies import element_checks, summary
+from metafem.studies import summary
 from metafem.studies.cap_contact import CapContact
 from metafem.studies.fidelity import _law_of_caps
 
@@ -82,7 +82,3 @@ def test_the_summary_of_an_interaction_holds_each_substrate_and_order(interactio
     for k, row in enumerate(rows[1::2]):
         expected = [np.median(placed[k]), placed[k].max(), np.sqrt((centred[k] ** 2).mean())]
         np.testing.assert_allclose([float(cell) for cell in row[5:]], expected, atol=0.0051)
-
-
-def test_errors_of_the_load_fall_by_digits_with_the_degree():
-    assert element_checks.spectral_convergence(0.3).rate < -0.5

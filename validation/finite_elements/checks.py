@@ -17,6 +17,8 @@ from metafem.fe.axisymmetric.mesh import graded_mesh, half_space_mesh
 from metafem.fe.axisymmetric.prescribed_radius import graded, spectral
 from metafem.fe.axisymmetric.press import press
 from metafem.reference import bonded_layer, single_contacts
+from validation.check import Check
+from validation.sources import Source, closed_form, known_input, second_method
 
 # Radius of the asperities, pitch of the lattice, thickness and radius of the block [mm], after Aymard et al.,
 # Science 383, 200 (2024), doi:10.1126/science.adk4234.
@@ -27,65 +29,29 @@ RADIUS, PITCH, THICKNESS, BLOCK_RADIUS = 0.526, 1.5, 7.2, 10.0
 CAP_ROWS = ((0.12, 0.10), (0.20, 0.26))
 CAP_CELLS = 1.0 / 20.3
 
-HERTZ = "Hertz (1882), doi:10.1515/crll.1882.92.156"
-SNEDDON = "Sneddon (1965), doi:10.1016/0020-7225(65)90019-4"
-SPHERE = "sphere, Sneddon (1965), doi:10.1016/0020-7225(65)90019-4"
-HANKEL = "Hankel integral of the bonded layer, Johnson (1985), section 5.8, doi:10.1017/CBO9781139171731"
-CURVATURE = f"1/R + P S/2 with the curvature S of the lattice sum; {HANKEL}"
-LATTICE = f"lattice sum of the layer's influence; {HANKEL}"
-DINI = "Dini series of a cylinder on a rigid base, metafem.reference.bonded_layer.cell_influence"
-DEGREES = "difference between two degrees of the elements"
-EXPONENTIAL = "exponential convergence; fitted"
-FIRST_ORDER = "at least order 1: the edge of the contact is known to one cell; fitted"
-BRACKET = "bracket between two criteria for the edge of the contact"
-BRACKET_ORDER = "theory: order 1, one element at the edge; fitted"
-SEARCHED = "active set of ordinary quadratic elements on a mesh of its own, search_contact"
-
-
-@dataclass(frozen=True)
-class Check:
-    """A computed number, the number that is expected, and whether they agree.
-
-    Attributes
-    ----------
-    name : str
-    computed : float
-    expected : str
-        The expected number and the tolerance in words.
-    passed : bool
-        Whether the number is within the tolerance.
-    source : str
-        Where the expected number comes from.
-
-    Examples
-    --------
-    >>> Check("load", 0.99, "1 ± 0.02 relative", True, HERTZ).passed
-    True
-    """
-
-    name: str
-    computed: float
-    expected: str
-    passed: bool
-    source: str
+HERTZ = closed_form(single_contacts.hertz, "Hertz (1882), doi:10.1515/crll.1882.92.156")
+SNEDDON = closed_form(single_contacts.power_law, "Sneddon (1965), doi:10.1016/0020-7225(65)90019-4")
+SPHERE = closed_form(
+    single_contacts.sneddon_sphere, "sphere, Sneddon (1965), doi:10.1016/0020-7225(65)90019-4"
+)
+INTEGRAL = "Hankel integral of the bonded layer, Johnson (1985), section 5.8, doi:10.1017/CBO9781139171731"
+HANKEL = closed_form(bonded_layer.influence, INTEGRAL)
+CURVATURE = closed_form(
+    bonded_layer.lattice_sums, f"1/R + P S/2 with the curvature S of the lattice sum; {INTEGRAL}"
+)
+LATTICE = closed_form(bonded_layer.lattice_sums, f"lattice sum of the layer's influence; {INTEGRAL}")
+DINI = closed_form(bonded_layer.cell_influence, "Dini series of a cylinder on a rigid base")
+SEARCHED = second_method(search_contact, "active set of quadratic elements on its own mesh")
+DEGREES = second_method(press, "the same with elements of a lower degree")
+BRACKET = second_method(press, "bracket between two criteria for the edge of the contact")
+EXPONENTIAL = known_input("theory: the error falls by a constant factor with each degree")
+FIRST_ORDER = known_input("theory: order 1, as the edge of the contact is known to one cell")
+BRACKET_ORDER = known_input("theory: order 1, as the bracket spans one element at the edge")
 
 
 @dataclass(frozen=True, eq=False)
 class Convergence:
-    """Relative errors of one quantity as the discretisation gets finer.
-
-    Attributes
-    ----------
-    value, error : ndarray, (k,)
-        Cell sizes or degrees of the elements, and the relative errors.
-    rate : float
-        Slope of log(error) over log(cell), or of log10(error) over the degree.
-
-    Examples
-    --------
-    >>> Convergence(np.array([0.1, 0.05]), np.array([4e-3, 1e-3]), 2.0).rate
-    2.0
-    """
+    """Relative errors of one quantity as the discretisation gets finer."""
 
     value: FloatArray
     error: FloatArray
@@ -97,21 +63,6 @@ def hertz_check(poisson_ratio: float = 0.5) -> list[Check]:
 
     Load, indentation and displacement of a paraboloid are compared with Hertz's closed forms, and the load of
     a quartic punch is compared with Sneddon's. The check takes about 15 s.
-
-    Parameters
-    ----------
-    poisson_ratio : float
-        nu [-], from 0 to 0.5; default: 0.5.
-
-    Returns
-    -------
-    list of Check
-
-    Examples
-    --------
-    >>> import metafem as mf
-    >>> all(check.passed for check in mf.studies.hertz_check())
-    True
     """
     a = 0.2
     contact = press(a, RADIUS, poisson_ratio)
@@ -142,16 +93,6 @@ def cap_check() -> list[Check]:
 
     The load of the cap is compared with an active-set search at the same indentation, and the load of the
     sphere is compared with Sneddon's closed form. The check takes about 10 s.
-
-    Returns
-    -------
-    list of Check
-
-    Examples
-    --------
-    >>> import metafem as mf
-    >>> all(check.passed for check in mf.studies.cap_check())
-    True
     """
     checks = []
     for height, a in CAP_ROWS:
@@ -180,23 +121,7 @@ def cap_check() -> list[Check]:
 
 
 def layer_check(poisson_ratio: float = 0.5) -> list[Check]:
-    """Check the influence of the bonded layer, over that of the half-space, against its Hankel integral.
-
-    Parameters
-    ----------
-    poisson_ratio : float
-        nu [-], from 0 to 0.5; default: 0.5.
-
-    Returns
-    -------
-    list of Check
-
-    Examples
-    --------
-    >>> import metafem as mf
-    >>> all(check.passed for check in mf.studies.layer_check(0.3))
-    True
-    """
+    """Check the influence of the bonded layer, over that of the half-space, against its Hankel integral."""
     a = 0.01
     contact = press(a, RADIUS, poisson_ratio, thickness=THICKNESS)
     checks = []
@@ -212,18 +137,7 @@ def layer_check(poisson_ratio: float = 0.5) -> list[Check]:
 
 
 def cell_check() -> list[Check]:
-    """Check a cell of the infinite lattice against the layer's lattice sum and the cylinder's Dini series.
-
-    Returns
-    -------
-    list of Check
-
-    Examples
-    --------
-    >>> import metafem as mf
-    >>> all(check.passed for check in mf.studies.cell_check())
-    True
-    """
+    """Check a cell of the infinite lattice against the layer's lattice sum and the cylinder's Dini series."""
     side = PITCH / math.sqrt(math.pi)
     total, curvature = bonded_layer.lattice_sums(PITCH, THICKNESS, 0.5)
     checks = []
@@ -293,15 +207,15 @@ def _order(value: FloatArray, error: FloatArray) -> Convergence:
     return Convergence(value, error, float(np.polyfit(np.log(value), np.log(error), 1)[0]))
 
 
-def _near(name: str, computed: float, expected: float, tolerance: float, source: str) -> Check:
+def _near(name: str, computed: float, expected: float, tolerance: float, source: Source) -> Check:
     """Return the check that a number equals the expected one within a relative tolerance."""
     passed = abs(computed / expected - 1.0) <= tolerance
     return Check(name, computed, f"{expected:.6g} ± {tolerance:.1g} relative", passed, source)
 
 
-def _below(name: str, computed: float, limit: float, source: str) -> Check:
+def _below(name: str, computed: float, limit: float, source: Source) -> Check:
     return Check(name, computed, f"at most {limit:.1g}", computed <= limit, source)
 
 
-def _above(name: str, computed: float, limit: float, source: str) -> Check:
+def _above(name: str, computed: float, limit: float, source: Source) -> Check:
     return Check(name, computed, f"at least {limit:.2g}", computed >= limit, source)

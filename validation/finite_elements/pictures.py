@@ -1,18 +1,12 @@
-"""The report's section on finite elements, and its figures."""
+"""Pictures of meshes and pressures by finite elements."""
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from metafem.drawing import new_figure
-from metafem.drawing.inline import Drawn, drawn
-from metafem.errors import InvalidInput
-from metafem.inversion import Design
-from metafem.models import Independent
-from metafem.progress import doing, each
 from metafem.reference import single_contacts as exact
 
 if TYPE_CHECKING:
@@ -23,64 +17,6 @@ if TYPE_CHECKING:
 
 # Half-width of the view of the contact edge, in contact radii.
 EDGE_VIEW = 0.3
-
-HERTZ = "Pressure and displacement of a half-space against Hertz's closed forms."
-MESH = "Mesh of the true cap on the bonded block: the whole mesh, and the edge of the contact."
-CAP = "Pressure under the true cap on the bonded block, and Hertz's at the same contact radius."
-
-
-@doing("checking the finite elements")
-def elements_section(design: Design) -> dict[str, Any]:
-    """Return the table of the finite-element checks, and the figures of a Hertz contact and the tallest cap.
-
-    Their contact radius is that of the tallest asperity at the design's largest load, for independent
-    asperities. The computation takes about a minute.
-    """
-    from metafem import fe, studies
-
-    groups = {
-        "Hertz's contact on a half-space": studies.hertz_check,
-        "the true cap on a bonded block": studies.cap_check,
-        "the influence of the bonded layer": studies.layer_check,
-        "one cell of an infinite lattice": studies.cell_check,
-    }
-    rows = [
-        (title, check.name, f"{check.computed:.6g}", check.expected, check.passed, check.source)
-        for title in each("check", list(groups))
-        for check in groups[title]()
-    ]
-    surface = design.surface
-    last = Independent().curve(surface, design.law.rescaled_load[-1:]).last
-    tallest = int(surface.height.argmax())
-    a, radius = math.sqrt(float(last.area[tallest]) / math.pi), float(surface.radius[tallest])
-    contact = fe.press(a, radius, surface.material.poisson_ratio)
-    figures = [drawn(hertz_figure(contact, radius), "Pressure and displacement against Hertz's", HERTZ)]
-    reason = ""
-    try:
-        figures += _cap_figures(design, a, tallest)
-    except InvalidInput as error:
-        reason = f"The tallest cap is not drawn: {error}."
-    return {"rows": rows, "figures": figures, "contact_radius": f"{a:.3g}", "left_out": reason}
-
-
-def _cap_figures(design: Design, a: float, tallest: int) -> list[Drawn]:
-    from metafem import fe
-    from metafem.fe.axisymmetric.geometry import Cap
-    from metafem.fe.axisymmetric.mesh import graded_mesh
-
-    surface, block = design.surface, design.surface.block
-    if block is None:
-        raise InvalidInput("the surface has no block")
-    radius, height = float(surface.radius[tallest]), float(surface.height[tallest])
-    side = math.sqrt(block.width * block.length / math.pi)
-    nu = surface.material.poisson_ratio
-    contact = fe.press(a, radius, nu, height=height, thickness=block.thickness, block_radius=side)
-    cap = Cap(radius, height, side, block.thickness)
-    mesh = graded_mesh(float(cap.surface(np.array(a))[0]), side, block.thickness, cap.foot)
-    return [
-        drawn(mesh_figure(mesh, cap, a), "Mesh of the tallest cap", MESH),
-        drawn(cap_pressure_figure([(contact, height)], radius), "Pressure under the tallest cap", CAP),
-    ]
 
 
 def mesh_figure(mesh: Any, cap: Cap, contact_radius: float) -> Figure:
