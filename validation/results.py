@@ -29,7 +29,7 @@ COMPLETE = known_input("a claim is evaluated without an error")
 
 @dataclass(frozen=True)
 class Evaluated(Rows):
-    """What one claim showed: its rows, its figures with their data, and the seconds it took."""
+    """What one claim showed: its rows, its figures, and the seconds it took."""
 
     name: str
     title: str
@@ -163,7 +163,7 @@ def _claim_data(each: Evaluated) -> dict[str, Any]:
         "checks": [*map(_row_data, each.checks)],
         "results": [*map(_row_data, each.results)],
         "differences": [*map(_row_data, each.differences)],
-        "figures": [{"title": f.title, "caption": f.caption, "data": f.file_name} for f in each.figures],
+        "figures": [{"title": f.title, "caption": f.caption} for f in each.figures],
     }
 
 

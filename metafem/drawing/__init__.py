@@ -14,7 +14,6 @@ from metafem._values import MICROMETRES
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.cm import ScalarMappable
     from matplotlib.collections import EllipseCollection
     from matplotlib.figure import Figure
 
@@ -37,13 +36,6 @@ MANY, RESOLUTION = 1000, 200
 
 # Fixed salt of the hashes by which matplotlib names the elements of an SVG: the names are equal in every run.
 SALT = "metafem"
-
-
-def rgba(colour: Any) -> tuple[float, ...]:
-    """Return red, green, blue and opacity of a colour that matplotlib accepts."""
-    from matplotlib.colors import to_rgba
-
-    return to_rgba(colour)
 
 
 def new_figure(
@@ -157,14 +149,6 @@ def summits(ax: Axes, position: FloatArray, height: FloatArray, radius: FloatArr
             loc="upper center", bbox_to_anchor=(0.5, 0.0), borderaxespad=3.5,
             ncols=MOST_DOTS, columnspacing=1.0, handletextpad=0.0, frameon=False,
         )  # fmt: skip
-
-
-def height_scale(height: FloatArray) -> ScalarMappable:
-    """Return the colour scale of summit heights [mm], from the lowest to the tallest in micrometres."""
-    from matplotlib.cm import ScalarMappable
-    from matplotlib.colors import Normalize
-
-    return ScalarMappable(Normalize(MICROMETRES * height.min(), MICROMETRES * height.max()), "viridis")
 
 
 def empty_sites(ax: Axes, position: FloatArray) -> None:

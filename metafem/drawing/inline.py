@@ -1,15 +1,12 @@
-"""Figures as parts of a page: SVG in the colours of the page, with a caption and their data."""
+"""Figures as parts of a page: SVG in the colours of the page, with a caption."""
 
 from __future__ import annotations
 
 import re
-import unicodedata
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
-from urllib.parse import quote
 
 from metafem.drawing import ACHIEVED, MEASURED, MEASURED_BESIDE, QUIET, TARGET, svg
-from metafem.drawing.data import figure_table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -35,34 +32,19 @@ COORDINATES = re.compile(r' (?:d|x|y|x1|x2|y1|y2)="[^"]*"')
 # Coordinates, in points of 1/72 inch, with more than two decimals; the further decimals are removed.
 LONG_NUMBER = re.compile(r"(\.\d\d)\d+")
 
-# Characters that stay unescaped in a data link.
-SAFE = "/,:;()[]=+-*!?@$'~ "
-
 
 @dataclass(frozen=True)
 class Drawn:
-    """A figure of a page: its title, an explanatory caption, its picture as SVG and its data as CSV."""
+    """A figure of a page: its title, an explanatory caption and its picture as SVG."""
 
     title: str
     caption: str
     svg: str
-    csv: str
-
-    @property
-    def file_name(self) -> str:
-        """The name under which the data are saved."""
-        plain = unicodedata.normalize("NFKD", self.title).encode("ascii", "ignore").decode().lower()
-        return re.sub(r"[^a-z0-9]+", "_", plain).strip("_")[:60] + ".csv"
-
-    @property
-    def link(self) -> str:
-        """A data URL that contains the data as CSV."""
-        return "data:text/csv;charset=utf-8," + quote(self.csv, SAFE).replace(" ", "%20").replace("'", "%27")
 
 
 def drawn(figure: Figure, title: str, caption: str = "") -> Drawn:
     """Return a figure as a part of a page."""
-    return Drawn(title, caption, themed(svg(figure, title)), figure_table(figure))
+    return Drawn(title, caption, themed(svg(figure, title)))
 
 
 def themed(text: str) -> str:

@@ -27,7 +27,7 @@ from metafem.report.sections.exactness import exactness_section
 from metafem.report.sections.explanation import explanation_section
 from metafem.report.sections.measured import measured_section
 from metafem.report.sections.sliding import sliding_section
-from metafem.report.views import MOST_SHAPED, contact_figure, height_figure, shape_figure
+from metafem.report.views import MOST_SHAPED, contact_figure, height_figure
 from metafem.studies.summaries.tolerances import TOLERANCES
 
 if TYPE_CHECKING:
@@ -144,7 +144,6 @@ def page(
         forces=None
         if (friction := design.surface.friction) is None
         else drawn(force_figure(design, friction), "Friction force and friction coefficient"),
-        shape=drawn(shape_figure(design), "The surface seen at an angle"),
         heights=drawn(height_figure(design), "Summit heights at their sites"),
         sensitivities=drawn(sensitivity_figure(design), "Sensitivity of A0 to each height")
         if design.surface.count <= MOST_COMPARED

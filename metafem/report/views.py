@@ -1,4 +1,4 @@
-"""Views of a surface: heights, shape and contacts."""
+"""Views of a surface: heights and contacts."""
 
 from __future__ import annotations
 
@@ -10,16 +10,14 @@ from numpy.typing import NDArray
 
 from metafem import drawing
 from metafem._validate import FloatArray
-from metafem._values import MICROMETRES, three_digits
+from metafem._values import three_digits
 from metafem.drawing import QUIET, new_figure
 from metafem.inversion import Design
 from metafem.material import Block
 from metafem.prediction import equilibrium
-from metafem.report.relief import SIDE, projected, relief
 from metafem.surface import Surface
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 # The three loads of the contact views, as fractions of the largest load of the law.
@@ -29,7 +27,7 @@ VIEWED_LOADS = (0.1, 0.4, 1.0)
 # between summits. Smaller circles would be invisible.
 RING, LEAST_DOT = 0.3, 0.1
 
-# Largest number of summits in the view of the shape; of more summits, those around the tallest are shown.
+# Largest number of summits in the view of the contacts; of more summits, those around the tallest are shown.
 MOST_SHAPED = 400
 
 
@@ -71,28 +69,6 @@ def contact_figure(design: Design) -> Figure:
     return figure
 
 
-def shape_figure(design: Design) -> Figure:
-    """Draw the surface at an angle, coloured by height; of many summits, only those around the tallest."""
-    surface = design.surface
-    corners, shown = _shown(surface)
-    if surface.block is not None and shown.all():
-        corners = _corners(surface.block)
-    height = surface.height[shown]
-    scale = drawing.height_scale(surface.height)
-    colour = np.asarray(scale.to_rgba(MICROMETRES * height))
-    caps = surface.position[shown], height, surface.radius[shown], colour
-    image, extent, factor = relief(*caps, corners, surface.cap.at(shown))
-    figure = new_figure(8.0, 4.4, (0.1, 0.5, 0.1, 0.4))
-    ax = figure.add_subplot()
-    ax.imshow(image, extent=extent, origin="lower", interpolation="none")
-    ax.set_axis_off()
-    _name_edges(ax, corners, SIDE * (extent[1] - extent[0]))
-    figure.colorbar(scale, ax=ax, label="summit height [µm]", shrink=0.7)
-    heights = "to scale" if factor == 1 else f"heights exaggerated {factor} times"
-    ax.set_title(heights, fontsize=10, color=QUIET)
-    return figure
-
-
 def _shown(surface: Surface) -> tuple[FloatArray, NDArray[np.bool_]]:
     """Return two opposite corners (2, 2) [mm] of the part that is shown, and a mask (n,) of its summits.
 
@@ -115,18 +91,3 @@ def _corners(block: Block) -> FloatArray:
     """Return the left front and the right back corner of a block, (2, 2) [mm]."""
     edge = 0.5 * np.array([block.width, block.length])
     return np.array([-edge, edge])
-
-
-def _name_edges(ax: Axes, corners: FloatArray, side: float) -> None:
-    """Label the two front edges with their axis and length."""
-    (left, front), (right, back) = corners
-    edges = (("x", (left, front), (right, front)), ("y", (right, front), (right, back)))
-    for name, begin, end in edges:
-        start, stop = projected(np.array([begin, end]))
-        middle, along = 0.5 * (start + stop), stop - start
-        middle = middle - [0.0, side]
-        angle = math.degrees(math.atan2(along[1], along[0]))
-        ax.annotate(
-            f"{name}: {math.dist(begin, end):.3g} mm", middle, (6.0 if name == "y" else -3.0, -9.0),
-            textcoords="offset points", rotation=angle, ha="center", va="center", color=QUIET, fontsize=9,
-        )  # fmt: skip

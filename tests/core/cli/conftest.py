@@ -52,7 +52,7 @@ def run(tmp_path, monkeypatch):
 def plain_reports(monkeypatch):
     """Leave the pictures, which take most of the time of a design, out of reports other than the demos'."""
     monkeypatch.setattr(
-        import_module("metafem.report.page"), "drawn", lambda figure, title: Drawn(title, "", "", "")
+        import_module("metafem.report.page"), "drawn", lambda figure, title: Drawn(title, "", "")
     )
 
 

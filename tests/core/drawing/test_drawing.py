@@ -1,7 +1,6 @@
 """What figures show, and where: data on axes, pictures in pages, and cards of notebooks."""
 
 import re
-from urllib.parse import unquote
 from xml.etree import ElementTree
 
 import numpy as np
@@ -104,9 +103,8 @@ def test_marks_and_grids_are_drawn_to_scale(ax):
     (image,) = ax.images
     assert (image.get_extent(), image.get_clim()) == ([0.75, 2.25, 1.75, 2.75], (0.0, 4.0))
     assert image.get_array().tolist() == [[None, 1.0, 4.0], [3.0, 2.0, None]]
-    scale = drawing.height_scale(np.array([0.1, 0.2]))
     forth, back = drawing.scaling(4.0)
-    assert (scale.norm.vmin, scale.norm.vmax, forth(0.5), back(2.0)) == (100.0, 200.0, 2.0, 0.5)
+    assert (forth(0.5), back(2.0)) == (2.0, 0.5)
     place = drawing.new_figure(10.0, 5.0, (1.0, 2.0, 0.5, 1.5)).subplotpars
     assert (place.left, place.right, place.bottom, place.top) == pytest.approx((0.1, 0.8, 0.1, 0.7))
 
@@ -214,10 +212,7 @@ def test_pictures_of_pages_are_equal_small_and_in_the_colours_of_the_page(ax):
         assert 0 < text.count(colour) == text.count(f"var({name}, {colour})")
     first = drawn(ax.figure, "A law: µ / 2", "See")
     assert first == drawn(ax.figure, "A law: µ / 2", "See")
-    assert (first.file_name, first.caption) == ("a_law_2.csv", "See")
-    kind, _, data = first.link.partition(",")
-    assert (kind, unquote(data)) == ("data:text/csv;charset=utf-8", first.csv)
-    assert not set(data) & set("\"'<># \n")
+    assert first.caption == "See"
 
 
 def test_results_show_their_facts_in_a_notebook(template):

@@ -1,6 +1,5 @@
 """The figures of the page show the numbers of the design, its law, its studies and its checks."""
 
-import math
 from dataclasses import replace
 
 import numpy as np
@@ -14,12 +13,11 @@ from metafem.drawing import TARGET
 from metafem.report import study_figures
 from metafem.report.comparison import compared
 from metafem.report.figures import comparison_figure, force_figure, law_figure, sensitivity_figure
-from metafem.report.relief import projected, relief
 from metafem.report.sections.exactness import QUESTIONS, exactness_section
 from metafem.report.sections.explanation import errors_figure, explanation_section, heights_figure
 from metafem.report.sections.measured import measured_figure, measured_section
 from metafem.report.sections.sliding import sliding_section
-from metafem.report.views import contact_figure, height_figure, shape_figure
+from metafem.report.views import contact_figure, height_figure
 from metafem.studies.measurements import explained, measured
 from tests.core.report.test_page import LATTICE, POINTS
 
@@ -89,13 +87,9 @@ def test_interaction_and_sensitivity_are_drawn(design):
         assert values[-1, column] == pytest.approx((high - low) / (2.0 * step), rel=1e-5, abs=1e-5)
 
 
-def test_heights_shapes_and_contacts_are_shown(design):
+def test_heights_and_contacts_are_shown(design):
     ax = height_figure(design).axes[0]
     assert ax.get_title() == f"{len(ax.collections[0].get_offsets())} sites stay empty (rings)"
-    lattice = {"radius": 0.526, "material": MATERIAL, "block": mf.Block(20.0, 18.0, 7.2)}
-    few, many = (mf.Surface.square_lattice(0.1, (n, n), pitch=0.6, **lattice) for n in (8, 21))
-    for each, sides in ((few, ["x: 20 mm", "y: 18 mm"]), (many, ["x: 12 mm", "y: 12 mm"])):  # an excerpt
-        assert [text.get_text() for text in shape_figure(of_surface(design, each)).axes[0].texts] == sides
     surface = mf.Surface.square_lattice([0.1, 0.1, 0.2, 0.2], (2, 2), radius=0.526, material=MATERIAL)
     first, _, last = contact_figure(of_surface(design, surface)).axes
     for ax, count, load in ((first, 2, 0.05), (last, 4, 0.5)):
@@ -114,28 +108,6 @@ def test_heights_shapes_and_contacts_are_shown(design):
     assert shown[899]
     assert 200 < shown.sum() < 520  # of at most about 400
     assert "1 of 900 in contact" in ax.get_title()
-
-
-def test_a_cap_is_drawn_at_its_projection_and_hides_what_is_behind_it():
-    red, corners = np.array([[1.0, 0.0, 0.0, 1.0]]), np.array([[-1.0, -1.0], [1.0, 1.0]])
-    cap = np.zeros((1, 2)), np.array([0.5]), np.array([0.5])
-    image, (left, right, low, high), factor = relief(*cap, red, corners)
-    rows, columns = image.shape[:2]
-
-    def pixel(place, height):
-        u, s = projected(np.array(place), height)
-        row, column = (s - low) / (high - low), (u - left) / (right - left)
-        return image[min(int(row * rows), rows - 1), min(int(column * columns), columns - 1)]
-
-    behind = 0.6 * np.array([-math.sin(math.radians(30.0)), math.cos(math.radians(30.0))])
-    for place, height in (((0.0, 0.0), 0.49), (behind, 0.0)):
-        assert pixel(place, height)[0] > 1.2 * pixel(place, height)[1]
-    assert pixel([0.9, -0.9], 0.0)[0] == pytest.approx(pixel([0.9, -0.9], 0.0)[1])  # the base is grey
-    assert (factor, image[-1, 0, 3]) == (1, 0.0)  # nothing beside the block
-    assert relief(cap[0], np.array([0.02]), cap[2], red, corners, mf.Power(8))[2] == 20
-    np.testing.assert_allclose(projected(np.array([1.0, 0.0]), 1.0), [
-        math.cos(math.radians(30)), math.cos(math.radians(38)) - 0.5 * math.sin(math.radians(38)),
-    ])  # fmt: skip
 
 
 def test_studies_are_drawn_and_answered(design):
