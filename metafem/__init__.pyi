@@ -63,7 +63,6 @@ from .models import Automatic as Automatic
 from .models import BoundaryElements as BoundaryElements
 from .models import Independent as Independent
 from .models import Interacting as Interacting
-from .models import MeanField as MeanField
 from .models import Status as Status
 from .notes import Note as Note
 from .prediction import Conductance as Conductance

@@ -6,7 +6,6 @@ from metafem.models.boundary_elements.model import BoundaryElements
 from metafem.models.curve import Curve, ModelError, RescaledState, Sensitivity, Status
 from metafem.models.independent import Independent
 from metafem.models.interacting.model import Interacting
-from metafem.models.mean_field import MeanField
 from metafem.models.model import Model, Sensitive
 
 __all__ = [
@@ -16,7 +15,6 @@ __all__ = [
     "Curve",
     "Independent",
     "Interacting",
-    "MeanField",
     "Model",
     "ModelError",
     "RescaledState",

@@ -19,7 +19,7 @@ from metafem.models.adhesion.load_equation import AdhesiveAsperities
 from metafem.models.adhesion.notes import adhesive_law
 from metafem.models.curve import Curve, Sensitivity, controlled
 from metafem.models.interacting.model import Interacting
-from metafem.models.load_equation import LoadEquation, Paraboloids, sunk
+from metafem.models.load_equation import LoadEquation, Paraboloids
 from metafem.surface import Surface
 
 
@@ -34,131 +34,8 @@ def load_equation(law: Contact, model: object = None, weights: float | FloatArra
     return (Paraboloids if law == PARABOLOID else LoadEquation)(model, law, weights)
 
 
-class Uncoupled:
-    """Base of models without interaction, whose base may sink in proportion to the load."""
-
-    couples: ClassVar[bool] = False
-    unloads: ClassVar[bool] = True
-    adds: ClassVar[bool] = True  # whether stiffness and conductance are sums over the asperities
-    title: ClassVar[str]
-    contact: Contact
-
-    def __post_init__(self) -> None:
-        checked_contact(self.contact)
-
-    def __repr__(self) -> str:
-        """Return the constructor's call; the default law is omitted."""
-        return f"{type(self).__name__}({'' if self.contact == PARABOLOID else f'contact={self.contact!r}'})"
-
-    @property
-    def name(self) -> str:
-        """Name of the model in texts and for ``--model``, with its contact law unless this is Hertz's."""
-        return self.title if self.contact == PARABOLOID else f"{self.title}, {self.contact!r}"
-
-    @property
-    def gradient_model(self) -> Self:
-        """The model itself."""
-        return self
-
-    @property
-    def reference(self) -> Interacting:
-        """`Interacting` with the same law on a half-space, of the highest order that the law supports."""
-        return Interacting(self.contact.largest_order, contact=self.contact)
-
-    def compliance(self, surface: Surface) -> float:
-        """Return the sinking of the base per unit of P/E* [1/mm]."""
-        return 0.0
-
-    def _equation(self, surface: Surface) -> LoadEquation:
-        return load_equation(self.contact.bound(surface), self, surface.friction_weights)
-
-    def curve(
-        self,
-        surface: Surface,
-        load: FloatArray | None = None,
-        *,
-        approach: FloatArray | None = None,
-        unloading: bool = False,
-    ) -> Curve:
-        """Return equilibria at increasing rescaled loads P/E* [mm^2] or approaches [mm], (k,).
-
-        unloading: whether the values are reached by unloading from the largest one; loads may then be
-        negative if the contacts adhere.
-        """
-        values, by_load = controlled(load, approach)
-        equation = self._equation(surface)
-        return equation.path(surface, values, by_load, unloading, self.compliance(surface))
-
-    def sensitivity(
-        self, surface: Surface, load: FloatArray, height: FloatArray | None = None, by: str = "height"
-    ) -> Sensitivity:
-        """Return the law at increasing rescaled loads (k,), and dA0/dh at fixed load [mm], (k, n).
-
-        ``dA0/dh_i = A'_i - P'_i sum_j A'_j / sum_j P'_j`` for asperities in contact, where A' and P' are
-        derivatives with respect to the indentation. For Hertz contacts this is
-        ``pi R_i - sum_j pi R_j sqrt(R_i d_i) / sum_j sqrt(R_j d_j)``. If the asperities differ in friction,
-        the derivatives are those of ``sum_i w_i A_i``, and each A' has the factor w.
-        height: summit heights (n,) [mm] that replace the heights of the surface; they are not checked. by:
-        parameter of the derivatives, see `Sensitivity`.
-        """
-        heights = surface.height if height is None else height
-        equation = self._equation(surface)
-        own = self.contact.for_material(surface.material)
-        refuse_parameter(own, by, surface)
-        found = equation.sensitivity(heights, equation.law.summits(surface), load)
-        found = replace(found, curve=sunk(found.curve, self.compliance(surface)))
-        if by == "height":
-            return found
-        return replace(found, compute_gradient=partial(_by_shape, found, equation.law, own, by, surface))
-
-    def conductance(self, surface: Surface, load: FloatArray, share: float = 1.0) -> FloatArray:
-        """Return the rescaled conductance ``(rho_1 + rho_2) G/2`` [mm] at increasing rescaled loads, (k,).
-
-        It is that of discs in parallel, ``sum_i 2 a_i``, in series with the body whose mean potential
-        corresponds to the sinking of the base. share: not used.
-        """
-        equation = self._equation(surface)
-        radius = equation.contacts(surface.height, equation.law.summits(surface), load)[0]
-        total = 2.0 * radius.sum(axis=1)
-        return np.asarray(total / (1.0 + self.compliance(surface) * total))
-
-    def pull_off(self, surface: Surface, largest: float) -> float:
-        """Return the largest tension [mm^2] on the way back from the largest rescaled load, with adhesion."""
-        return cast("AdhesiveAsperities", self._equation(surface)).pull_off(surface, largest)
-
-    def areas(
-        self,
-        surface: Surface,
-        load: FloatArray,
-        height: FloatArray,
-        radius: FloatArray | None = None,
-        position: FloatArray | None = None,
-    ) -> FloatArray:
-        """Return A0 [mm^2] of many surfaces at increasing rescaled loads (k,), (m, k); see `Model.areas`.
-
-        height, radius: (m, n) [mm]; default: the surface's. Positions have no effect.
-        """
-        equation = self._equation(surface)
-        return equation.areas(surface, height, equation.law.summits(surface, radius), load)
-
-
-def _by_shape(found: Sensitivity, law: Contact, shaped: Contact, by: str, surface: Surface) -> FloatArray:
-    """Return dA0 by a parameter of each cap at fixed load, (k, n).
-
-    At a given load of the contact, the parameter changes its area and, as a height, its indentation.
-    law: for unit E*; shaped: the law before it was bound to the caps.
-    """
-    summits, closed = law.summits(surface), found.indentation > 0.0
-    a = np.where(closed, law.contact_radius(found.indentation, summits), SMALL * surface.radius)
-    rates, stiffness = shaped.shape_rates(by, a, surface), law.stiffness(a, summits)
-    deeper = rates.indentation - rates.load / stiffness
-    own = surface.friction_weights * rates.load * law.area_slope(a, summits) / stiffness
-    change = -found.gradient * deeper - own
-    return np.where(closed, change, 0.0)
-
-
 @dataclass(frozen=True, repr=False)
-class Independent(Uncoupled):
+class Independent:
     """Independent asperities under a common plane.
 
     ``A0 = sum A(d_i)`` and ``P/E* = sum P(d_i)/E*`` with ``d_i = max(h_i - delta, 0)``; for Hertz contacts
@@ -189,9 +66,101 @@ class Independent(Uncoupled):
     0.021002
     """
 
-    title: ClassVar[str] = "independent"
+    couples: ClassVar[bool] = False
+    unloads: ClassVar[bool] = True
 
     contact: Contact = PARABOLOID
+
+    def __post_init__(self) -> None:
+        checked_contact(self.contact)
+
+    def __repr__(self) -> str:
+        """Return the constructor's call; the default law is omitted."""
+        return f"Independent({'' if self.contact == PARABOLOID else f'contact={self.contact!r}'})"
+
+    @property
+    def name(self) -> str:
+        """Name of the model in texts and for ``--model``, with its contact law unless this is Hertz's."""
+        return "independent" if self.contact == PARABOLOID else f"independent, {self.contact!r}"
+
+    @property
+    def gradient_model(self) -> Self:
+        """The model itself."""
+        return self
+
+    @property
+    def reference(self) -> Interacting:
+        """`Interacting` with the same law on a half-space, of the highest order that the law supports."""
+        return Interacting(self.contact.largest_order, contact=self.contact)
+
+    def _equation(self, surface: Surface) -> LoadEquation:
+        return load_equation(self.contact.bound(surface), self, surface.friction_weights)
+
+    def curve(
+        self,
+        surface: Surface,
+        load: FloatArray | None = None,
+        *,
+        approach: FloatArray | None = None,
+        unloading: bool = False,
+    ) -> Curve:
+        """Return equilibria at increasing rescaled loads P/E* [mm^2] or approaches [mm], (k,).
+
+        unloading: whether the values are reached by unloading from the largest one; loads may then be
+        negative if the contacts adhere.
+        """
+        values, by_load = controlled(load, approach)
+        equation = self._equation(surface)
+        return equation.path(surface, values, by_load, unloading)
+
+    def sensitivity(
+        self, surface: Surface, load: FloatArray, height: FloatArray | None = None, by: str = "height"
+    ) -> Sensitivity:
+        """Return the law at increasing rescaled loads (k,), and dA0/dh at fixed load [mm], (k, n).
+
+        ``dA0/dh_i = A'_i - P'_i sum_j A'_j / sum_j P'_j`` for asperities in contact, where A' and P' are
+        derivatives with respect to the indentation. For Hertz contacts this is
+        ``pi R_i - sum_j pi R_j sqrt(R_i d_i) / sum_j sqrt(R_j d_j)``. If the asperities differ in friction,
+        the derivatives are those of ``sum_i w_i A_i``, and each A' has the factor w.
+        height: summit heights (n,) [mm] that replace the heights of the surface; they are not checked. by:
+        parameter of the derivatives, see `Sensitivity`.
+        """
+        heights = surface.height if height is None else height
+        equation = self._equation(surface)
+        own = self.contact.for_material(surface.material)
+        refuse_parameter(own, by, surface)
+        found = equation.sensitivity(heights, equation.law.summits(surface), load)
+        if by == "height":
+            return found
+        return replace(found, compute_gradient=partial(_by_shape, found, equation.law, own, by, surface))
+
+    def conductance(self, surface: Surface, load: FloatArray, share: float = 1.0) -> FloatArray:
+        """Return the rescaled conductance ``(rho_1 + rho_2) G/2`` [mm] at increasing rescaled loads, (k,).
+
+        It is that of discs in parallel, ``sum_i 2 a_i``. share: not used.
+        """
+        equation = self._equation(surface)
+        radius = equation.contacts(surface.height, equation.law.summits(surface), load)[0]
+        return np.asarray(2.0 * radius.sum(axis=1))
+
+    def pull_off(self, surface: Surface, largest: float) -> float:
+        """Return the largest tension [mm^2] on the way back from the largest rescaled load, with adhesion."""
+        return cast("AdhesiveAsperities", self._equation(surface)).pull_off(surface, largest)
+
+    def areas(
+        self,
+        surface: Surface,
+        load: FloatArray,
+        height: FloatArray,
+        radius: FloatArray | None = None,
+        position: FloatArray | None = None,
+    ) -> FloatArray:
+        """Return A0 [mm^2] of many surfaces at increasing rescaled loads (k,), (m, k); see `Model.areas`.
+
+        height, radius: (m, n) [mm]; default: the surface's. Positions have no effect.
+        """
+        equation = self._equation(surface)
+        return equation.areas(surface, height, equation.law.summits(surface, radius), load)
 
     def curve_of(
         self, height: FloatArray, radius: FloatArray, load: FloatArray, contact: Contact | None = None
@@ -252,3 +221,18 @@ class Independent(Uncoupled):
         results = load_equation(self.contact, self).solve(heights, radii, loads[order])
         approach, carried, area, slope = (part[:, back] for part in results)
         return approach, carried, area, slope
+
+
+def _by_shape(found: Sensitivity, law: Contact, shaped: Contact, by: str, surface: Surface) -> FloatArray:
+    """Return dA0 by a parameter of each cap at fixed load, (k, n).
+
+    At a given load of the contact, the parameter changes its area and, as a height, its indentation.
+    law: for unit E*; shaped: the law before it was bound to the caps.
+    """
+    summits, closed = law.summits(surface), found.indentation > 0.0
+    a = np.where(closed, law.contact_radius(found.indentation, summits), SMALL * surface.radius)
+    rates, stiffness = shaped.shape_rates(by, a, surface), law.stiffness(a, summits)
+    deeper = rates.indentation - rates.load / stiffness
+    own = surface.friction_weights * rates.load * law.area_slope(a, summits) / stiffness
+    change = -found.gradient * deeper - own
+    return np.where(closed, change, 0.0)

@@ -1,8 +1,7 @@
 """Load equation of asperities that do not interact, for any contact law without adhesion.
 
 ``P/E* = sum P(d_i)/E*`` with ``d_i = x - gap_i`` at the approach x, where gap_i is the depth of summit i
-below the tallest. Loads are rescaled, P/E* [mm^2]. The base between the summits may sink in proportion to the
-load, which changes only the approach.
+below the tallest. Loads are rescaled, P/E* [mm^2].
 """
 
 from __future__ import annotations
@@ -48,20 +47,11 @@ class LoadEquation:
     law: Contact  # for unit E*
     weights: float | FloatArray = 1.0  # of the areas of the asperities in their friction, (n,)
 
-    def path(
-        self, surface: Surface, values: FloatArray, by_load: bool, unloading: bool, compliance: float
-    ) -> Curve:
-        """Return equilibria at increasing loads or approaches (k,); the base sinks by compliance P."""
+    def path(self, surface: Surface, values: FloatArray, by_load: bool, unloading: bool) -> Curve:
+        """Return equilibria at increasing loads or approaches (k,)."""
         refuse_flattening(self.law, unloading)
         height, radius = surface.height, self.law.summits(surface)
-        if by_load:
-            return sunk(self.curve(height, radius, values), compliance)
-        if compliance == 0.0:
-            return self.at_approach(height, radius, values)
-        local = self.at_approach(height, radius, self._above_base(surface, values, compliance))
-        found = sunk(local, compliance)
-        error = np.abs(found.approach - values) / np.where(local.approach > 0.0, local.approach, 1.0)
-        return replace(found, approach=np.array(values), residual=error)
+        return (self.curve if by_load else self.at_approach)(height, radius, values)
 
     def curve(self, height: FloatArray, radius: FloatArray, load: FloatArray) -> Curve:
         """Return equilibria at increasing loads (k,) for heights and radii (n,)."""
@@ -179,24 +169,6 @@ class LoadEquation:
         tabulated.each(table, indentation, load, stiffness, area, area_slope)
         return load, stiffness, area, area_slope
 
-    def _above_base(self, surface: Surface, approach: FloatArray, compliance: float) -> FloatArray:
-        """Return approaches y (k,) [mm] relative to the sunken base: y + compliance P(y) = approach."""
-        height, radius = surface.height, self.law.summits(surface)
-        most = float((surface.gap + self.law.largest_indentation(radius)).min())
-
-        def excess(y: FloatArray, approach: FloatArray) -> FloatArray:
-            return np.asarray(y + compliance * self._sums(height, radius, y)[0] - approach)
-
-        high = np.minimum(approach, most)
-        short = excess(high, approach) < 0.0
-        if short.any():
-            raise InvalidInput(
-                f"the approach {approach[short].max():.4g} mm needs more than {most:.4g} mm relative to "
-                f"the sunken base, up to which {self.law!r} describes all contacts; use smaller approaches "
-                "or a law with a larger range"
-            )
-        return np.asarray(elementwise.find_root(excess, (np.minimum(0.0, high), high), args=(approach,)).x)
-
 
 class Paraboloids(LoadEquation):
     """Load equation for Hertz's law, with kernels of its own."""
@@ -252,10 +224,8 @@ class Paraboloids(LoadEquation):
         return 4.0 / 3.0 * a * d, 2.0 * a, each * d, each * (indentation > 0.0)
 
 
-def sunk(curve: Curve, compliance: float | FloatArray) -> Curve:
-    """Return the curve on a base that sinks by the load times a compliance [1/mm], a number or (k,)."""
-    if np.ndim(compliance) == 0 and compliance == 0.0:
-        return curve
+def sunk(curve: Curve, compliance: FloatArray) -> Curve:
+    """Return the curve on a base that sinks by the load times a compliance (k,) [1/mm]."""
     return replace(
         curve,
         approach=curve.approach + compliance * curve.load,

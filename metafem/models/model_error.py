@@ -2,7 +2,7 @@
 
 Each model is judged by the cheapest estimate that suffices:
 
-- independent asperities and the mean field: by the displacements due to the loads of the contacts
+- independent asperities: by the displacements due to the loads of the contacts
   (`rungs.independent_error`) if this error is below `SMALL`; otherwise by the solution of the model of the
   highest order. This model is on a bonded layer if the surface has a block, else on a half-space;
 - order 1: by the solution of order 3;

@@ -63,8 +63,8 @@ class ContactState(Value):
     Summit i and the base near it have the same displacement u_i: the sum of the displacements by the other
     asperities plus the regular self term of the block. The gap near asperity i is ``separation + u_i``. For
     an asperity in contact, this gap is ``h_i - d_i``, its height minus its indentation. The base gap is the
-    smallest gap. For independent asperities, the base gap is the separation; the mean field adds the uniform
-    displacement. The gap excludes the Hertzian displacement around the contact and the displacement of the
+    smallest gap. For independent asperities, the base gap is the separation. The gap
+    excludes the Hertzian displacement around the contact and the displacement of the
     cap's foot, which would both increase the gap. Far outside the array the base is not displaced: a plane
     that extends that far touches the base there at zero separation.
 

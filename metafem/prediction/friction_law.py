@@ -96,8 +96,7 @@ def friction_law(
     law = contact_of(solver).bound(surface)
     refuse_if(
         unloading and not getattr(solver, "unloads", False),
-        f"unloading = True: the model {solver.name} has no unloading; use independent, mean-field, "
-        "half-space or layer",
+        f"unloading = True: the model {solver.name} has no unloading; use independent, half-space or layer",
     )
     values: dict[str, FloatArray]
     distance = None

@@ -85,8 +85,7 @@ def test_exponents_of_periodic_cells_are_found_under_the_model(seed, corrected):
 
 
 def test_heights_are_refined_and_arranged_under_the_model():
-    for model in (COUPLED, mf.MeanField(mf.Elastic())):
-        assert mf.design(mf.PowerLaw(1.2, (0.1, 0.4)), LATTICE, model, LIMITS, tools=KIT).misfit <= 0.01
+    assert mf.design(mf.PowerLaw(1.2, (0.1, 0.4)), LATTICE, COUPLED, LIMITS, tools=KIT).misfit <= 0.01
     target, template = mf.PowerLaw(0.6, (0.01, 0.03)), LATTICE.only(slice(16))
     layout = mf.Layout(tilt=0.0005)
     found = mf.design(target, template, COUPLED, LIMITS, tools=TWO, layout=layout)
@@ -169,7 +168,7 @@ def test_a_design_on_coated_sites_states_how_near_it_came(seed, model):
 
 def test_coated_heights_are_refined_under_the_model():
     tools = [mf.Tool(0.526), mf.Tool(0.526, shear_strength=0.1)]
-    for model in (mf.Interacting(), mf.MeanField()):
+    for model in (mf.Interacting(),):
         target, force = sampled(coated.scene(3, tools), np.linspace(0.02, 0.3, 30), model)
         found = mf.design(target, CELL, model, mf.Limits(0.15), tools=tools)
         assert found.misfit <= 2e-3

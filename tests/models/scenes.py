@@ -8,7 +8,6 @@ PEDESTAL = mf.Interacting(order=3, substrate=mf.BondedLayer(), pedestal=True)
 
 MODELS = [
     mf.Independent(),
-    mf.MeanField(),
     mf.Interacting(order=1),
     mf.Interacting(order=3),
     mf.Interacting(order=1, substrate=mf.BondedLayer()),

@@ -1,4 +1,4 @@
-"""A0(P), P(δ) and A0(δ) of the paper's surfaces, under independent and four interacting models.
+"""A0(P), P(δ) and A0(δ) of the paper's surfaces, under independent and three interacting models.
 
 The influence of the block takes half a minute for each set of sites and is then read from disk.
 """
@@ -14,30 +14,27 @@ import numpy as np
 import metafem as mf
 from validation.check import Check, Claim, Picture, Result, below, near, reported, rms
 from validation.figures import panels
-from validation.methods import contact_equations, square_mean
+from validation.methods import contact_equations
 from validation.paper.surfaces import LOADS, RADIUS, surfaces
 from validation.published import paper
-from validation.sources import known_input, second_method
+from validation.sources import second_method
 
 # The tests of this claim carry the mark "slow".
 SLOW = True
 
 MODELS = {
     "independent": mf.Independent(),
-    "mean field": mf.MeanField(),
     "half-space": mf.Interacting(),
     "layer": mf.Interacting(substrate=mf.BondedLayer()),
     "block": mf.Interacting(substrate=mf.fe.Block3D()),
 }
 SUBSTRATES = ("half-space", "layer", "block")
 CURVES = ("A0(P)", "P(δ)", "A0(δ)")
-STYLES = {"independent": "k-", "mean field": "k:", "half-space": "C0--", "layer": "C1-.", "block": "C3-"}
+STYLES = {"independent": "k-", "half-space": "C0--", "layer": "C1-.", "block": "C3-"}
 
 # Solver and second method agree to rounding in sums of 64 terms; lengths relative to the radius.
 ROUNDING = 1e-10
 
-SHIFT = known_input("identity: a uniform displacement of the base leaves A0(P) as it is")
-SQUARE = second_method(square_mean.mean_influence, "mean of 1/(πr) over a square by quadrature")
 NEWTON = second_method(contact_equations.coupled, "Newton's method for point loads with numpy")
 BLOCK = second_method(mf.fe.Block3D, "influence of the block by 3D finite elements")
 METHOD = "20 loads, or the separations of independent contacts at them; order 3"
@@ -68,15 +65,15 @@ def curves(name: str, model: str) -> Curves:
 def claim() -> Claim:
     """The paper compares its independent contacts with a model of elastic interaction and finds that P(δ) and
     A0(δ) change, but A0(P) hardly. The reason is that interaction mostly lowers the base as a whole, which
-    changes the separation and nothing else; in the mean field, which keeps only this part, A0(P) is unchanged
-    exactly. On the block A0(P) changes by {min_area:.1f} to {max_area:.1f} % rms, P(δ) by {min_load:.0f}
+    changes the separation and nothing else. On the block A0(P) changes by {min_area:.1f} to
+    {max_area:.1f} % rms, P(δ) by {min_load:.0f}
     to {max_load:.0f} %. To predict P(δ), use the true block or the layer: the half-space has no rigid base
     7.2 mm below the contacts, the array sinks several times too far on it, and P(δ) errs by {min_wrong:.0f}
     to {max_wrong:.0f} % rms, on the layer by {min_flat:.0f} to {max_flat:.0f} %.
     """
     rows: list[Check | Result] = []
     for name in surfaces():
-        rows += [*_mean_field(name), *_changes(name), *_second(name)]
+        rows += [*_changes(name), *_second(name)]
     rows += [*_largest(), *_against_block()]
     found = {
         "area": [rms(_change(name, "block")[0]) for name in surfaces()],
@@ -86,21 +83,7 @@ def claim() -> Claim:
     }
     values = {f"{end.__name__}_{key}": end(each) for key, each in found.items() for end in (min, max)}
     figures = {"curves": Picture(_curves_figure), "changes": Picture(_changes_figure)}
-    return Claim("A0(P), P(δ) and A0(δ) under five models", rows, figures, values)
-
-
-def _mean_field(name: str) -> Iterator[Check]:
-    first, field = curves(name, "independent"), curves(name, "mean field")
-    yield below(f"{name}, mean field: largest relative change of A0(P)",
-                np.abs(field.area / first.area - 1.0).max(), 1e-12, SHIFT)  # fmt: skip
-    surface = surfaces()[name]
-    sample = paper()["sample"]
-    rows_and_columns = sample["lattice_shape"]
-    if surface.count == np.prod(rows_and_columns):
-        side = sample["lattice_pitch_mm"] * np.sqrt(np.prod(rows_and_columns))
-        factor = (first.separation - field.separation) / LOADS * side
-        yield near(f"{name}, mean field: factor c of the displacement c p √A/E*",
-                   float(factor[-1]), square_mean.mean_influence(), 1e-9, SQUARE)  # fmt: skip
+    return Claim("A0(P), P(δ) and A0(δ) under four models", rows, figures, values)
 
 
 def _changes(name: str) -> Iterator[Result]:
@@ -169,8 +152,8 @@ def _to_block(name: str, model: str) -> np.ndarray:
 
 @panels(9.0, 3.4, columns=3)
 def _curves_figure(left, middle, right):
-    """Fig. 5, blue. Left: the five curves A0(P) coincide within the width of the lines. Middle and right: at
-    a given separation the half-space (dashed) and the mean field (dotted) have about half of the load and
+    """Fig. 5, blue. Left: the four curves A0(P) coincide within the width of the lines. Middle and right: at
+    a given separation the half-space (dashed) has about half of the load and
     area of independent contacts; layer and block are close to each other.
     """
     for model, style in STYLES.items():

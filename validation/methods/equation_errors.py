@@ -19,7 +19,6 @@ import metafem as mf
 from metafem.contact import Contact
 from metafem.contact.cap_compliance import pedestal_influence
 from metafem.models import Curve, Model
-from validation.methods.square_mean import mean_influence
 
 # Newton's steps to a contact radius, to rounding.
 MOST_STEPS = 20
@@ -37,7 +36,7 @@ def equation_error(surface: mf.Surface, model: Model, curve: Curve) -> float | N
     equations are those of the cells, and for order 3 of caps that are flat at their summits, for which
     `Interacting` limits the tilt.
     """
-    if not isinstance(model, mf.Independent | mf.MeanField | mf.Interacting):
+    if not isinstance(model, mf.Independent | mf.Interacting):
         return None
     law = model.contact.bound(surface)
     if _flat_summit(law) and isinstance(model, mf.Interacting) and model.order == 3:
@@ -74,25 +73,15 @@ class _Contact(NamedTuple):
 
 
 def _first(surface: mf.Surface, model: Model, law: Contact, p: np.ndarray, a: np.ndarray) -> _Contact:
-    """Return contacts displaced by point loads, or by the mean pressure."""
+    """Return contacts displaced by point loads."""
     u = np.zeros(surface.count)
-    if isinstance(model, mf.MeanField):
-        u += mean_influence() / math.sqrt(_nominal_area(surface.position)) * p.sum()
-    elif isinstance(model, mf.Interacting):
+    if isinstance(model, mf.Interacting):
         u += _influence(surface, model) @ p
     if not law.adhesive:
         return _Contact(u, p, u, u, math.pi * a**2)
     cap = law.without_adhesion.indentation(a, surface.radius)
     load, depth = law.load(a, surface.radius), law.indentation(a, surface.radius)
     return _Contact(u, load, cap, cap - depth, math.pi * a**2)
-
-
-def _nominal_area(position: np.ndarray) -> float:
-    """Return the area A [mm²] with ``A² = (12 l1 + A/n)(12 l2 + A/n)``, l the second moments of the sites."""
-    n, moments = len(position), 12.0 * np.linalg.eigvalsh(np.cov(position.T, bias=True))
-    return (
-        float(np.roots([1.0 - 1.0 / n**2, -moments.sum() / n, -moments.prod()]).max()) if n > 1 else math.inf
-    )
 
 
 def _third(surface: mf.Surface, model: Model, law: Contact, p: np.ndarray, a: np.ndarray) -> _Contact:

@@ -32,7 +32,6 @@ CLEARANCE = 1.5
 
 MODELS: dict[str, Callable[[Contact], Model]] = {
     "independent": mf.Independent,
-    "mean field": mf.MeanField,
     "order 1": lambda law: mf.Interacting(1, contact=law),
     "order 1, layer": lambda law: mf.Interacting(1, mf.BondedLayer(), law),
     "order 3": lambda law: mf.Interacting(3, contact=law),

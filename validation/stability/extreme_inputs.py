@@ -38,7 +38,6 @@ BY_CELLS = 6e-4
 
 MODELS: dict[str, Model] = {
     "independent": mf.Independent(),
-    "mean field": mf.MeanField(),
     "order 1": mf.Interacting(order=1),
     "order 3": mf.Interacting(),
     "order 3, layer": mf.Interacting(substrate=mf.BondedLayer()),

@@ -28,7 +28,6 @@ AUTOMATIC_TOLERANCE = 1e-3
 # command, which at first needs only their names.
 MODELS: Mapping[str, Callable[[], Model]] = {
     "independent": lambda: mf.Independent(),
-    "mean-field": lambda: mf.MeanField(),
     "half-space": lambda: mf.Interacting(),
     "layer": lambda: mf.Interacting(substrate=mf.BondedLayer()),
     "block": lambda: mf.Interacting(substrate=mf.fe.Block3D()),

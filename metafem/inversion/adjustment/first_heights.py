@@ -3,7 +3,7 @@
 Interaction lowers the stiffness and the conductance by up to a half. Heights of independent asperities with
 the target as their law are therefore far from it. The compliance 1/Q of a quantity is nearly the sum of
 that of independent asperities, 1/q, and that of the block, c(P) = 1/Q - 1/q. The latter changes little with
-the heights; under a mean field it is a constant. Independent asperities are therefore inverted for the law
+the heights. Independent asperities are therefore inverted for the law
 1/(1/Q - c) of a target Q, with c of the last heights. A search under the model follows.
 """
 

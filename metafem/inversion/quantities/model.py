@@ -19,7 +19,7 @@ class QuantityModel:
     """A model of which the areas of all curves are a quantity of the surface under another model [mm].
 
     Its contacts have the quantity as their area without interaction. The sensitivities are those of
-    `gradient_model`: of this model if `model` is a mean field or `Interacting`.
+    `gradient_model`: of this model if `model` is `Interacting`.
 
     model: model of the user. contact: law of one contact whose area is the quantity. of: the quantity.
     factor: tangential stiffness divided by the sum of the contact radii [-]; not used for others.
@@ -44,7 +44,7 @@ class QuantityModel:
 
     @property
     def ignores_open(self) -> bool:
-        """Whether the positions of open asperities have no effect; a mean field uses them."""
+        """Whether the positions of open asperities have no effect."""
         return self.model.couples
 
     @property
@@ -68,11 +68,7 @@ class QuantityModel:
     def sensitivity(
         self, surface: Surface, load: FloatArray, height: FloatArray | None = None, by: str = "height"
     ) -> Sensitivity:
-        """Return the curve of the quantity at increasing loads (k,), and its derivatives by the heights.
-
-        On a base that sinks by c P, the quantity Q is q/(1 + c q) with the quantity q of independent
-        asperities, and ``dQ/dh = (Q/q)^2 dq/dh``.
-        """
+        """Return the curve of the quantity at increasing loads (k,), and its derivatives by the heights."""
         model: Any = self.model
         if model.couples:
             of = "contact_radius" if self.of == "tangential_stiffness" else self.of
@@ -82,10 +78,7 @@ class QuantityModel:
                 found.curve, area=factor * found.curve.area, compute_last=lambda: found.curve.last
             )
             return Sensitivity(curve, lambda: factor * found.gradient, found.indentation)
-        alone = Independent(self.contact).sensitivity(surface, load, height)
-        ratio = 1.0 / (1.0 + model.compliance(surface) * alone.curve.area)
-        curve = replace(alone.curve, area=ratio * alone.curve.area, compute_last=lambda: alone.curve.last)
-        return Sensitivity(curve, lambda: ratio[:, None] ** 2 * alone.gradient, alone.indentation)
+        return Independent(self.contact).sensitivity(surface, load, height)
 
     def areas(
         self,

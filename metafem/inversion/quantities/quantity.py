@@ -4,8 +4,8 @@ The inversion reads the area of a law alone. A target of another quantity is the
 whose load is that of the model and whose "area" is the quantity of one contact: the stiffness ``2 a``, the
 rescaled conductance ``2 a`` or the tangential stiffness ``4 (1 - nu)/(2 - nu) a``, all in mm and divided by
 E* or by 2/(rho_1 + rho_2). The strategies, bounds and searches are then those for friction. The friction of
-coated caps is such a quantity, too: ``w pi a^2`` with the weight w of the coating. Under a mean field and
-with interaction the quantity is no sum over the contacts; there it is that of a `QuantityModel`.
+coated caps is such a quantity, too: ``w pi a^2`` with the weight w of the coating. With interaction
+the quantity is no sum over the contacts; there it is that of a `QuantityModel`.
 """
 
 from __future__ import annotations
@@ -79,11 +79,11 @@ def measured(model: Model, of: Of, surface: Surface) -> Model:
         key="model",
     )
     contact = Measured(law, of)
-    if getattr(model, "adds", False) or (of == "tangential_stiffness" and not model.couples):
+    if not model.couples:
         return with_contact(model, contact)
     refuse_if(
         of == "conductance" and not hasattr(model, "conductance"),
-        f"the model {model.name} has no conductance; use independent, mean-field, half-space, layer, "
+        f"the model {model.name} has no conductance; use independent, half-space, layer, "
         "automatic or resolved",
         key="model",
     )

@@ -13,7 +13,7 @@ from metafem.models.adhesion.notes import jump_notes, refuse_beyond, refuse_merg
 from metafem.models.adhesion.paths import Asperities, Path, Sums
 from metafem.models.adhesion.solve import TOLERANCE
 from metafem.models.curve import Curve, RescaledState, Sensitivity
-from metafem.models.load_equation import LoadEquation, at_fixed_load, sunk
+from metafem.models.load_equation import LoadEquation, at_fixed_load
 from metafem.notes import Note
 from metafem.surface import Surface
 
@@ -24,25 +24,23 @@ class AdhesiveAsperities(LoadEquation):
 
     law: JKR
 
-    def path(
-        self, surface: Surface, values: FloatArray, by_load: bool, unloading: bool, compliance: float
-    ) -> Curve:
+    def path(self, surface: Surface, values: FloatArray, by_load: bool, unloading: bool) -> Curve:
         """Return equilibria at increasing loads or approaches (k,), on loading or on unloading."""
         refuse_merging(self.law, surface)
         modulus = surface.material.composite_modulus
-        asperities = Asperities(self.law, self.law.summits(surface), surface.gap, compliance)
+        asperities = Asperities(self.law, self.law.summits(surface), surface.gap)
         found = equilibria(asperities, values, by_load, unloading, modulus)
         notes: tuple[Note, ...] = ()
-        if by_load:
+        if found.path is not None:
             notes = jump_notes(found.path.jumps(values[0] if unloading else values[-1]), modulus, unloading)
-        return sunk(found.curve(self.model, surface.height, notes, self.weights), compliance)
+        return found.curve(self.model, surface.height, notes, self.weights)
 
     def pull_off(self, surface: Surface, largest: float) -> float:
         """Return the largest tension [mm^2] on the way back from the largest rescaled load."""
         refuse_merging(self.law, surface)
         asperities = Asperities(self.law, self.law.summits(surface), surface.gap)
-        (reached,), _ = asperities.loading(np.array([largest]), True).approach(np.array([largest]))
-        return max(0.0, -float(asperities.unloading(float(reached), True).best[-1]))
+        (reached,), _ = asperities.loading(largest).approach(np.array([largest]))
+        return max(0.0, -float(asperities.unloading(float(reached)).best[-1]))
 
     def curve(self, height: FloatArray, radius: FloatArray, load: FloatArray) -> Curve:
         """Return equilibria at increasing loads (k,) for heights and radii (n,)."""
@@ -92,8 +90,8 @@ class Equilibria:
     """States of n adhesive asperities at increasing rescaled loads or approaches (k,)."""
 
     asperities: Asperities
-    path: Path
-    approach: FloatArray  # (k,) [mm], relative to the sunken base
+    path: Path | None  # under load control
+    approach: FloatArray  # (k,) [mm]
     sums: Sums
     control: FloatArray
 
@@ -104,19 +102,17 @@ class Equilibria:
 
     @property
     def residual(self) -> FloatArray:
-        """Relative error of the load or of the approach, (k,).
+        """Relative error of the load, (k,).
 
-        Errors of the load are divided by the sum of contact radius times indentation of the cap, since
+        Errors are divided by the sum of contact radius times indentation of the cap, since
         adhesive loads may sum to zero.
         """
         some, a = self.asperities, self.sums.contact_radius
-        if self.path.by_load:
-            carried = (a * some.law.cap.indentation(a, some.radius)).sum(axis=1)
-            error = self.sums.load - self.control
-            return np.asarray(np.abs(error) / np.where(carried > 0.0, carried, 1.0))
-        error = self.approach + some.compliance * self.sums.load - self.control
-        scale = np.abs(self.approach) + np.abs(some.end).max()
-        return np.asarray(np.abs(error) / scale)
+        if self.path is None:
+            return np.zeros(len(a))
+        carried = (a * some.law.cap.indentation(a, some.radius)).sum(axis=1)
+        error = self.sums.load - self.control
+        return np.asarray(np.abs(error) / np.where(carried > 0.0, carried, 1.0))
 
     def curve(
         self,
@@ -125,7 +121,7 @@ class Equilibria:
         notes: tuple[Note, ...] = (),
         weights: float | FloatArray = 1.0,
     ) -> Curve:
-        """Return the curve relative to the sunken base, for heights (n,) [mm] and weights of the areas."""
+        """Return the curve for heights (n,) [mm] and weights of the areas."""
         load, area, stiffness, a = self.sums
         last = partial(self._last, model, height)
         friction = self.asperities.law.area(a) @ weights if np.ndim(weights) else None
@@ -145,14 +141,21 @@ def equilibria(
     modulus: float = 1.0,
 ) -> Equilibria:
     """Return the states at increasing loads or approaches (k,), on loading or unloading from the largest."""
-    path = asperities.loading(values[-1:] if unloading else values, by_load)
     if unloading:
         refuse_no_loading(values, by_load, 0.0)
+    x, gap = np.array(values), asperities.gap
+    if not by_load:
+        closed = gap <= x[:, None]
+        if unloading:
+            closed = (gap <= x[-1]) & (gap + asperities.end <= x[:, None])
+        return Equilibria(asperities, None, x, asperities.sums(x, closed), values)
+    path = asperities.loading(float(values[-1]))
+    if unloading:
         (largest,), _ = path.approach(values[-1:])
-        path = asperities.unloading(float(largest), by_load)
-        if by_load and values[0] < path.best[-1]:
+        path = asperities.unloading(float(largest))
+        if values[0] < path.best[-1]:
             refuse_beyond(values[0], path.best[-1], modulus)
-    reached = path.piece(values) < len(path.best) if by_load or unloading else values >= path.start[0]
-    x, closed = np.array(values), np.zeros((len(values), len(asperities.gap)), dtype=bool)
+    reached = path.piece(values) < len(path.best)
+    closed = np.zeros((len(values), len(gap)), dtype=bool)
     x[reached], closed[reached] = path.approach(values[reached])
     return Equilibria(asperities, path, x, asperities.sums(x, closed), values)

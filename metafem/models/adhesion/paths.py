@@ -46,12 +46,11 @@ class Sums(NamedTuple):
 
 @dataclass(frozen=True)
 class Asperities:
-    """Adhesive asperities (n,) on a base that sinks by `compliance` times the load."""
+    """Adhesive asperities (n,)."""
 
     law: JKR  # for a material
     radius: FloatArray
     gap: FloatArray
-    compliance: float = 0.0  # [1/mm]
 
     @cached_property
     def entry_radius(self) -> FloatArray:
@@ -109,32 +108,25 @@ class Asperities:
         a = np.where(closed, contact_radius, self.entry_radius)
         return np.where(closed, self.law.load(a, self.radius), 0.0)
 
-    def _measure(self, x: FloatArray, closed: np.ndarray, by_load: bool) -> tuple[FloatArray, FloatArray]:
-        """Return the load, or the approach including the sinking of the base, and its derivative by x."""
-        found = self.sums(x, closed)
-        if by_load:
-            return found.load, found.stiffness
-        return x + self.compliance * found.load, 1.0 + self.compliance * found.stiffness
-
-    def loading(self, goal: FloatArray, by_load: bool) -> Path:
-        """Return the loading path up to the largest goal, a load or an approach."""
+    def loading(self, most: float) -> Path:
+        """Return the loading path up to the load `most`."""
         start = np.unique(self.gap)
         closed = self.gap <= start[:, None]
         stop = np.append(start[1:], np.inf)
         last = np.empty(len(start))
         inner = np.isfinite(stop)
         if inner.any():
-            last[inner] = self._measure(stop[inner], closed[inner], by_load)[0]
+            last[inner] = self.sums(stop[inner], closed[inner]).load
         last[-1] = np.inf
-        if goal.max() <= last[:-1].max(initial=-np.inf):
+        if most <= last[:-1].max(initial=-np.inf):
             stop[-1] = start[-1]
         else:
-            stop[-1] = self._beyond(start[-1], float(goal.max()), by_load)
+            stop[-1] = self._beyond(start[-1], most)
         best = np.maximum.accumulate(last)
-        return Path(self, by_load, closed, start, stop, best, forward=True)
+        return Path(self, closed, start, stop, best, forward=True)
 
-    def _beyond(self, x: float, goal: float, by_load: bool) -> float:
-        """Return an approach beyond x at which the goal is exceeded with all asperities in contact."""
+    def _beyond(self, x: float, goal: float) -> float:
+        """Return an approach beyond x at which the load `goal` is exceeded with all asperities in contact."""
         every = np.ones((1, len(self.gap)), dtype=bool)
         most = float((self.gap + self.law.largest_indentation(self.radius)).min())
         width = (
@@ -143,33 +135,32 @@ class Asperities:
         width = width or 0.01 * most
         for _ in range(MOST_DOUBLINGS):
             x = min(x + width, most)
-            if self._measure(np.array([x]), every, by_load)[0][0] >= goal:
+            if self.sums(np.array([x]), every).load[0] >= goal:
                 return x
             if x >= most:
                 break
             width *= 2.0
         raise InvalidInput(
-            f"the {'load' if by_load else 'approach'} {goal:.4g} {'mm^2' if by_load else 'mm'} needs an "
-            f"approach beyond {most:.4g} mm, up to which {self.law!r} describes all contacts; use lighter "
-            "loads or a law with a larger range"
+            f"the load {goal:.4g} mm^2 needs an approach beyond {most:.4g} mm, up to which {self.law!r} "
+            "describes all contacts; use lighter loads or a law with a larger range"
         )
 
-    def unloading(self, largest: float, by_load: bool) -> Path:
+    def unloading(self, largest: float) -> Path:
         """Return the unloading path from the approach `largest` [mm]."""
         held = self.gap <= largest
         ends = np.unique((self.gap + self.end)[held])[::-1]
         start = np.append(largest, ends[:-1])
         closed = held & (self.gap + self.end <= ends[:, None])
-        lowest = self._lowest(start, ends, closed, by_load)
-        best = np.minimum.accumulate(self._measure(lowest, closed, by_load)[0])
-        return Path(self, by_load, closed, start, lowest, best, forward=False)
+        lowest = self._lowest(start, ends, closed)
+        best = np.minimum.accumulate(self.sums(lowest, closed).load)
+        return Path(self, closed, start, lowest, best, forward=False)
 
-    def _lowest(self, start: FloatArray, stop: FloatArray, closed: np.ndarray, by_load: bool) -> FloatArray:
-        """Return approaches (k,) between start and stop at which the convex measure is smallest."""
+    def _lowest(self, start: FloatArray, stop: FloatArray, closed: np.ndarray) -> FloatArray:
+        """Return approaches (k,) between start and stop at which the convex load is smallest."""
         low, high = stop.copy(), start.copy()
         for _ in range(MOST_STEPS):
             middle = 0.5 * (low + high)
-            rising = self._measure(middle, closed, by_load)[1] > 0.0
+            rising = self.sums(middle, closed).stiffness > 0.0
             low, high = np.where(rising, low, middle), np.where(rising, middle, high)
             if (high - low <= LOWEST * (start - stop)).all():
                 break
@@ -180,12 +171,10 @@ class Asperities:
 class Path:
     """A path in m pieces, in order; the contacts of a piece do not change.
 
-    `best` is the largest load or approach that the path has reached at the end of each piece; on unloading,
-    it is the smallest.
+    `best` is the largest load that the path has reached at the end of each piece; on unloading, the smallest.
     """
 
     asperities: Asperities
-    by_load: bool
     closed: np.ndarray  # (m, n)
     start: FloatArray  # approach at the start of each piece [mm]
     stop: FloatArray  # approach at its end [mm]
@@ -193,7 +182,7 @@ class Path:
     forward: bool
 
     def piece(self, goal: FloatArray) -> IntArray:
-        """Return the index (k,) of the piece in which each goal is first reached; m if it is not reached."""
+        """Return the index (k,) of the piece in which each load is first reached; m if it is not reached."""
         sign = 1.0 if self.forward else -1.0
         return np.searchsorted(sign * self.best, sign * goal)
 
@@ -210,11 +199,11 @@ class Path:
         low, high = low[piece], high[piece]
         x = high
         for _ in range(MOST_STEPS):
-            value, slope = self.asperities._measure(x, closed, self.by_load)
-            excess = value - goal
+            found = self.asperities.sums(x, closed)
+            excess = found.load - goal
             low, high = np.where(excess < 0.0, x, low), np.where(excess >= 0.0, x, high)
             with np.errstate(divide="ignore", invalid="ignore"):
-                new = x - excess / slope
+                new = x - excess / found.stiffness
             unit = ROUNDING * np.maximum(np.abs(x), np.abs(self.stop - self.start)[piece])
             inside = (new >= low) & (new <= high) & np.isfinite(new)
             # a rounded excess can point out of a bracket that is as narrow as the rounding error
@@ -226,11 +215,10 @@ class Path:
         return x, closed
 
     def jumps(self, goal: float) -> list[Jump]:
-        """Return the jumps up to `goal`, the largest goal on loading or the smallest on unloading."""
+        """Return the jumps up to `goal`, the largest load on loading or the smallest on unloading."""
         sums = self.asperities.sums
         if self.forward:
-            first = 0.0 if self.by_load else self.start[0]
-            sign, best = 1.0, np.maximum.accumulate(np.append(first, self.best[:-1]))
+            sign, best = 1.0, np.maximum.accumulate(np.append(0.0, self.best[:-1]))
         else:
             sign, best = -1.0, self.best
         fresh = np.flatnonzero(np.append(True, np.diff(sign * best) > 0.0) & (sign * best <= sign * goal))

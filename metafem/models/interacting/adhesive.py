@@ -196,7 +196,7 @@ class AdhesiveCoupling(Coupled):
         if self.surface.count > MOST:
             raise InvalidInput(
                 f"{self.surface.count} adhesive asperities with interaction are too many: at most {MOST}; "
-                "use Independent or MeanField, or fewer asperities"
+                "use Independent, or fewer asperities"
             )
         coupling, regular = coupling_between(self.surface, self.substrate, self.order)
         gap = height.max() - height

@@ -120,7 +120,7 @@ def conductance(
     refuse_if(total == 0.0, "resistivity and plane_resistivity are both 0: the conductance is infinite")
     refuse_if(
         not hasattr(solver, "conductance"),
-        f"the model {solver.name} has no conductance; use independent, mean-field, half-space, layer, "
+        f"the model {solver.name} has no conductance; use independent, half-space, layer, "
         "automatic or resolved",
     )
     found = cast("Any", solver).conductance(surface, loads, own / total)

@@ -176,10 +176,10 @@ def test_the_lattice_has_its_sites_with_summits_at_the_largest_height():
 
 
 def test_each_model_has_its_name():
-    names = "independent mean-field half-space layer block resolved automatic"
+    names = "independent half-space layer block resolved automatic"
     assert list(files.MODELS) == names.split()
     models = [
-        *(mf.Independent(), mf.MeanField(), mf.Interacting(), mf.Interacting(substrate=mf.BondedLayer())),
+        *(mf.Independent(), mf.Interacting(), mf.Interacting(substrate=mf.BondedLayer())),
         *(mf.Interacting(substrate=mf.fe.Block3D()), mf.BoundaryElements(0.008), mf.Automatic(1e-3)),
     ]
     assert [spec(model=f'kind = "{name}"').model for name in files.MODELS] == models
@@ -188,7 +188,7 @@ def test_each_model_has_its_name():
     assert files.chosen_model(folder, "independent", None) == folder
     assert files.chosen_model(folder, None, "hertz") == mf.Independent()
     power = mf.Independent(contact=mf.PowerCap(3))
-    assert files.chosen_model(mf.MeanField(), "independent", "power 3") == power
+    assert files.chosen_model(mf.Interacting(), "independent", "power 3") == power
     assert with_contact(mf.Interacting(), mf.KogutEtsion(10.0)).order == 1  # it has no profile
     assert with_contact(mf.Interacting(), mf.PowerCap(4)).order == 3
 

@@ -31,7 +31,6 @@ def test_laws_of_random_surfaces_are_recovered(seed):
         *(mf.Independent(contact=cap) for cap in (mf.PowerCap(4), mf.SphericalCap(), mf.JKR(9e-6))),
         mf.Independent(contact=HERTZ),
         mf.Interacting(order=1, contact=mf.KogutEtsion(5.0)),
-        mf.MeanField(contact=mf.PowerCap(4)),
     ],
     ids=repr,
 )

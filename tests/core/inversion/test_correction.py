@@ -25,7 +25,6 @@ def test_a_perturbed_surface_is_brought_into_the_band_of_the_known_one():
 
 
 MODELS = (
-    mf.MeanField(),
     mf.Interacting(substrate=mf.BondedLayer()),
     mf.Independent(mf.JKR(9e-6)),
     mf.Independent(mf.Elastic()),

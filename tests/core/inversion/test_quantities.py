@@ -35,7 +35,7 @@ def rms(found, wanted):
 
 
 def test_measured_models_have_the_quantity_as_their_area():
-    for model in [mf.Independent(), mf.Interacting(1), mf.Interacting(), LAYER, mf.MeanField()]:
+    for model in [mf.Independent(), mf.Interacting(1), mf.Interacting(), LAYER]:
         surface = known(ratio=0.3, block=BLOCK)
         for of in QUANTITIES:
             expected, found = predicted(surface, of, model), measured(model, of, surface)
@@ -60,7 +60,6 @@ def test_gradients_are_those_of_the_quantity():
         (mf.Interacting(pedestal=True), 1e-3),
         (LAYER, 1e-3),
         (mf.Interacting(contact=mf.PowerCap(4)), 1e-2),
-        (mf.MeanField(), 1e-6),
     ]:
         surface, step = known(block=BLOCK), 1e-6
         for of in QUANTITIES:
@@ -75,7 +74,7 @@ def test_gradients_are_those_of_the_quantity():
 
 @pytest.mark.parametrize(
     ("of", "model"),
-    [(QUANTITIES[1], mf.Independent()), (QUANTITIES[2], mf.MeanField()), (QUANTITIES[0], LAYER)],
+    [(QUANTITIES[1], mf.Independent()), (QUANTITIES[0], LAYER)],
 )
 def test_laws_of_known_surfaces_are_found(of, model):
     assert_found(of, model, 1)

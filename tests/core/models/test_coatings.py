@@ -18,7 +18,6 @@ CAPS = [mf.Sphere(), mf.Power(3)] * 4 + [mf.Paraboloid()]
 MODELS = [
     mf.Independent(mf.Elastic()),
     mf.Independent(mf.KogutEtsion(10.0)),
-    mf.MeanField(),
     mf.Interacting(pedestal=True),
     mf.Interacting(contact=mf.JKR(9e-6)),
 ]

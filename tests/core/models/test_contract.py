@@ -24,7 +24,6 @@ RESOLVING = (CELLS, *AUTOMATIC)
 EVERY = (*MODELS, *LAW_OF, *RESOLVING)
 FIRST = (
     mf.Independent(),
-    mf.MeanField(),
     mf.Interacting(order=1),
     PEDESTAL,
     *(with_law(name)[1] for name in ("quartic", "jkr", "kogut-etsion")),

@@ -121,7 +121,6 @@ REFUSALS = [
     (law(mf.Independent(mf.JKR(10.0)), load=[0.01]), "adhesion_energy", "10"),
     (state(ONE, mf.Interacting(contact=mf.JKR(0.2)), load=0.02), "adhesion_energy", "0.2"),
     (state(FLAT, mf.Interacting(contact=NARROW), load=0.5), "asperity", "AxisymmetricCap"),
-    (partial(mf.MeanField(NARROW).curve, SOME, approach=np.array([2.0])), "approach", "2 mm"),
     (
         state(scene([[0, 0]], [0.5], 5.0, thickness=0.3), mf.Interacting(3, LAYER), approach=0.4),
         "layer",

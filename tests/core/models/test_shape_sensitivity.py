@@ -23,7 +23,6 @@ OWN, COATED = mf.Elastic(), mf.Friction(np.linspace(0.2, 0.4, 9), 0.8)
 PARAMETERS = ["height", "radius", "exponent", "coefficient"]
 MODELS = [
     mf.Independent(OWN),
-    mf.MeanField(OWN),
     mf.Interacting(1, contact=OWN),
     mf.Interacting(3, mf.BondedLayer(), OWN),
 ]

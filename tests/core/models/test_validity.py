@@ -9,7 +9,7 @@ from scipy.optimize import brentq
 import metafem as mf
 from metafem.models.truncation import truncation
 from metafem.prediction.validity import base_contact_load
-from tests.models.scenes import lattice, said, scene
+from tests.models.scenes import said, scene
 
 CLOSE = [[0.0, 0.0], [0.1, 0.0]]
 LAYER = mf.Interacting(substrate=mf.BondedLayer())
@@ -53,7 +53,7 @@ def test_what_is_left_out_is_warned_of():
 
 
 def test_a_sound_scene_is_not_warned_of():
-    for model in (mf.Independent(), mf.MeanField(), mf.Interacting(order=1), mf.Interacting(), LAYER):
+    for model in (mf.Independent(), mf.Interacting(order=1), mf.Interacting(), LAYER):
         law = mf.friction_law(rough(), model, load=np.linspace(0.01, 0.3, 20))
         assert not warnings(law), said(law)
 
@@ -101,26 +101,22 @@ def test_estimates_are_within_a_factor_of_two_of_resolved_contacts():
 
 
 def test_both_paths_agree_on_base_contact():
-    """A thin block with its layer at 3.5 N, and the heights of the linear demo in the mean field at 2 N."""
-    levels = 0.084 + 0.006 * np.repeat(np.arange(7), [17, 13, 11, 9, 6, 5, 3])
-    cases = [(rough(thickness=1.0), LAYER, 3.5), (lattice(levels), mf.MeanField(), 2.0)]
-    for surface, model, load in cases:
-        state = mf.equilibrium(surface, model, load=load)
-        law = mf.friction_law(surface, model, load=[load])
-        assert ("base plane" in said(state)) == ("base plane" in said(law)) == (state.base_gap <= 0.0)
-        onset = 1.36 * base_contact_load(surface, model)
-        assert (onset < load) == (state.base_gap <= 0.0)
+    """A thin block with its layer at 3.5 N."""
+    surface, load = rough(thickness=1.0), 3.5
+    state = mf.equilibrium(surface, LAYER, load=load)
+    law = mf.friction_law(surface, LAYER, load=[load])
+    assert ("base plane" in said(state)) == ("base plane" in said(law)) == (state.base_gap <= 0.0)
+    onset = 1.36 * base_contact_load(surface, LAYER)
+    assert (onset < load) == (state.base_gap <= 0.0)
 
 
 def test_the_base_sinks_with_the_summits():
-    """Beside a contact h - d is left; in the mean field more than the separation by the common sinking."""
+    """Beside a contact h - d is left."""
     surface, load = rough(), 0.3
-    alone, mean, full = (
-        mf.equilibrium(surface, model, load=load)
-        for model in (mf.Independent(), mf.MeanField(), mf.Interacting())
+    alone, full = (
+        mf.equilibrium(surface, model, load=load) for model in (mf.Independent(), mf.Interacting())
     )
-    assert alone.base_gap == alone.separation == mean.base_gap
-    assert mean.separation < mean.base_gap
+    assert alone.base_gap == alone.separation
     u = mf.HalfSpace().influence_matrix(surface) @ full.asperity_load / 1.36
     assert full.base_gap == pytest.approx(full.separation + u.min(), abs=1e-4)
     resolved = mf.equilibrium(rough(side=2), mf.BoundaryElements(0.008), load=0.02)
@@ -129,22 +125,20 @@ def test_the_base_sinks_with_the_summits():
 
 
 def test_notes_of_crowded_scenes_never_raise():
-    """Two caps almost at one site, and a lattice whose mean field takes nearly all of an approach."""
+    """Two caps almost at one site, and a lattice whose base touches."""
     pair = mf.Surface(CLOSE, [0.10, 0.12], 0.526, mf.Material(1.36))
     crowd = mf.Surface.square_lattice(0.12, (8, 8), 0.6, radius=0.526, material=mf.Material(1.36))
-    for model in (mf.Independent(), mf.MeanField()):
-        assert warnings(mf.equilibrium(pair, model, load=0.2))
-        assert "base plane would touch" in said(mf.equilibrium(crowd, model, load=20.0))
+    assert warnings(mf.equilibrium(pair, load=0.2))
+    assert "base plane would touch" in said(mf.equilibrium(crowd, load=20.0))
 
 
 def test_interaction_is_estimated_with_the_law_of_the_model():
     surface, load = rough(pitch=0.9, thickness=0.8, side=3), np.array([0.1])
     for law in (mf.PowerCap(4), mf.JKR(2e-5), mf.KogutEtsion(0.5)):
         layer = mf.Interacting(law.largest_order, mf.BondedLayer(), law)
-        for alone in (mf.Independent(law), mf.MeanField(law)):
-            found = mf.friction_law(surface, alone, load=load)
-            change = mf.friction_law(surface, layer, load=load).area / found.area - 1.0
-            assert f"by up to {100.0 * change[0]:+.2g} %, at 0.1 N (order {law.largest_order}" in said(found)
+        found = mf.friction_law(surface, mf.Independent(law), load=load)
+        change = mf.friction_law(surface, layer, load=load).area / found.area - 1.0
+        assert f"by up to {100.0 * change[0]:+.2g} %, at 0.1 N (order {law.largest_order}" in said(found)
 
 
 def test_point_loads_of_laws_without_a_profile_are_bounded():

@@ -50,7 +50,7 @@ def test_equality_compares_every_bit(rough):
 def test_equal_laws_and_states(rough):
     law, again = (mf.friction_law(rough, load=[0.1, 0.2]) for _ in range(2))
     assert law == again
-    assert law != mf.friction_law(rough, mf.MeanField(), load=[0.1, 0.2])
+    assert law != mf.friction_law(rough, mf.Interacting(), load=[0.1, 0.2])
     state, other = (mf.equilibrium(rough, load=p) for p in (0.1, 0.2))
     assert state == mf.equilibrium(rough, load=0.1)
     assert state != other

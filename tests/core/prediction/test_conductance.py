@@ -18,7 +18,7 @@ def irregular():
 
 def test_barbers_identity_without_interaction(irregular):
     """The tables of laws other than Hertz's resolve the stiffness to 1e-13."""
-    for model in [mf.Independent(), mf.MeanField(), mf.Independent(mf.PowerCap(4))]:
+    for model in [mf.Independent(), mf.Independent(mf.PowerCap(4))]:
         found = mf.conductance(irregular, model, load=LOADS, resistivity=1.0).rescaled_conductance
         assert_allclose(found, model.curve(irregular, LOADS).stiffness, rtol=1e-12)
 

@@ -18,8 +18,8 @@ def surface():
     return mf.Surface.square_lattice(height, (4, 4), radius=0.526, material=MATERIAL)
 
 
-MODELS = [mf.Independent, partial(mf.Interacting, 1, mf.BondedLayer(7.2)), mf.MeanField]
-CASES = [(MODELS[0], LAWS[0]), (MODELS[1], LAWS[1]), (MODELS[2], LAWS[0])]
+MODELS = [mf.Independent, partial(mf.Interacting, 1, mf.BondedLayer(7.2))]
+CASES = [(MODELS[0], LAWS[0]), (MODELS[1], LAWS[1])]
 
 
 @pytest.mark.parametrize(("kind", "law"), CASES)

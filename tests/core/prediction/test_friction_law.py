@@ -60,7 +60,7 @@ def test_plot_draws_the_law(rough):
     np.testing.assert_array_equal(line.get_xdata()[1:], law.rescaled_load)
 
 
-@pytest.mark.parametrize("model", [mf.Independent(), mf.MeanField(), mf.Interacting(3, mf.BondedLayer())])
+@pytest.mark.parametrize("model", [mf.Independent(), mf.Interacting(3, mf.BondedLayer())])
 def test_the_load_at_which_the_plane_reaches_the_base_is_stated(rough, model):
     onset = rough.material.composite_modulus * base_contact_load(rough, model)
     state = mf.equilibrium(rough, model, load=onset)

@@ -27,7 +27,7 @@ def test_equal_independent_contacts_break_together():
 
 @pytest.mark.parametrize(
     "model",
-    [mf.Independent(mf.JKR(ENERGY)), mf.MeanField(mf.JKR(ENERGY)), mf.Interacting(contact=mf.JKR(ENERGY))],
+    [mf.Independent(mf.JKR(ENERGY)), mf.Interacting(contact=mf.JKR(ENERGY))],
 )
 def test_path_ends_at_the_pull_off_force(model):
     surface = rough(0.003)

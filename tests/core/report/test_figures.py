@@ -74,8 +74,8 @@ def test_interaction_and_sensitivity_are_drawn(design):
     np.testing.assert_allclose(first.get_ydata(), 100.0 * (other.area / design.law.area - 1.0), atol=1e-9)
     np.testing.assert_allclose(first.get_xdata(), design.law.rescaled_load)
     np.testing.assert_allclose(comparisons[0].sinking, design.law.separation - other.separation, atol=1e-12)
-    own = mf.friction_law(design.surface, mf.MeanField(), load=design.law.load)
-    assert compared(replace(design, law=own))[0][-1].name == "mean-field"
+    own = mf.friction_law(design.surface, mf.Interacting(1), load=design.law.load)
+    assert compared(replace(design, law=own))[0][-1].name == "half-space, order 1"
     crowd = mf.Surface.square_lattice(0.1, (39, 39), radius=0.526, material=MATERIAL)
     assert compared(of_surface(design, crowd)) == ((), ())
     (mesh,) = sensitivity_figure(design).axes[0].collections

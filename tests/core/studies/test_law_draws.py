@@ -32,6 +32,6 @@ def test_there_is_no_area_without_load_and_it_continues_beyond_the_table(surface
 
 
 def test_a_load_without_solution_is_named(surface, monkeypatch):
-    monkeypatch.setattr(mf.MeanField, "areas", lambda *given: np.full((1, 400), np.nan))
+    monkeypatch.setattr(mf.Interacting, "areas", lambda *given: np.full((1, 400), np.nan))
     with pytest.raises(mf.NotConverged, match="no solution at the rescaled load"):
-        Response.of(surface, mf.MeanField(), 0.3, 0.01)
+        Response.of(surface, mf.Interacting(), 0.3, 0.01)

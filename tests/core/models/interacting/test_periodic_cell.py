@@ -57,11 +57,9 @@ def test_adhesive_contacts_have_images():
     assert several.area == pytest.approx(4.0 * single.area, rel=1e-9)
 
 
-def test_mean_field_and_notes_state_the_convention():
-    sunk, alone = (mf.equilibrium(THREE, model, load=0.05) for model in (mf.MeanField(), mf.Independent()))
-    assert sunk.separation == alone.separation
-    for state in (sunk, mf.equilibrium(THREE, mf.Interacting(), load=0.05)):
-        assert any("mean plane" in str(note.text) for note in state.notes)
+def test_notes_state_the_convention():
+    state = mf.equilibrium(THREE, mf.Interacting(), load=0.05)
+    assert any("mean plane" in str(note.text) for note in state.notes)
     layer = mf.equilibrium(THREE, mf.Interacting(substrate=mf.BondedLayer()), load=0.05)
     assert not any("mean plane" in str(note.text) for note in layer.notes)
 
