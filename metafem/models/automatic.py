@@ -7,8 +7,6 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import ClassVar
 
-import numpy as np
-
 from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.contact import Contact
@@ -28,12 +26,9 @@ from metafem.models.load_equation import sunk
 from metafem.models.model import WithoutGradients
 from metafem.models.rungs import (
     DISPLACEMENTS,
-    HIGHER_TERMS,
     independent_error,
-    order_1_error,
     order_3_error,
 )
-from metafem.models.truncation import truncation
 from metafem.notes import Level, Note, information
 from metafem.substrate import HalfSpace, Radial, Substrate
 from metafem.surface import Surface
@@ -54,11 +49,10 @@ UNUSED_BLOCK = information("the surface's block is not used: the contacts are co
 class Automatic(WithoutGradients):
     """The cheapest model whose estimated error is within a tolerance.
 
-    The models are `Independent`, `Interacting` of order 1 and of order 3, and `BoundaryElements`. They are
-    solved in this order, and the error of each is estimated from its own solution:
+    The models are `Independent`, `Interacting` of order 3, and `BoundaryElements`. They are solved in this
+    order, and the error of each is estimated from its own solution:
 
     - independent asperities: the change of A0 by the displacements due to their loads;
-    - order 1: the change of A0 by the terms of order 3;
     - order 3: a sum of (a/r)^5 over pairs of contacts, on a layer also a sum of (a/t)^5 over contacts, and
       for caps other than paraboloids the effect of the slopes of the neighbours' fields of the next order.
 
@@ -100,7 +94,7 @@ class Automatic(WithoutGradients):
     >>> surface = Surface.square_lattice(0.1, (8, 8), radius=0.526, material=Material(1.36))
     >>> state = equilibrium(surface, Automatic(1e-3), load=0.5)
     >>> print(state.notes[0])
-    chosen: order 1; its estimated error of A0(P) is 7.0e-04
+    chosen: order 3; its estimated error of A0(P) is 5.3e-06
     """
 
     title: ClassVar[str] = "automatic"
@@ -146,19 +140,6 @@ class Automatic(WithoutGradients):
         curve = self._resolved(surface, *controlled(load, approach), self.substrate, error, reason)
         return curve.with_notes((*curve.notes, *unused))
 
-    def conductance(self, surface: Surface, load: FloatArray, share: float = 1.0) -> FloatArray:
-        """Return the rescaled conductance ``(rho_1 + rho_2) G/2`` [mm] at increasing rescaled loads, (k,).
-
-        It is that of the model chosen at each load, and of order 1 where independent asperities are chosen:
-        their conductance would ignore the neighbours. share: as in `Interacting.conductance`.
-        """
-        found = np.zeros(len(load))
-        for k in np.flatnonzero(load > 0.0):
-            chosen = self.curve(surface, load[k : k + 1]).last.model
-            solver = chosen if chosen.couples else self._point_loads
-            found[k] = solver.conductance(surface, load[k : k + 1], share)[0]
-        return found
-
     def _unchecked(self, error: ModelError) -> Note:
         """Return a note on the order used, and its estimated error, if the contacts cannot be resolved."""
         order = f"order {self.gradient_model.order}"
@@ -186,9 +167,6 @@ class Automatic(WithoutGradients):
             curve, error = self._independent(surface, load)
             if curve is not None:
                 return curve, error, "independent asperities"
-        curve, error = self._order_1(surface, load, approach)
-        if curve is not None:
-            return curve, error, "order 1"
         return *self._order_3(surface, load, approach), "order 3"
 
     def _independent(self, surface: Surface, load: FloatArray) -> tuple[Curve | None, ModelError]:
@@ -206,33 +184,6 @@ class Automatic(WithoutGradients):
         error, sinking = independent_error(equation, surface, bound, curve, self.tolerance)
         found = ModelError(error, DISPLACEMENTS)
         return sunk(curve, sinking) if error <= self.tolerance else None, found
-
-    def _order_1(
-        self, surface: Surface, load: FloatArray | None, approach: FloatArray | None
-    ) -> tuple[Curve | None, ModelError]:
-        """Return the curve of order 1 with its largest estimated error.
-
-        If order 1 fails or its error exceeds the tolerance, return None.
-        """
-        point = self._point_loads
-        values, by_load = controlled(load, approach)
-        last = _control(values[-1:], by_load)  # the error is usually largest there
-        if len(values) > 1 and self._order_1(surface, *last)[0] is None:
-            return None, UNSOLVED
-        try:
-            if load is None:
-                curve = point.curve(surface, approach=approach)
-                indentation = curve.last.indentation[None]
-            else:
-                found = point.sensitivity(surface, load)
-                curve, indentation = found.curve, found.indentation
-        except MetafemError:
-            return None, UNSOLVED
-        error = truncation(surface, curve.last.area, self.substrate, self.contact)
-        if not curve.converged or error > self.tolerance:
-            return None, UNSOLVED
-        error += order_1_error(self.gradient_model, surface, curve, indentation)
-        return curve if error <= self.tolerance else None, ModelError(error, HIGHER_TERMS)
 
     def _order_3(
         self, surface: Surface, load: FloatArray | None, approach: FloatArray | None

@@ -1,17 +1,15 @@
-"""Errors of independent asperities and of order 1, each estimated from the solution of that model.
+"""Errors of independent asperities and of order 3, each estimated from the solution of that model.
 
 The loads p of independent contacts displace the summits by ``u = G p``. At fixed total load, the indentations
 therefore change by ``U - u_i``, where ``U = sum k_i u_i / sum k_i`` is the sinking of the base and k are the
 stiffnesses of the contacts. The contact law then gives new loads, and a second step of this kind follows. The
-two steps include second-order terms, and contacts that open or close. The error of order 1 is estimated in
-the same way, by steps from its solution with the equations of order 3.
+two steps include second-order terms, and contacts that open or close.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import cast
 
 import numpy as np
 
@@ -20,9 +18,7 @@ from metafem.contact import Contact
 from metafem.contact.elastic import PARABOLOID
 from metafem.contact.law import sizes_of
 from metafem.models.curve import Curve, ModelError
-from metafem.models.interacting.elastic import ElasticCoupling, Response
 from metafem.models.interacting.influence import displacements, nearest_distance
-from metafem.models.interacting.model import Interacting
 from metafem.models.load_equation import LoadEquation
 from metafem.models.truncation import equivalent_radii, nearest, slope_effects, truncation
 from metafem.substrate import Substrate
@@ -30,7 +26,6 @@ from metafem.surface import Surface
 
 # Sources of the estimates.
 DISPLACEMENTS = "the displacements by the loads of independent contacts"
-HIGHER_TERMS = "the terms of order 3"
 RADII = "the contact radii relative to the distances and the thickness"
 
 # Number of contacts, summed over the loads, for which the error of independent asperities is estimated; and
@@ -143,42 +138,9 @@ def _higher_orders(law: Contact, surface: Surface, substrate: Substrate, curve: 
     return flatter + tilted + truncation(surface, area, substrate, law)
 
 
-def order_1_error(model: Interacting, surface: Surface, curve: Curve, indentation: FloatArray) -> float:
-    """Return the largest relative error of A0 along a curve of order 1; `model` has order 3.
-
-    indentation: (m, n) [mm], at the last m loads. The error is estimated at some of these loads, and at those
-    where a contact is closest to opening or closing.
-    """
-    first = len(curve.load) - len(indentation)
-    # dA/dd is constant only for paraboloids; for other caps the area of a new contact may grow at any rate
-    few = max(surface.count, PROBED // FEWEST) if model.contact == PARABOLOID else surface.count
-    some = probed(curve.load[first:], few)
-    touching = np.argsort(np.abs(indentation).min(axis=1))[:FEWEST]
-    response = cast("ElasticCoupling", model.bound(surface)).response()
-    worst = 0.0
-    for row in sorted({*some.tolist(), *touching.tolist()}):
-        load, area, x = (float(part[first + row]) for part in (curve.load, curve.area, curve.approach))
-        if area > 0.0:
-            worst = max(worst, abs(_area_of_order_3(response, indentation[row], x, load) / area - 1.0))
-    return SAFETY * worst
-
-
 def order_3_error(surface: Surface, area: FloatArray, substrate: Substrate, law: Contact) -> ModelError:
     """Return the error of A0 by order 3, and by order 1 for laws without a profile, for areas (n,) [mm^2]."""
     if law.largest_order == 1:
         return ModelError(math.nan, f"{law!r} has no profile, so its contacts cannot be resolved")
     error = truncation(surface, area, substrate, law)
     return ModelError(error, RADII) if math.isfinite(error) else ModelError(math.nan, "contacts overlap")
-
-
-def _area_of_order_3(response: Response, z: FloatArray, approach: float, load: float) -> float:
-    """Return A0 [mm^2] after one step from a solution of order 1; infinite if a contact exceeds its law."""
-    state, error = response(z, approach)
-    rate = np.where(state.z > 0.0, state.rate / state.bend, 0.0)
-    state, _ = response(z - (error - rate @ error / rate.sum()) / state.bend, approach)
-    closed = state.z > 0.0
-    if not closed.any() or state.outside[closed].any():
-        return math.inf
-    rate = state.rate[closed] / state.bend[closed]
-    missing = (load - float(state.load[closed].sum())) / float(rate.sum())
-    return math.pi * float((state.footprint[closed] + state.by_load[closed] * rate * missing).sum())

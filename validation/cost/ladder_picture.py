@@ -14,7 +14,7 @@ from validation.scenes.costs import AUTOMATIC, MODELS, RESOLVED, SCENES, referen
 SHOWN = ("sparse", "paper", "dense", "merged", "several", "many")
 ROWS, COLUMNS = 2, 3
 
-# Lines of the picture: the models of the ladder and another code, with the two readings of its area.
+# Lines of the picture: the models and another code, with the two readings of its area.
 LINES = (*MODELS, RESOLVED, PEER, f"{PEER}, second moments")
 
 CHOSEN = f"{AUTOMATIC}, tolerance above"

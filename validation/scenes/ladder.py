@@ -21,7 +21,7 @@ NEGLIGIBLE = 0.3
 
 
 class Choice(NamedTuple):
-    """What `Automatic` chose: 0 for independent asperities, 1 and 2 for orders 1 and 3; errors of A0."""
+    """What `Automatic` chose: 0 for independent asperities, 1 for order 3; errors of A0."""
 
     tolerance: float
     chosen: int
@@ -52,24 +52,18 @@ def choices(count: int, seed: int = 0) -> list[Choice]:
     rng, found = np.random.default_rng(seed), []
     for _ in range(count):
         surface, law, substrate, load = scene(rng)
-        models = _models(law, substrate)
+        models = (mf.Independent(law), mf.Interacting(3, substrate, law))
         try:
             curves = [model.curve(surface, load).checked() for model in models]
         except mf.MetafemError:
             continue
-        errors = [float(np.abs(curve.area / curves[2].area - 1.0).max()) for curve in curves]
-        last = truncation(surface, curves[2].last.area, substrate, law)
+        errors = [float(np.abs(curve.area / curves[1].area - 1.0).max()) for curve in curves]
+        last = truncation(surface, curves[1].last.area, substrate, law)
         for tolerance in TOLERANCES:
             if last <= NEGLIGIBLE * tolerance:
                 curve = mf.Automatic(tolerance, substrate, law).curve(surface, load)
                 chosen = models.index(curve.last.model)
                 cheapest = next(i for i, error in enumerate(errors) if error <= tolerance)
-                error = float(np.abs(curve.area / curves[2].area - 1.0).max())
+                error = float(np.abs(curve.area / curves[1].area - 1.0).max())
                 found.append(Choice(tolerance, chosen, cheapest, float(curve.error or 0.0), error))
     return found
-
-
-def _models(law: Contact, substrate: Substrate) -> tuple[Model, ...]:
-    """Return independent asperities and orders 1 and 3."""
-    orders = (mf.Interacting(order, substrate, law) for order in (1, 3))
-    return (mf.Independent(law), *orders)

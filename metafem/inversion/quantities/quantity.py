@@ -83,8 +83,7 @@ def measured(model: Model, of: Of, surface: Surface) -> Model:
         return with_contact(model, contact)
     refuse_if(
         of == "conductance" and not hasattr(model, "conductance"),
-        f"the model {model.name} has no conductance; use independent, half-space, layer, "
-        "automatic or resolved",
+        f"the model {model.name} has no conductance; use independent, half-space or layer",
         key="model",
     )
     substrate = model.reference.substrate

@@ -86,7 +86,7 @@ def conductance(
     surface : Surface
     model : Model, optional
         Model of the contacts; default: `Independent()`. Interacting models need the substrate `HalfSpace` or
-        `BondedLayer`. `Automatic` has the conductance of the model that it chooses.
+        `BondedLayer`.
     load : array_like, (k,)
         Normal loads P [N], at least 0; they are sorted.
     resistivity : float
@@ -120,8 +120,7 @@ def conductance(
     refuse_if(total == 0.0, "resistivity and plane_resistivity are both 0: the conductance is infinite")
     refuse_if(
         not hasattr(solver, "conductance"),
-        f"the model {solver.name} has no conductance; use independent, half-space, layer, "
-        "automatic or resolved",
+        f"the model {solver.name} has no conductance; use independent, half-space or layer",
     )
     found = cast("Any", solver).conductance(surface, loads, own / total)
     newtons = np.array(surface.material.composite_modulus * loads)
