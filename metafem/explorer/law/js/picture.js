@@ -1,5 +1,5 @@
 // The picture of the law: axes, bands, curves, points, and its legend. The handles are drawn by `handles.js`.
-import { area, label, made, path, set, ticks, valueAt } from "./svg.js";
+import { area, label, made, path, set, ticks } from "./svg.js";
 import { MARGIN } from "./view.js";
 
 // Pixels for a label of an axis.
@@ -8,22 +8,22 @@ const [BETWEEN_X, BETWEEN_Y] = [85, 48];
 // What is drawn, from the back to the front, by the first words of its keys.
 const LAYERS = ["band", "tolerance", "other", "pinned", "nearest", "wanted", "achieved", "measured"];
 
-// Returns [class of the key, words, further words, name beside the curve, curve] of all that an answer shows.
+// Returns [class of the key, words, further words, curve] of all that an answer shows.
 export function entries(data) {
   const found = [];
-  const add = (curve, kind, words, name = "", more = "") => { if (curve) found.push([kind, words, more, name, curve]); };
+  const add = (curve, kind, words, more = "") => { if (curve) found.push([kind, words, more, curve]); };
   const crowd = data.crowd && ` (${data.crowd})`;
-  add(data.wanted && { ...data.wanted, loose: data.marked }, `${data.marked ? "point" : "wanted"}${data.crowd ? "" : " named"}`, `target law${crowd}`, "target",
+  add(data.wanted && { ...data.wanted, loose: data.marked }, data.marked ? "point" : "wanted", `target law${crowd}`,
     data.crowd && "Change them in the specification or its table, or choose another kind of target law.");
-  if (data.refusal) add(data.achieved, "achieved old", "last law found", "last law");
-  else add(data.achieved, "achieved", `achieved law (${data.model})`, "achieved");
-  add(data.pinned, "pinned", "pinned law", "pinned");
-  add(data.measured && { ...data.measured, loose: true }, "measured", data.measured?.name, "measured");
-  add(data.nearest, "nearest named", "nearest law that can be designed", "nearest law");
-  add(data.band, "band named", data.reach, "possible", "What the surfaces within the limits can have at one load. A law inside is refused where no single surface meets all of its loads.");
+  if (data.refusal) add(data.achieved, "achieved old", "last law found");
+  else add(data.achieved, "achieved", `achieved law (${data.model})`);
+  add(data.pinned, "pinned", "pinned law");
+  add(data.measured && { ...data.measured, loose: true }, "measured", data.measured?.name);
+  add(data.nearest, "nearest", "nearest law that can be designed");
+  add(data.band, "band", data.reach, "What the surfaces within the limits can have at one load. A law inside is refused where no single surface meets all of its loads.");
   // the errors of the part are told where the pointer rests
-  add(data.tolerance, "tolerance named", data.tolerance?.name.split(",")[0], "made ± 1 SD", data.tolerance?.name);
-  (data.others ?? []).forEach((each, i) => add(each, `other other-${i}`, each.name, each.name.split(",")[0]));
+  add(data.tolerance, "tolerance", data.tolerance?.name.split(",")[0], data.tolerance?.name);
+  (data.others ?? []).forEach((each, i) => add(each, `other other-${i}`, each.name));
   (data.pending ?? []).forEach((name) => add({}, "pending", `${name}: being computed …`));
   return found;
 }
@@ -47,7 +47,7 @@ export class Picture {
     set(this.clip, { x: MARGIN.left, y: MARGIN.top, width, height });
     this.drawAxes(view, data);
     const layers = LAYERS.flatMap((layer) => shown.filter(([kind]) => kind.split(" ")[0] === layer));
-    this.curves.replaceChildren(...layers.flatMap(([kind, , , , curve]) => drawn(view, kind, curve)));
+    this.curves.replaceChildren(...layers.flatMap(([kind, , , curve]) => drawn(view, kind, curve)));
   }
 
   drawAxes(view, data) {
@@ -93,63 +93,4 @@ function points(view, kind, { x, y, x_sd: across, y_sd: up }) {
     made("rect", { x: px - 3, y: py - 3, width: 6, height: 6 }, point);
   });
   return group;
-}
-
-// Short names beside the curves of the law, in their colours.
-
-// Distances of a name from the end of its curve and from the next name, and about how wide a letter is [pixels].
-const [BESIDE, LINE, LETTER] = [8, 15, 8];
-// How far around their middles a handle and the mark of the load reach, and the height of what a handle carries [pixels].
-const [HANDLE, MARK, CARRIED] = [11, 6, 44];
-// The step in which the end of a curve is looked for [pixels], and the places of a name that are tried [lines].
-const STEP = 6;
-const PLACES = [0, -0.5, 0.5, -1, 1, -1.5, 1.5, -2, 2, -2.5, 2.5, -3, 3, -4, 4, -5, 5, -6, 6];
-
-// The last place of a curve, of a band or of loose points within the picture; null if none is.
-function endOf(view, { x, y, low, high, loose }) {
-  if (loose) {
-    const shown = x.map((each, i) => ({ x: each, y: y[i] })).filter((each) => view.has(each));
-    return shown.reduce((last, each) => (last && last.x > each.x ? last : each), null);
-  }
-  const top = view.y.high;
-  const curve = { x, y: y ?? low.map((each, i) => (each + Math.min(top, high[i] ?? top)) / 2) };
-  const last = x.at(-1) ?? 0;
-  for (let px = Math.min(view.right, view.px(last)); px >= MARGIN.left; px -= STEP) {
-    const load = Math.min(last, view.x.at(px)); // not beyond it by a rounding error
-    const friction = valueAt(curve, load);
-    if (view.y.has(friction)) return { x: load, y: friction };
-  }
-  return null;
-}
-
-const apart = (a, b) => Math.abs(a.y - b.y) >= (a.tall + b.tall) / 2 || a.x > b.x + b.wide || b.x > a.x + a.wide;
-
-export class Names {
-  away = {}; // how far each name is above or below the end of its curve [lines]
-
-  constructor(svg) { this.group = made("g", { "aria-hidden": "true" }, svg); }
-
-  // Draws the names of `entries`. A name has a place without other names, handles and the mark of the load; it keeps
-  // this place at its curve while a handle is held.
-  draw(view, entries, handles, load, held) {
-    const around = ({ x, y, carried = "" }, size) =>
-      ({ x: view.px(x) - size, y: view.py(y), wide: 2 * size + LETTER * carried.length, tall: carried ? CARRIED : 2 * size });
-    const taken = [around(load, MARK), ...handles.map((each) => around(each, HANDLE))];
-    const before = held ? this.away : {};
-    this.away = {};
-    this.group.replaceChildren();
-    for (const [kind, words, more, name, curve] of view.named ? entries : []) {
-      const end = name && endOf(view, curve);
-      if (!end) continue;
-      const wide = LETTER * name.length;
-      const x = Math.min(view.px(end.x) + (curve.loose ? HANDLE : 0) + BESIDE, view.width - wide);
-      const at = (lines) => ({ x, y: view.py(end.y) + lines * LINE, wide, tall: LINE });
-      const free = ({ y, ...box }) => y > MARGIN.top && y < view.bottom && taken.every((each) => apart(each, { y, ...box }));
-      const lines = before[name] ?? PLACES.find((each) => free(at(each))) ?? 0;
-      this.away[name] = lines;
-      taken.push(at(lines));
-      const node = set(label(name, x.toFixed(1), (at(lines).y + 4).toFixed(1), "start", this.group), { class: `name ${kind}` });
-      made("title", {}, node).textContent = more || words;
-    }
-  }
 }

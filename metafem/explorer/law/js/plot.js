@@ -3,7 +3,7 @@ import { Chosen, hear, remember } from "metafem-page/linked.js";
 import { Cursor } from "./cursor.js";
 import { followed, Requests } from "./drag.js";
 import { Handles } from "./handles.js";
-import { entries, Names, Picture } from "./picture.js";
+import { entries, Picture } from "./picture.js";
 import { made, told } from "./svg.js";
 import { MARGIN, View } from "./view.js";
 
@@ -38,7 +38,6 @@ export class Plot {
     this.emit = (name, data) => element.$emit(name, data);
     [this.root, this.stage, this.svg] = [element.$el, element.$refs.stage, element.$refs.svg];
     this.picture = new Picture(this.svg);
-    this.names = new Names(this.svg);
     this.handles = new Handles(this, made("g", {}, this.svg));
     this.cursor = new Cursor(this, made("g", {}, this.svg), element.$refs.readout, this.closed.signal); // after the points in the order of Tab
     this.listen();
@@ -242,9 +241,7 @@ export class Plot {
     const { data, view, handles } = this;
     if (!data) return;
     const shown = { ...data, wanted: followed(data, handles.held).wanted };
-    const all = entries(shown);
-    this.picture.draw(view, shown, all);
-    this.names.draw(view, all, handles.all, this.cursor.mark, Boolean(handles.drag));
+    this.picture.draw(view, shown, entries(shown));
     handles.draw(view, data.refusal !== "" || Boolean(handles.drag?.refusal));
     this.cursor.draw();
     this.drawRefusal();

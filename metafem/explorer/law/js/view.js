@@ -1,8 +1,5 @@
 // The axes: the mapping between the units that are shown and pixels. They begin at 0, or elsewhere when they are zoomed.
-export const MARGIN = { left: 62, top: 12, bottom: 46 };
-
-// Width of a plot from which on names stand beside its curves, and the right margin with and without them [pixels].
-const [NAMED, NAMES, RIGHT] = [480, 92, 16];
+export const MARGIN = { left: 62, right: 16, top: 12, bottom: 46 };
 
 // Free space beyond the farthest point, and the part of an axis below which the axis is shortened.
 const [SPARE, EMPTY] = [1.08, 0.55];
@@ -61,8 +58,7 @@ export class View {
   constructor() { this.resize(640, 400); }
 
   resize(width, height) {
-    this.named = width >= NAMED;
-    Object.assign(this, { width, height, right: width - (this.named ? NAMES : RIGHT), bottom: height - MARGIN.bottom });
+    Object.assign(this, { width, height, right: width - MARGIN.right, bottom: height - MARGIN.bottom });
     this.x.ends = [MARGIN.left, this.right];
     this.y.ends = [this.bottom, MARGIN.top];
   }
