@@ -71,12 +71,6 @@ def test_further_models_and_newtons_are_shown_beside_the_law(visit):
     legend = page.locator(".law-legend").inner_text()
     assert "half-space, differs by" in legend
     assert "layer, differs by" in legend
-    page.get_by_role("button", name="Compute the block").click()
-    page.get_by_role("button", name="Stop the block").or_(
-        page.get_by_role("button", name="Hide the block")
-    ).click()
-    page.get_by_role("button", name="Compute the block").wait_for()
-    assert "block" not in page.locator(".law-legend").inner_text()
     page.keyboard.press("Escape")
     text = visit.text
     page.get_by_role("button", name="mm²", exact=True).click()

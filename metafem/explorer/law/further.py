@@ -12,7 +12,6 @@ from metafem._validate import FloatArray
 from metafem._values import percent
 from metafem.errors import MetafemError
 from metafem.explorer.answer import Answer
-from metafem.explorer.certainty.background import Tasks
 from metafem.explorer.certainty.band import EVERY, band_words, tolerance_band
 from metafem.explorer.law.law_data import band_data
 from metafem.explorer.law.shown import Units
@@ -21,13 +20,11 @@ from metafem.files import chosen_model
 from metafem.inversion import Design
 from metafem.prediction import friction_law
 
-# Models whose laws take milliseconds, and the model whose law is computed in a separate process that takes
-# between seconds and a minute the first time.
-QUICK, SLOW = ("independent", "half-space", "layer"), "block"
+# Models whose laws take milliseconds.
+QUICK = ("independent", "half-space", "layer")
 
-# Why the axes cannot be in newtons, and why the law under the block model cannot be computed.
+# Why the axes cannot be in newtons.
 NO_FORCES = "Newtons need “Friction” with its shear strength and area ratio in the workshop."
-NO_BLOCK = "The block model needs “Block” with its width, length and thickness in the workshop."
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,8 +46,7 @@ class Other:
 def own_name(design: Design) -> str:
     """Return the name of the design's model in specifications; "" if no name selects exactly this model."""
     model = design.law.model
-    names = (*QUICK, SLOW)
-    return next((name for name in names if chosen_model(model, name, None) == model), "")
+    return next((name for name in QUICK if chosen_model(model, name, None) == model), "")
 
 
 def other_law(design: Design, name: str) -> Other:
@@ -66,10 +62,7 @@ def other_law(design: Design, name: str) -> Other:
 
 
 def tools_data(answer: Answer) -> dict[str, Any]:
-    """Return the axes and models that can be chosen above the plot, and the current choices.
-
-    ``block`` says whether the law under the block model is a further law.
-    """
+    """Return the axes and models that can be chosen above the plot, and the current choices."""
     design = answer.design
     forces = design is not None and design.template.friction is not None
     own = "" if design is None else own_name(design)
@@ -77,55 +70,7 @@ def tools_data(answer: Answer) -> dict[str, Any]:
         "newtons": answer.state.newtons,
         "no_forces": "" if forces else NO_FORCES,
         "models": [{"name": name, "on": name in answer.state.models} for name in QUICK if name != own],
-        "block": own != SLOW,
     }
-
-
-class Block:
-    """The law under the block model, computed in a process that can be stopped."""
-
-    def __init__(self, tasks: Tasks, changed: Callable[[], None]) -> None:
-        self.tasks, self.changed = tasks, changed
-        self.design: Design | None = None
-        self.law: Other | None = None
-        self.step = ""
-
-    async def start(self, design: Design) -> None:
-        """Compute the law of a design."""
-        self.design, self.law, self.step = design, None, "starting"
-        task = self.tasks.start(SLOW, other_law, (design, SLOW), self._stepped)
-        self.changed()
-        try:
-            self.law = await task
-        except MetafemError as error:
-            self.law = Other(SLOW, error=f"{SLOW}: {error}")
-        self.changed()
-
-    def stop(self) -> None:
-        """Stop the computation, and remove its law from the plot."""
-        self.tasks.stop(SLOW)
-        self.design = self.law = None
-        self.changed()
-
-    def of(self, design: Design | None) -> Other | None:
-        """Return the law of a design; None if no law was computed for this design."""
-        # after undo, an equal design is a different object
-        same = self.design is not None and (design is self.design or design == self.design)
-        return self.law if same else None
-
-    def data(self, design: Design | None) -> dict[str, Any]:
-        """Return whether the computation runs, its step, whether its law is shown, and what it needs."""
-        running = self.tasks.running(SLOW)
-        return {
-            "running": running,
-            "step": f"The law under the block: {self.step} …" if running else "",
-            "shown": self.of(design) is not None,
-            "missing": "" if design is not None and design.template.block is not None else NO_BLOCK,
-        }
-
-    def _stepped(self, name: str, done: float | None) -> None:
-        self.step = name if done is None else f"{name}, {percent(done)}"
-        self.changed()
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,10 +85,9 @@ class More:
 class Further:
     """Computes in a thread the further curves of the newest answer, and passes them to the plot."""
 
-    def __init__(self, tasks: Tasks, draw: Callable[[dict[str, Any]], None]) -> None:
+    def __init__(self, draw: Callable[[dict[str, Any]], None]) -> None:
         self.draw = draw
         self.newest: Queue[Answer, More] = Queue(self._computed, self._show, self._failed)
-        self.block = Block(tasks, self._renew)
         self.last: More | None = None
 
     def put(self, answer: Answer) -> None:
@@ -164,28 +108,21 @@ class Further:
         return More(answer, laws, {"tolerance": data})
 
     def _show(self, more: More) -> None:
-        self.last = more
-        self._renew()
-
-    def _failed(self, answer: Answer, error: Exception) -> None:
-        """Show the error, and no further curves of the answer."""
-        self._show(More(answer, (Other("", error=in_words(error)),), {"tolerance": None}))
-
-    def _renew(self) -> None:
-        """Draw the curves that are known."""
-        more = self.last
-        if more is None:
-            return
-        units, block = Units.of_design(more.answer, more.answer.state.newtons), self.block
-        laws = [law for law in (*more.laws, block.of(more.answer.design)) if law is not None]
+        """Draw the curves, and keep them for a newer answer with the same design."""
+        self.last, units = more, Units.of_design(more.answer, more.answer.state.newtons)
         self.draw(
             {
                 **more.data,
                 "number": more.answer.number,
                 "others": [
-                    units.curve(law.load, law.friction) | {"name": law.words} for law in laws if not law.error
+                    units.curve(law.load, law.friction) | {"name": law.words}
+                    for law in more.laws
+                    if not law.error
                 ],
-                "errors": [law.error for law in laws if law.error],
-                "block": block.data(more.answer.design),
+                "errors": [law.error for law in more.laws if law.error],
             }
         )
+
+    def _failed(self, answer: Answer, error: Exception) -> None:
+        """Show the error, and no further curves of the answer."""
+        self._show(More(answer, (Other("", error=in_words(error)),), {"tolerance": None}))

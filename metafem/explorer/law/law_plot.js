@@ -25,11 +25,9 @@ export default {
           <button type="button" aria-label="Zoom in" title="Show less of the axes (+); also Ctrl and the wheel" @click="plot.zoom(0.8)">+</button>
           <button type="button" title="Fit the axes to target and law (0)" @click="plot.zoom(0)">Fit</button>
         </span>
-        <button type="button" class="act law-beside" aria-haspopup="dialog">{{ block.running ? "Other models (block is computed …)" : "Other models" }}
+        <button type="button" class="act law-beside" aria-haspopup="dialog">Other models
           <q-menu class="law-models" role="dialog" aria-label="Other models" anchor="bottom right" self="top right" transition-duration="0">
-            <label v-for="{ name, on } in tools.models" :key="name"><input type="checkbox" :name="name" :checked="on" @change="$emit('model', { name, on: $event.target.checked })"> {{ name }}</label>
-            <div v-if="tools.block" class="row"><button type="button" class="act law-block" :aria-disabled="block.missing !== ''" @click="compute">{{ block.running ? "Stop" : block.shown ? "Hide" : "Compute" }} the block</button></div>
-            <span v-if="tools.block" class="small quiet law-step">{{ block.step }}</span></q-menu></button>
+            <label v-for="{ name, on } in tools.models" :key="name"><input type="checkbox" :name="name" :checked="on" @change="$emit('model', { name, on: $event.target.checked })"> {{ name }}</label></q-menu></button>
         <button type="button" class="act law-choose" title="Show a CSV table of a measured law; it can also be dropped onto the plot. Its first line names the columns with their units: load_N,friction_force_N or load_mN,area_mm2, optionally with load_sd_N and friction_force_sd_N." @click="$refs.file.click()">Measured points…</button>
         <input ref="file" type="file" accept=".csv,.tsv,.txt,text/csv" hidden @change="choose">
       </div>
@@ -52,7 +50,7 @@ export default {
     </div>`,
   data() {
     return {
-      tools: { models: [], no_forces: "" }, block: {}, dropping: false, legend: [], acts: ACTS,
+      tools: { models: [], no_forces: "" }, dropping: false, legend: [], acts: ACTS,
       refusal: "", away: false, held: false, nearest: false, usable: false, offer: "Use the nearest law", // the words of the button
       words: "", wrong: false, live: "polite", pointed: "", offered: false,
     };
@@ -79,12 +77,6 @@ export default {
     forces() {
       if (this.tools.no_forces) this.say(this.tools.no_forces, true);
       else this.$emit("axes", { newtons: true });
-    },
-    // The law under the block takes seconds to a minute, in a process that can be stopped.
-    compute() {
-      const { missing, running, shown } = this.block;
-      if (missing) this.say(missing, true);
-      else this.$emit("block", { on: !running && !shown });
     },
     choose({ target }) {
       if (target.files.length) this.read([...target.files]);

@@ -43,7 +43,7 @@ class LawPanel(Panel):
         names = [name for name in dir(type(self)) if name.startswith("on_")]
         self.plot = LawPlot(**{name[3:]: partial(self._handle, getattr(self, name)) for name in names})
         self.reach: tuple[Band | None, Units] | None = None  # the band that is shown, and its units
-        self.further = Further(page.tasks, partial(self.plot.call, "more"))
+        self.further = Further(partial(self.plot.call, "more"))
         # number of the plot for each change of the page by a drag, and for the newest one that is answered
         self.requests: dict[int, int] = {}
         self.request = 0
@@ -80,8 +80,6 @@ class LawPanel(Panel):
         if answer.nearest_target is not None:
             self.refused = answer
         self.reach = data.pop("reached", self.reach)
-        tools = data["tools"]
-        tools["block"] = self.further.block.data(answer.design) if tools["block"] else None
         self.plot.call("draw", data | {"request": self.request})
         if "problem" in data:
             self.say(data["problem"], wrong=True)
@@ -157,14 +155,6 @@ class LawPanel(Panel):
         """Keep the law that is shown on the plot, or remove the one that is kept."""
         self.pinned = self.page.answer if event["on"] else None
         await self.page.renew(self)
-
-    async def on_block(self, event: Event) -> None:
-        """Start the computation of the law under the block model, or stop it and hide its law."""
-        design = self.page.answer.design
-        if event["on"] and design is not None:
-            await self.further.block.start(design)
-        else:
-            self.further.block.stop()
 
     async def on_dropped(self, event: Event) -> None:
         """Show the points of a table."""

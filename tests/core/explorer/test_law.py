@@ -8,9 +8,8 @@ import pytest
 
 import metafem as mf
 from metafem.explorer.answer import answered
-from metafem.explorer.certainty.background import Tasks
 from metafem.explorer.law.dropped import as_target, better_titles, measured_of, read_points
-from metafem.explorer.law.further import NO_BLOCK, NO_FORCES, Block, Further, other_law, own_name, tools_data
+from metafem.explorer.law.further import NO_FORCES, Further, other_law, own_name, tools_data
 from metafem.explorer.law.law_data import band_data, law_data, pinned_data
 from metafem.explorer.law.reach import reach_of
 from metafem.explorer.law.shown import Units, numbers
@@ -131,64 +130,31 @@ def test_a_further_law_is_that_of_the_same_surface(answer):
     assert (lost.error[:5], lost.load.size) == ("layer", 0)
     tools = tools_data(answer)
     assert tools["models"] == [{"name": "half-space", "on": True}, {"name": "layer", "on": False}]
-    assert (tools["block"], tools["newtons"], tools["no_forces"]) == (True, False, "")
+    assert (tools["newtons"], tools["no_forces"]) == (False, "")
     assert tools_data(replace(answer, design=None))["no_forces"] == NO_FORCES
-    block = Block(Tasks(), lambda: None)
-    idle = {"running": False, "step": "", "shown": False}
-    assert block.data(design) == {**idle, "missing": ""}
-    assert block.data(bare.design) == {**idle, "missing": NO_BLOCK}
-
-
-class Answering:
-    """Tasks of a page that end at once with a value or an error."""
-
-    def __init__(self, value):
-        self.value = value
-
-    def start(self, *given):
-        done = asyncio.get_running_loop().create_future()
-        end = done.set_exception if isinstance(self.value, Exception) else done.set_result
-        end(self.value)
-        return done
-
-    def running(self, name):
-        return False
-
-    def stop(self, name):
-        pass
 
 
 def test_the_plot_gets_the_newest_band_and_laws(answer):
-    drawn = []
-    tasks = Answering(other_law(answer.design, "independent"))
+    drawn, lost = [], answered(State(BARE, models=("layer",)), 8)
 
     async def run():
-        further = Further(tasks, drawn.append)
-        further.put(answer)
-        while further.newest.running:
-            await asyncio.wait([further.newest.task])
-        await further.block.start(answer.design)
-        tasks.value = mf.errors.NotConverged("no solution")
-        await further.block.start(answer.design)
-        return further
+        further = Further(drawn.append)
+        for each in (answer, lost):
+            further.put(each)
+            while further.newest.running:
+                await asyncio.wait([further.newest.task])
 
-    further = asyncio.run(run())
-    first, *_, shown, _, failed = drawn
+    asyncio.run(run())
+    first, failed = drawn
     assert first["number"] == 7
     assert [each["name"].split(",")[0] for each in first["others"]] == ["half-space"]
-    assert [each["name"].split(",")[0] for each in shown["others"]] == ["half-space", "independent"]
-    assert (shown["block"]["shown"], failed["errors"]) == (True, ["block: no solution"])
+    assert (failed["others"], failed["errors"][0][:5]) == ([], "layer")
     tolerance, law = first["tolerance"], answer.design.law
     middle = (np.array(tolerance["low"]) + tolerance["high"]) / 2
     np.testing.assert_allclose(middle, np.interp(tolerance["x"], law.rescaled_load, law.area), rtol=1e-4)
     assert "SD" in tolerance["name"]
     np.testing.assert_allclose(pinned_data(answer, Units())["y"], law.area, rtol=1e-4)
     assert pinned_data(None, Units()) is None
-    again = answered(State(TEXT), 6).design
-    assert further.block.of(again) is further.block.law  # after undo
-    assert further.block.of(answered(State(TEXT.replace("0.84", "0.85")), 7).design) is None
-    further.block.stop()
-    assert further.block.of(again) is None
 
 
 def test_measured_points_are_rescaled_compared_and_become_a_target(answer):

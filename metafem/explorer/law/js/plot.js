@@ -200,7 +200,7 @@ export class Plot {
     if (handles.drag) this.offer = data.offer !== "";
     else this.fit();
     if (this.cursor.chosen.isShownBy(data.cursor / data.load_scale)) this.cursor.x = data.cursor;
-    Object.assign(this.element, { tools: data.tools, block: data.tools.block ?? this.element.block });
+    this.element.tools = data.tools;
     this.show();
     this.changed();
     if (this.root.dataset.answered === "0") this.resume();
@@ -208,8 +208,7 @@ export class Plot {
   }
 
   // Draws what comes a moment after an answer: the tolerance band and the laws under further models.
-  more({ number, errors, block, ...curves }) {
-    if (block) this.element.block = block;
+  more({ number, errors, ...curves }) {
     if (number !== this.data?.number) return;
     Object.assign(this.data, curves, { pending: [] });
     this.beside = curves;
