@@ -42,7 +42,6 @@ from .inversion import PowerRange as PowerRange
 from .inversion import RadiusRange as RadiusRange
 from .inversion import SampledLaw as SampledLaw
 from .inversion import Tool as Tool
-from .inversion import TradeOff as TradeOff
 from .inversion import WeightedObjectives as WeightedObjectives
 from .inversion import achievable_friction_coefficients as achievable_friction_coefficients
 from .inversion import achievable_load_range as achievable_load_range
@@ -51,8 +50,6 @@ from .inversion import brought_into as brought_into
 from .inversion import design_for_hardness as design_for_hardness
 from .inversion import feasible_region as feasible_region
 from .inversion import plasticity_index as plasticity_index
-from .inversion import scaled_to_pull_off as scaled_to_pull_off
-from .inversion import trade_off as trade_off
 from .inversion.design import design as design
 from .inversion.result import Design as Design
 from .material import Block as Block
@@ -65,18 +62,13 @@ from .models import Independent as Independent
 from .models import Interacting as Interacting
 from .models import Status as Status
 from .notes import Note as Note
-from .prediction import Conductance as Conductance
 from .prediction import ContactState as ContactState
 from .prediction import FrictionLaw as FrictionLaw
 from .prediction import Onset as Onset
 from .prediction import Tolerances as Tolerances
-from .prediction import conductance as conductance
 from .prediction import equilibrium as equilibrium
-from .prediction import flattened as flattened
 from .prediction import friction_law as friction_law
 from .prediction import onset as onset
-from .prediction import pull_off as pull_off
-from .prediction import tangential_stiffness as tangential_stiffness
 from .substrate import BondedLayer as BondedLayer
 from .substrate import HalfSpace as HalfSpace
 from .surface import Surface as Surface

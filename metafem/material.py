@@ -2,18 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 
 from metafem import _validate as check
 from metafem._validate import FloatArray
-from metafem._values import Value
-from metafem.errors import InvalidInput, refuse_if
-
-# Members of a Friction.
-NAMES = ("shear_strength", "area_ratio")
 
 
 @dataclass(frozen=True)
@@ -82,121 +76,40 @@ class Material:
         return self.composite_modulus * (1.0 - self.poisson_ratio**2)
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class Friction(Value):
-    """Friction of the material pair, ``F = sigma B A0``, or of each asperity, ``F = sum sigma_i B_i A_i``.
-
-    Asperities differ in friction if they have different coatings. Rescaled friction is by one `stress` for
-    all asperities, by default the largest sigma B: ``F/stress = sum w_i A_i`` with the weights
-    ``w_i = sigma_i B_i/stress``. It is A0 if sigma B is this stress for all asperities.
+@dataclass(frozen=True)
+class Friction:
+    """Friction of the material pair, ``F = sigma B A0``.
 
     Parameters
     ----------
-    shear_strength : float or array_like, (n,)
-        sigma [MPa], positive: friction force over the real contact area under shear, one value for all
-        asperities or one for each.
-    area_ratio : float or array_like, (n,)
-        B [-], positive: real contact area under shear over that before shear, one value or one for each;
-        default: 1, no change.
-    reference : float, optional
-        Stress [MPa] by which friction is rescaled, positive; default: the largest sigma B. A design whose
-        tools have coatings has here the sigma B of its template, by which its target is rescaled.
+    shear_strength : float
+        sigma [MPa], positive: friction force over the real contact area under shear.
+    area_ratio : float
+        B [-], positive: real contact area under shear over that before shear; default: 1, no change.
 
     Raises
     ------
     InvalidInput
-        If a value is not positive, or the two arrays differ in length.
+        If a value is not positive.
 
     Examples
     --------
-    >>> Friction(shear_strength=0.404, area_ratio=0.85).shear_strength
-    0.404
-    >>> coated = Friction(shear_strength=[0.4, 0.1], area_ratio=0.85)
-    >>> round(coated.stress, 12), coated.weights
-    (0.34, array([1.  , 0.25]))
+    >>> friction = Friction(shear_strength=0.404, area_ratio=0.85)
+    >>> round(friction.stress, 4)
+    0.3434
     """
 
-    shear_strength: float | FloatArray
-    area_ratio: float | FloatArray = 1.0
-    reference: float | None = field(default=None, repr=False)
+    shear_strength: float
+    area_ratio: float = 1.0
 
     def __post_init__(self) -> None:
-        check.member(self, "reference", optional=True, above=0.0)
-        for name in NAMES:
-            if check.scalar(getattr(self, name)):
-                check.member(self, name, above=0.0)
-            else:
-                values = check.array(name, getattr(self, name), shape=(None,), positive=True)
-                object.__setattr__(self, name, values)
-        counts = {len(values) for values in self._arrays().values()}
-        refuse_if(
-            len(counts) > 1,
-            f"and shear_strength have {' and '.join(map(str, sorted(counts)))} values; both must have one "
-            "for each asperity, or one for all",
-            key="area_ratio",
-        )
+        check.member(self, "shear_strength", above=0.0)
+        check.member(self, "area_ratio", above=0.0)
 
     @property
     def stress(self) -> float:
-        """Reference or largest sigma B [MPa]: the friction force over the rescaled friction."""
-        return float(np.max(self._each())) if self.reference is None else self.reference
-
-    @property
-    def weights(self) -> float | FloatArray:
-        """sigma_i B_i over `stress` [-], (n,); 1.0 if it is the same for all asperities and is `stress`."""
-        each = np.asarray(self._each())
-        return 1.0 if (each == self.stress).all() else np.asarray(each / self.stress)
-
-    @property
-    def differs(self) -> bool:
-        """Whether sigma B differs from asperity to asperity, or from the reference."""
-        return np.ndim(self.weights) > 0
-
-    def coated(self, shear_strength: FloatArray) -> Friction:
-        """Return the friction of asperities with other sigma (n,) [MPa], rescaled as this friction."""
-        return replace(self, shear_strength=shear_strength, reference=self.stress)
-
-    def at(self, some: Any) -> Friction:
-        """Return the friction of some asperities (indices or mask)."""
-        arrays = self._arrays()
-        return replace(self, **{name: values[some] for name, values in arrays.items()}) if arrays else self
-
-    def refuse_differing(self, what: str) -> None:
-        """Raise InvalidInput if a member has one value for each asperity, which `what` does not support."""
-        for name in self._arrays():
-            raise InvalidInput(
-                f"has one value for each asperity, which {what} does not support; use one for all",
-                key=f"friction.{name}",
-            )
-
-    def of(self, count: int) -> Friction:
-        """Return the friction of `count` asperities, with one value for all where their values are equal.
-
-        If sigma B differs from the reference, sigma has one value for each asperity.
-        """
-        changes: dict[str, Any] = {}
-        for name, values in self._arrays().items():
-            refuse_if(
-                len(values) != count,
-                f"has {len(values)} values for {count} asperities; it must be one value, or one for each",
-                key=f"friction.{name}",
-            )
-            if (values == values[0]).all():
-                changes[name] = float(values[0])
-        found = replace(self, **changes) if changes else self
-        if self.reference is None or found._arrays():
-            return found
-        if found.shear_strength * found.area_ratio == self.reference:
-            return replace(found, reference=None)
-        return replace(found, shear_strength=np.full(count, found.shear_strength))
-
-    def _each(self) -> float | FloatArray:
+        """sigma B [MPa]: the friction force over the rescaled friction."""
         return self.shear_strength * self.area_ratio
-
-    def _arrays(self) -> dict[str, FloatArray]:
-        """Return the members with one value for each asperity."""
-        members = {name: getattr(self, name) for name in NAMES}
-        return {name: values for name, values in members.items() if isinstance(values, np.ndarray)}
 
 
 @dataclass(frozen=True)

@@ -55,7 +55,7 @@ class Surface(Value):
         profiles of other caps.
     material : Material
     friction : Friction, optional
-        Required for friction forces; one for all asperities or one for each. Default: None.
+        Required for friction forces; default: None.
     block : Block, optional
         Required for the bonded layer, the true block and the part files; default: None.
     cap : Cap or sequence of Cap
@@ -68,8 +68,7 @@ class Surface(Value):
     ------
     InvalidInput
         If an array is empty, has the wrong shape or is not finite, a radius is not positive, two asperities
-        coincide, a cap is not a shape, the frictions are not one for each asperity, or the asperities do not
-        fit in the cell.
+        coincide, a cap is not a shape, or the asperities do not fit in the cell.
 
     Examples
     --------
@@ -108,8 +107,6 @@ class Surface(Value):
         _refuse_disproportion(radii, {"radius": radii, "height": heights, "position": positions})
         check.instance("material", material, Material, "a metafem.Material")
         check.instance("friction", friction, Friction, "a metafem.Friction", optional=True)
-        if friction is not None:
-            friction = friction.of(n)
         check.instance("block", block, Block, "a metafem.Block", optional=True)
         if block is not None:
             for name in ("width", "length", "thickness"):
@@ -206,8 +203,8 @@ class Surface(Value):
             "Poisson's ratio": f"{self.material.poisson_ratio:.4g}",
         }
         if self.friction is not None:
-            facts["shear strength"] = span(np.asarray(self.friction.shear_strength), "MPa")
-            facts["area ratio"] = span(np.asarray(self.friction.area_ratio), "").rstrip()
+            facts["shear strength"] = f"{self.friction.shear_strength:.4g} MPa"
+            facts["area ratio"] = f"{self.friction.area_ratio:.4g}"
         if self.block is not None:
             size = (self.block.width, self.block.length, self.block.thickness)
             facts["block"] = f"{' x '.join(f'{length:.4g}' for length in size)} mm"
@@ -225,11 +222,6 @@ class Surface(Value):
         """Depth of each summit below the tallest, (n,) [mm], accurate also for small differences."""
         return np.asarray(self.height.max() - self.height)
 
-    @property
-    def friction_weights(self) -> float | FloatArray:
-        """Weights w of the areas in the rescaled friction ``sum w_i A_i`` [-], (n,); 1.0 if all are equal."""
-        return 1.0 if self.friction is None else self.friction.weights
-
     def replaced(self, **changes: Any) -> Surface:
         """Return a copy in which some arguments of the constructor are changed."""
         return replace(self, **changes)
@@ -237,8 +229,7 @@ class Surface(Value):
     def only(self, some: Any, **changes: Any) -> Surface:
         """Return the surface of some asperities (indices or mask), with some arguments changed."""
         own = {name: getattr(self, name)[some] for name in ("position", "height", "radius")}
-        friction = None if self.friction is None else self.friction.at(some)
-        return self.replaced(**{**own, "cap": self.cap.at(some), "friction": friction, **changes})
+        return self.replaced(**{**own, "cap": self.cap.at(some), **changes})
 
     def tilted(self, angle_x: float, angle_y: float) -> Surface:
         """Return the surface tilted against the plane: heights ``h + x tan(angle_x) + y tan(angle_y)``.
@@ -266,11 +257,6 @@ class Surface(Value):
         ]
         return self.replaced(height=self.height + self.position @ np.array(slope))
 
-    def refuse_coatings(self, what: str) -> None:
-        """Raise InvalidInput if the asperities differ in friction, which `what` does not support."""
-        if self.friction is not None:
-            self.friction.refuse_differing(what)
-
     def refuse_tilt(self) -> None:
         """Raise InvalidInput if the surface has a periodic cell: heights that rise along x do not repeat."""
         refuse_if(
@@ -290,7 +276,7 @@ class Surface(Value):
     def shuffled(self, rng: Any = 0) -> Surface:
         """Return the surface with its asperities randomly assigned to its sites.
 
-        Each asperity keeps its height, radius, cap and friction.
+        Each asperity keeps its height, radius and cap.
         `rng` is a seed or a numpy Generator; default: 0.
         """
         generator = check.generator(rng)

@@ -25,7 +25,6 @@ from metafem.cli.progress import progress
 from metafem.cli.terminal import notes_data, print_notes, print_table, say, terminal
 from metafem.errors import Infeasible, InvalidInput, refuse_if
 from metafem.files.specification.models import DEMOS
-from metafem.inversion.quantities.quantity import FRICTION
 from metafem.progress import doing
 
 if TYPE_CHECKING:
@@ -122,8 +121,7 @@ def _refusal(error: Infeasible, folder: Path) -> Ended:
     if error.nearest is None:
         return Ended("Infeasible", str(error))
     words, nearest = str(error), {"target": error.nearest.title}
-    # tables hold friction laws alone
-    law = error.nearest.law if error.nearest.of == FRICTION else None
+    law = error.nearest.law
     if law is not None:
         path = Path(f"{folder.absolute()}-nearest.csv")
         rows = zip(*(column.tolist() for column in law), strict=True)

@@ -22,7 +22,6 @@ from metafem.cli.group import (
     option_names,
 )
 from metafem.cli.progress import printing_messages, progress
-from metafem.cli.quantities import columns_of, print_quantities, quantities_of
 from metafem.cli.study.options import option_name, with_options
 from metafem.cli.terminal import loaded, notes_data, print_json, print_notes, print_table, say, terminal
 from metafem.errors import named, refuse_if
@@ -77,12 +76,6 @@ scene_options = with_options(
     metavar="FORCE",
     help="Also print the onset of sliding at this load: friction force over tangential displacement.",
 )
-@click.option(
-    "--quantities",
-    is_flag=True,
-    help="Also print the normal and tangential stiffness and the rescaled conductance (rho_1 + rho_2) G/2, "
-    "with the plane as an ideal conductor.",
-)
 @scene_options
 @model_option("that of the folder; independent for a table", multiple=True)
 @click.option("-o", "--output", type=Name(), help="Also write the law to this CSV file.")
@@ -92,7 +85,6 @@ def predict(
     source: Path,
     load: tuple[float, ...],
     onset: float | None,
-    quantities: bool,
     model: tuple[str, ...],
     contact: tuple[str, ...],
     output: Path | None,
@@ -103,8 +95,7 @@ def predict(
     """Predict the friction law of the surface in a result folder or in a table of heights.
 
     SOURCE is a result folder of `metafem design`, or a CSV file with the columns x_mm, y_mm, height_um and
-    radius_um (or in other units); if the asperities differ in friction, also shear_strength_MPa and
-    area_ratio. A table needs --composite-modulus or --young-modulus. With the model layer
+    radius_um (or in other units). A table needs --composite-modulus or --young-modulus. With the model layer
     it also needs --thickness, and with the model block --thickness, --width and --length. With
     --shear-strength, friction forces are also printed. If --model or --contact is repeated, all combinations
     of models and contact laws are compared at the same loads. With --onset, one contact after the other
@@ -144,27 +135,17 @@ def predict(
         for each in models:
             loads = laws[0].load if laws else load or None
             laws.append(mf.friction_law(surface, each, load=loads))
-        more = [
-            quantities_of(surface, each, law) if quantities else {}
-            for each, law in zip(models, laws, strict=True)
-        ]
         slides = [None if onset is None else mf.onset(surface, each, load=onset) for each in models]
     if output is not None:
         mf.files.write_text(output, mf.files.law_table(laws[0]), force=force, kind="law")
     if as_json:
-        data = [
-            _law_data(law) | mf.files.plain_data(columns_of(part))
-            for law, part in zip(laws, more, strict=True)
-        ]
+        data = [_law_data(law) for law in laws]
         for part, sliding in zip(data, slides, strict=True):
             if sliding is not None:
                 part["onset"] = mf.report.onset_data(sliding)
         print_json(data[0] if len(data) == 1 else {"laws": data})
     else:
         _print_laws(laws, whole=bool(load))
-        for law, part in zip(laws, more, strict=True):
-            if part:
-                print_quantities(law, part, whole=bool(load))
         for number, sliding in enumerate(slides, 1):
             if sliding is not None:
                 _print_onset(sliding, f"{number}: " if len(slides) > 1 else "")

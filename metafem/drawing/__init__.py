@@ -111,17 +111,6 @@ def onset(ax: Axes, displacement: FloatArray, force: FloatArray) -> None:
     ax.set_ylim(bottom=0.0)
 
 
-def trade_off(ax: Axes, misfits: FloatArray, best: int, names: list[str]) -> None:
-    """Draw two misfits (m, 2) [%] against each other, and mark the best."""
-    ax.plot(*misfits.T, "o-", color=ACHIEVED, lw=1.4, ms=4, label="best surfaces found")
-    ax.plot(*misfits[best], "o", color=TARGET, ms=8, label="least larger misfit")
-    ax.set(xlabel=names[0], ylabel=names[1])
-    ax.set_xlim(left=0.0)
-    ax.set_ylim(bottom=0.0)
-    ax.spines[["top", "right"]].set_visible(False)
-    ax.legend(frameon=False)
-
-
 def name_law(ax: Axes, *, forces: bool) -> None:
     """Label the axes of a friction law, and let them begin at zero."""
     ax.set_xlabel("load  P [N]" if forces else "rescaled load  P/E* [mm²]")

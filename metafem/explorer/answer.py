@@ -9,14 +9,13 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from metafem._validate import FloatArray
-from metafem.errors import Infeasible, InvalidInput, MetafemError, refuse_if
+from metafem.errors import Infeasible, InvalidInput, MetafemError
 from metafem.explorer.largest import largest_line
 from metafem.explorer.session import State
 from metafem.explorer.text.fields import shown
 from metafem.explorer.text.names import on_page
 from metafem.files import Specification, parsed, planned, section_forms, toml_table
 from metafem.inversion import Design, DesignStatus, OperatingPoints, SampledLaw
-from metafem.inversion.quantities.quantity import FRICTION
 from metafem.inversion.strategies.proportional import steepest_line
 from metafem.inversion.targets.target import Target
 from metafem.inversion.targets.wording import Wording
@@ -201,14 +200,7 @@ def specification_of(state: State) -> Specification:
     """Return the specification of a state, or raise InvalidInput."""
     # a browser can send a lone surrogate; with "surrogatepass" the parser then refuses it as invalid UTF-8
     tables = {name: text.encode("utf-8", "surrogatepass") for name, text in state.tables.items()}
-    found = parsed(state.text, tables)
-    refuse_if(
-        found.target.of != FRICTION,
-        'must be "friction" on this page, which draws friction laws; use metafem design for other quantities',
-        key="target.of",
-        value=f'"{found.target.of}"',
-    )
-    return found
+    return parsed(state.text, tables)
 
 
 def _in_units_of(state: State, specification: Specification, error: Infeasible) -> str:

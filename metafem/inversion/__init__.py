@@ -1,7 +1,6 @@
 """Design of asperity heights that produce a target friction law."""
 
 from metafem.inversion.adjustment.correction import Correction, brought_into
-from metafem.inversion.adjustment.pull_off import scaled_to_pull_off
 from metafem.inversion.assessment import DesignStatus
 from metafem.inversion.design import design
 from metafem.inversion.elastic_design import design_for_hardness
@@ -10,7 +9,6 @@ from metafem.inversion.feasibility import (
     feasible_region,
     plasticity_index,
 )
-from metafem.inversion.joint_targets import TradeOff, trade_off
 from metafem.inversion.limits import Limits
 from metafem.inversion.placement.arrange import Arrangement, arrange
 from metafem.inversion.placement.layout import Layout
@@ -46,7 +44,6 @@ __all__ = [
     "SampledLaw",
     "Target",
     "Tool",
-    "TradeOff",
     "WeightedObjectives",
     "achievable_friction_coefficients",
     "achievable_load_range",
@@ -56,6 +53,4 @@ __all__ = [
     "design_for_hardness",
     "feasible_region",
     "plasticity_index",
-    "scaled_to_pull_off",
-    "trade_off",
 ]

@@ -77,13 +77,11 @@ def assess(problem: Problem, candidate: Candidate, surface: Surface) -> dict[str
         grid = LAW_END * last * np.arange(1, effort.law_points + 1) / effort.law_points
     lists = [grid, target_law.load, *(branch.load[:: effort.branch_step] for branch in branches)]
     load, (on_grid, at_target, *on_branches) = _united(lists)
-    curve, solver = problem.model.curve(surface, load), problem.predicted or problem.model
-    if solver == problem.model:
-        shown = curve.part(on_grid, lambda: solver.curve(surface, grid[-1:]).last)
-    else:  # the areas of the curve are another quantity
-        shown = solver.curve(surface, grid)
-    law = law_of_curve(surface, solver, shown, grid)
-    area = curve.checked().rescaled_friction
+    model = problem.model
+    curve = model.curve(surface, load)
+    shown = curve.part(on_grid, lambda: model.curve(surface, grid[-1:]).last)
+    law = law_of_curve(surface, model, shown, grid)
+    area = curve.checked().area
     fits = tuple(
         (branch, fit_branch(load[rows], area[rows], branch.load_range, surface.material, surface.friction))
         for branch, rows in zip(branches, on_branches, strict=True)
@@ -125,12 +123,11 @@ def empty_sites_words(design: Design) -> str:
     """Return the reason why some sites are empty although the law meets the target.
 
     Without adhesion, the area of one contact is a concave function of its load, so an additional contact
-    increases A0 at a fixed load. If the asperities differ in friction, it may lower the friction force.
+    increases A0 at a fixed load.
     """
     filled = design.surface.count + sum(height is None for height in design.pinned.values())
     unknown = design.status is DesignStatus.MISSED or contact_of(design.law.model).adhesive
-    coated = float(np.ptp(design.surface.friction_weights)) > 0.0
-    if filled == design.template.count or unknown or coated:
+    if filled == design.template.count or unknown:
         return ""
     return "; one more asperity in contact would exceed the target"
 
@@ -147,13 +144,13 @@ def misfit_of(candidate: Candidate, area: Callable[[FloatArray], FloatArray]) ->
 def independent_misfit(problem: Problem, candidate: Candidate) -> float:
     """Return the misfit [-] of a candidate for independent asperities; the sites do not affect it."""
     surface = candidate.surface(problem.template)
-    return misfit_of(candidate, lambda load: problem.uncoupled.curve(surface, load).rescaled_friction)
+    return misfit_of(candidate, lambda load: problem.uncoupled.curve(surface, load).area)
 
 
 def model_misfit(problem: Problem, candidate: Candidate) -> float:
     """Return the misfit [-] of a candidate under the model of the problem."""
     surface = candidate.surface(problem.template)
-    return misfit_of(candidate, lambda load: problem.model.curve(surface, load).checked().rescaled_friction)
+    return misfit_of(candidate, lambda load: problem.model.curve(surface, load).checked().area)
 
 
 def _united(loads: list[FloatArray]) -> tuple[FloatArray, list[IntArray]]:

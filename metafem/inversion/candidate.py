@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 
@@ -66,7 +65,6 @@ class Candidate:
     - `refusal`: function that returns the error for heights that miss the target under the model, set only if
       independent asperities do not meet the target.
     - `cap`: the caps, or None if all have the cap of the template.
-    - `shear_strength` (n,) [MPa]: of coated asperities, or None if all have the friction of the template.
     """
 
     height: FloatArray
@@ -86,7 +84,6 @@ class Candidate:
     unpinned: float | None = None
     refusal: Callable[[], Infeasible] | None = None
     cap: Cap | None = None
-    shear_strength: FloatArray | None = None
 
     @property
     def held_rows(self) -> IntArray:
@@ -97,17 +94,12 @@ class Candidate:
         """Return the surface on the sites of a template; without sites, on its first ones."""
         some = self.sites if self.sites.size else np.arange(len(self.height))
         cap = template.cap.at(some) if self.cap is None else self.cap
-        changes: dict[str, Any] = {"height": self.height, "radius": self.radius, "cap": cap}
-        if self.shear_strength is not None and template.friction is not None:
-            changes["friction"] = template.friction.coated(self.shear_strength)
-        return template.only(some, **changes)
+        return template.only(some, height=self.height, radius=self.radius, cap=cap)
 
     def taken(self, rows: IntArray) -> Candidate:
         """Return the candidate with the asperities of some rows, in their order, which may repeat."""
         cap = None if self.cap is None else self.cap.at(rows)
-        coating = None if self.shear_strength is None else self.shear_strength[rows]
-        found = replace(self, height=self.height[rows], radius=self.radius[rows])
-        return replace(found, cap=cap, shear_strength=coating)
+        return replace(self, height=self.height[rows], radius=self.radius[rows], cap=cap)
 
     def placed(self, sites: IntArray, foot: float = -np.inf) -> Candidate:
         """Return the candidate on sites (n,) in any order; heights below the foot [mm] are raised to it."""

@@ -11,9 +11,8 @@ import numpy as np
 from metafem import _validate as check
 from metafem._validate import FloatArray, IntArray
 from metafem.caps import Power
-from metafem.errors import Infeasible, refuse_if
+from metafem.errors import Infeasible
 from metafem.inversion.adjustment.exponents import adjusted, free_exponents
-from metafem.inversion.adjustment.first_heights import first_heights
 from metafem.inversion.adjustment.height_steps import rounded_to_steps
 from metafem.inversion.adjustment.pinned import with_pinned
 from metafem.inversion.adjustment.refinement import refined
@@ -25,10 +24,8 @@ from metafem.inversion.feasibility import achievable_friction_coefficients
 from metafem.inversion.limits import Limits
 from metafem.inversion.placement.layout import Layout, arranged
 from metafem.inversion.problem import Problem
-from metafem.inversion.quantities.quantity import FRICTION
 from metafem.inversion.result import Design
 from metafem.inversion.strategies import tools as strategy
-from metafem.inversion.strategies.coated import coated_candidate
 from metafem.inversion.strategies.mixture import unreachable
 from metafem.inversion.targets.target import Target
 from metafem.inversion.tools.kit import Given, Kit
@@ -66,16 +63,13 @@ def design(
         With a load range, a linear or bilinear law is a line through the origin over that range. Without a
         load range the heights follow a density whose law has the target slopes but its own intercept.
     template : Surface
-        Surface with the sites, common radius, material, friction and block. If its asperities differ in
-        friction, each site keeps its friction and has an asperity, and the target is a law over a load
-        range; `layout`, `radii`, `robust` and prescribed heights are then not supported. Its heights are
-        used only for the default of `limits`, and its radii only if `radii` is not given.
+        Surface with the sites, common radius, material, friction and block. Its heights are used only for the
+        default of `limits`, and its radii only if `tools` is not given.
     model : Model, optional
         Model under which the law must meet the target; default: ``Independent()``. For a model with
         interaction, heights are first found for independent asperities with the contact law of the model. The
         Levenberg–Marquardt method with exact sensitivities then refines them. Bounds use the same contact
-        law. For a target of the stiffness or the conductance, the compliance of the block is subtracted
-        first, and the sites are searched together with the heights. For adhesive asperities no bound is used,
+        law. For adhesive asperities no bound is used,
         and heights that follow a density are those without adhesion.
     limits : Limits, optional
         Manufacturing limits; default: heights up to the tallest of the template. With a `height_step` all
@@ -98,9 +92,8 @@ def design(
         one cap; their law is that of the single radius ``R = (<R>/<sqrt R>)^2``. The tools are found for
         independent asperities; under another model only the heights and the exponents of a range are refined.
         Several radii or caps reach local exponents of a law below 2/3, larger slopes, and laws that saturate.
-        If not all caps are spheres or paraboloids, the default contact law is `Elastic()`. A tool may have a
-        `shear_strength`, with the area ratio of the template; see Notes. Default: the common radius and cap
-        of the template.
+        If not all caps are spheres or paraboloids, the default contact law is `Elastic()`. Default:
+        the common radius and cap of the template.
     common_radius : bool
         Whether all asperities are made by the same tool, the one with the smallest misfit. All tools of a
         list are tried, up to 13 radii of a range, and 7 exponents. The trials use neither `layout` nor
@@ -161,13 +154,6 @@ def design(
     the largest height. They remain unchanged if the prescribed heights raise the misfit by less than about a
     tenth, except for operating points. A note states the misfits with and without the prescribed heights.
 
-    If tools have a `shear_strength`, the search also chooses the coating of each asperity, and the surface
-    has a `Friction` with one sigma for each. The target is rescaled by the sigma B of the template, as
-    ``from_forces(..., template.friction)`` does, whichever tools there are and whichever are used:
-    ``F/(sigma B) = sum w_i A_i`` with the weights ``w_i = sigma_i/sigma`` of the tools. The rescaled friction
-    of the design has the same scale, and its friction forces are ``sum sigma_i B A_i``. Coated tools need a
-    target of the friction and contacts without adhesion; `layout` is not supported.
-
     Examples
     --------
     >>> import metafem as mf
@@ -184,13 +170,6 @@ def design(
     >>> target, limits = mf.PowerLaw(0.64, (0.1, 0.2)), mf.Limits(0.27)
     >>> mf.design(target, template, limits=limits, tools=[0.2, 0.8]).parameters["used_radii"]
     array([0.2, 0.8])
-
-    A slope below that of one radius needs a weaker coating.
-
-    >>> coated = template.replaced(friction=mf.Friction(0.4, 0.85))
-    >>> tools = [mf.Tool(0.526), mf.Tool(0.526, shear_strength=0.1)]
-    >>> mf.design(mf.LinearLaw(2.0), coated, tools=tools).parameters["tool_counts"]
-    array([ 0, 64])
 
     The heights have errors of 3 um, and the plane is tilted by up to 0.05 degrees about each axis.
 
@@ -211,23 +190,15 @@ def design(
     generator = check.generator(rng)
     if common_radius:
         return _with_common_radius(problem, generator)
-    _refuse_rescaled(problem)
-    if problem.coated_sites:
-        with doing("inverting the law"):
-            candidate = coated_candidate(problem, generator)
-    else:
-        _refuse_infeasible(problem)
-        with doing("inverting the law"):
-            if problem.first_under_model:
-                candidate = first_heights(problem, generator)
-            else:
-                permutation = problem.pins.placed(generator.permutation(template.count))
-                several = isinstance(problem.tools, Kit)
-                candidate = (strategy if several else problem.target).candidate(problem, generator)
-                candidate = candidate.placed(permutation[: len(candidate.height)], problem.limits.foot)
-        candidate = arranged(problem, candidate, generator)
-        refine = adjusted if free_exponents(problem, candidate) else refined
-        candidate = problem.target.judged(problem, refine(problem, candidate, generator))
+    _refuse_infeasible(problem)
+    with doing("inverting the law"):
+        permutation = problem.pins.placed(generator.permutation(template.count))
+        several = isinstance(problem.tools, Kit)
+        candidate = (strategy if several else problem.target).candidate(problem, generator)
+        candidate = candidate.placed(permutation[: len(candidate.height)], problem.limits.foot)
+    candidate = arranged(problem, candidate, generator)
+    refine = adjusted if free_exponents(problem, candidate) else refined
+    candidate = problem.target.judged(problem, refine(problem, candidate, generator))
     plain = rounded_to_steps(problem, candidate)
     if problem.pins.rows.size:
         plain, candidate = with_pinned(problem, plain, candidate, generator)
@@ -258,16 +229,6 @@ def design(
     return replace(result, notes=when_read(design_notes, problem, candidate, result, size=size))
 
 
-def _refuse_rescaled(problem: Problem) -> None:
-    """Raise InvalidInput if no site is left of the largest sigma B, by which the target is rescaled."""
-    whole, part = problem.pins.template.friction, problem.template.friction
-    refuse_if(
-        whole is not None and part is not None and whole.stress != part.stress,
-        "pinned leaves all sites of the largest shear_strength * area_ratio empty, by which friction is "
-        "rescaled; keep one of them",
-    )
-
-
 def _refuse_infeasible(problem: Problem) -> None:
     """Raise Infeasible if the target exceeds a bound by more than the interaction margin of the model."""
     try:
@@ -292,7 +253,7 @@ def _with_common_radius(problem: Problem, rng: np.random.Generator) -> Design:
             part, again = pins.template.replaced(radius=radius), np.random.default_rng(seed)
             try:
                 found[radius] = design(
-                    problem.target, part, problem.predicted, problem.limits, again, layout, robust=robust
+                    problem.target, part, problem.model, problem.limits, again, layout, robust=robust
                 )
             except Infeasible as reason:
                 refused[radius] = reason
@@ -333,7 +294,7 @@ def _with_one_tool(problem: Problem, kit: Kit, seed: int) -> Design:
             given = (
                 problem.target,
                 tool.on(problem.pins.template),
-                problem.predicted,
+                problem.model,
                 problem.limits,
                 np.random.default_rng(seed),
             )
@@ -345,42 +306,36 @@ def _with_one_tool(problem: Problem, kit: Kit, seed: int) -> Design:
             raise strategy.unreachable(refused)
         tried = (min(found, key=lambda tool: max(found[tool].misfit, EXACT)),)
     best = found[tried[0]]
-    return replace(best, parameters={**best.parameters, **_kit_in_use(problem, kit, best.surface)})
+    return replace(best, parameters={**best.parameters, **_kit_in_use(kit, best.surface)})
 
 
-def _kit_in_use(problem: Problem, kit: Kit, surface: Surface) -> dict[str, Parameter]:
+def _kit_in_use(kit: Kit, surface: Surface) -> dict[str, Parameter]:
     """Return the parameters that state the tools of a surface."""
     if kit.range is None:
-        return {"tool_counts": _tool_counts(problem, kit, surface)}
+        return {"tool_counts": _tool_counts(kit, surface)}
     made = Counter(surface.cap.one(i) for i in range(surface.count))
     exponents = {cap.exponent: number for cap, number in made.items() if isinstance(cap, Power)}
     used = sorted(exponents)
     return {"used_exponents": np.array(used), "exponent_counts": np.array([exponents[n] for n in used])}
 
 
-def _tool_counts(problem: Problem, kit: Kit, surface: Surface) -> IntArray:
+def _tool_counts(kit: Kit, surface: Surface) -> IntArray:
     """Return the number of asperities of each tool of a list, (t,)."""
     radii, caps = surface.radius.tolist(), [surface.cap.one(i) for i in range(surface.count)]
-    given = kit.coatings(np.arange(len(kit.tools)), problem.template.friction)
-    if given is None or surface.friction is None:
-        made = Counter(zip(radii, caps, strict=True))
-        return np.array([made[tool.radius, tool.cap] for tool in kit.tools])
-    sigma = np.broadcast_to(surface.friction.shear_strength, surface.count).tolist()
-    coated = Counter(zip(radii, caps, sigma, strict=True))
-    tools = zip(kit.tools, given.tolist(), strict=True)
-    return np.array([coated[tool.radius, tool.cap, own] for tool, own in tools])
+    made = Counter(zip(radii, caps, strict=True))
+    return np.array([made[tool.radius, tool.cap] for tool in kit.tools])
 
 
 def _tools_in_use(problem: Problem, surface: Surface) -> dict[str, Parameter]:
     """Return the parameters that state the tools of a surface, and the friction coefficients they allow."""
     radii, template = problem.tools, problem.template
     if isinstance(radii, Kit):
-        return _kit_in_use(problem, radii, surface)
+        return _kit_in_use(radii, surface)
     used, counts = np.unique(surface.radius, return_counts=True)
     parameters: dict[str, Parameter] = {"used_radii": used, "radius_counts": counts.astype(np.int64)}
     if radii.tools is None and len(used) > MOST_LISTED:
         parameters = {"lowest_radius": float(used[0]), "highest_radius": float(used[-1])}
-    if template.friction is not None and problem.target.of == FRICTION:
+    if template.friction is not None:
         given = problem.limits, radii.given_as, problem.contact
         reach = np.array(achievable_friction_coefficients(template, *given))
         parameters |= {"tried_radii": radii.tried, **_coefficients(problem, radii.tried)}
@@ -391,7 +346,7 @@ def _tools_in_use(problem: Problem, surface: Surface) -> dict[str, Parameter]:
 
 def _coefficients(problem: Problem, radii: FloatArray) -> dict[str, Parameter]:
     """Return bounds on the friction coefficients [-] of linear laws, separately for each radius."""
-    if problem.template.friction is None or problem.target.of != FRICTION:
+    if problem.template.friction is None:
         return {}
     template, limits, law = problem.template, problem.limits, problem.contact
     each_radius = ([radius] for radius in radii.tolist())

@@ -193,7 +193,6 @@ def feasible_region(
     check.instance("template", template, Surface, "a metafem.Surface")
     check.instance("limits", limits, Limits, "metafem.Limits")
     load = check.array("rescaled_load", rescaled_load, shape=(None,), positive=True)
-    template.refuse_coatings("metafem.feasible_region")
     bounds = bounds_of(*chosen(tools, template), checked_contact(contact), float(load.max()))
     within = load <= bounds.largest_load(limits)
     low, high = np.full((2, len(load)), np.nan)
@@ -256,7 +255,6 @@ def achievable_friction_coefficients(
     check.instance("limits", limits, Limits, "metafem.Limits")
     if template.friction is None:
         raise InvalidInput("template has no friction; a friction coefficient needs metafem.Friction")
-    template.refuse_coatings("metafem.achievable_friction_coefficients")
     stress = template.friction.stress
     choice, template = chosen(tools, template)
     per_slope = stress / template.material.composite_modulus

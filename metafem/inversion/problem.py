@@ -13,11 +13,9 @@ import numpy as np
 
 from metafem import _validate as check
 from metafem.contact import Contact
-from metafem.errors import refuse_if
 from metafem.inversion.bounds import Bounds
 from metafem.inversion.limits import Limits, Pins
 from metafem.inversion.placement.layout import Layout
-from metafem.inversion.quantities.quantity import FRICTION, measured, words
 from metafem.inversion.search.levenberg_marquardt import DEFAULTS, OTHER_LAWS, SearchOptions
 from metafem.inversion.targets.target import Target
 from metafem.inversion.tools import kit
@@ -109,8 +107,7 @@ def drafting() -> Iterator[None]:
 class Problem:
     """A target, and all constraints on the surface that must meet it.
 
-    The template contains only the sites that may have an asperity, in the order of `pins.open`. The areas
-    of `model` are the quantity of the target; `predicted` is the model of the user.
+    The template contains only the sites that may have an asperity, in the order of `pins.open`.
     """
 
     target: Target
@@ -123,7 +120,6 @@ class Problem:
     robust: Tolerances | None = None
     options: SearchOptions = DEFAULTS
     effort: Effort = WHOLE
-    predicted: Model | None = None
 
     @classmethod
     def checked(
@@ -159,14 +155,11 @@ class Problem:
         pins = Pins.given(template, bounds)
         template = pins.reduced
         kit.refuse_misfits(choice, template, bounds.top, contact_of(solver))
-        _refuse_coatings(choice, target, layout)
-        predicted, solver = solver, measured(solver, target.of, template)
         options = DEFAULTS if has_paraboloids(solver) else OTHER_LAWS
         # messages state loads in N and in mm^2
         any_kind: Any = target
         target = replace(any_kind, wording=target.wording.of_part(template.material))
-        given = target, template, choice, solver, bounds, pins, layout, robust, options, EFFORT.get()
-        return cls(*given, predicted)
+        return cls(target, template, choice, solver, bounds, pins, layout, robust, options, EFFORT.get())
 
     @cached_property
     def _pressed(self) -> tuple[Contact, Any]:
@@ -187,11 +180,6 @@ class Problem:
     def tool_summits(self) -> Any:
         """What the methods of `contact` take as `radius`, for each tool of a kit."""
         return self._pressed[1]
-
-    @property
-    def coated_sites(self) -> bool:
-        """Whether the friction of an asperity depends on its site."""
-        return float(np.ptp(self.template.friction_weights)) > 0.0
 
     def alone(self, tool: Tool) -> Problem:
         """Return the problem in which all asperities are made by one tool."""
@@ -223,11 +211,6 @@ class Problem:
         return self.effort.adhesive_restarts if self.contact.adhesive else self.effort.restarts
 
     @property
-    def first_under_model(self) -> bool:
-        """Whether the first heights are found under the model, as for a quantity that is no sum."""
-        return self.model.couples and self.target.of != FRICTION
-
-    @property
     def tolerances(self) -> Tolerances:
         """Tolerances of a robust design; all zero for other designs."""
         return self.robust or Tolerances()
@@ -252,20 +235,3 @@ class Problem:
         load = last * MARGIN_LOADS
         change = self.model.curve(equal, load).area / self.uncoupled.curve(equal, load).area - 1.0
         return 2.0 * float(np.abs(change).max())
-
-
-def _refuse_coatings(choice: Choice, target: Target, layout: Layout | None) -> None:
-    """Raise InvalidInput for tools with a shear strength where it has no effect or is not supported."""
-    if not (isinstance(choice, Kit) and choice.coated):
-        return
-    of = words(target.of)
-    refuse_if(
-        target.of != FRICTION,
-        f"have a shear_strength, which has no effect on a target of the {of}; leave shear_strength out",
-        key="tools",
-    )
-    refuse_if(
-        layout is not None,
-        "cannot be used with tools that have a shear_strength; leave layout or shear_strength out",
-        key="layout",
-    )

@@ -27,7 +27,6 @@ from metafem.inversion.candidate import Branch, Parameter
 from metafem.inversion.height_density import ExponentialDensity
 from metafem.inversion.limits import Limits, Pinned
 from metafem.inversion.placement.layout import Layout
-from metafem.inversion.quantities.quantity import FRICTION, RESCALED, measured, weighted, words
 from metafem.inversion.search.target_law import TargetLaw
 from metafem.inversion.strategies import exponential
 from metafem.inversion.strategies.mixture import Mixture
@@ -204,21 +203,12 @@ class Design(Value):
     @property
     def _without_adhesion(self) -> Contact:
         """Law of one contact without adhesion, for the material of the surface."""
-        law, weights = contact_of(self.law.model).bound(self.surface), self.surface.friction_weights
-        return weighted(law.without_adhesion, float(np.max(weights)))
+        return contact_of(self.law.model).bound(self.surface).without_adhesion
 
     @cached_property
     def target_area(self) -> FloatArray:
-        """A0 under the model at the loads of `target_law`, (k,) [mm^2]; computed when first read.
-
-        For a target of another quantity, it is this quantity [mm] in place of A0.
-        """
-        return self.achieved(self.target_law.load)
-
-    def achieved(self, rescaled_load: FloatArray) -> FloatArray:
-        """Return the quantity of the target at increasing rescaled loads [mm^2], (k,): A0, or k/E* [mm]."""
-        model = measured(self.law.model, self.target.of, self.surface)
-        return model.curve(self.surface, rescaled_load).checked().rescaled_friction
+        """A0 under the model at the loads of `target_law`, (k,) [mm^2]; computed when first read."""
+        return self.law.model.curve(self.surface, self.target_law.load).checked().area
 
     @property
     def largest_misfit(self) -> float:
@@ -272,12 +262,7 @@ def few(law: TargetLaw) -> bool:
 
 def draw_laws(design: Design, ax: Axes, label: str = "achieved") -> None:
     """Draw the achieved law with its label, and the target or the law of its height density."""
-    of, load = design.target.of, design.law.rescaled_load
-    if of == FRICTION:
-        design.law.plot(ax, label=label)
-    else:
-        drawing.law(ax, load, design.achieved(load), forces=False, label=label)
-        ax.set_ylabel(f"{words(of)}  {RESCALED[of]} [mm]")
+    design.law.plot(ax, label=label)
     if design.density is None:
         law = design.target_law
         draw_target(design, ax, law.load, law.law(design.target_area) if law.is_open else law.base)

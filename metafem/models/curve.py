@@ -19,7 +19,7 @@ from metafem.notes import Note
 from metafem.surface import Surface
 
 # Names of the arrays of a curve, each with one entry per equilibrium.
-ARRAYS = ("approach", "load", "area", "stiffness", "residual", "friction_area")
+ARRAYS = ("approach", "load", "area", "stiffness", "residual")
 
 NONE: FloatArray = np.zeros(0)
 
@@ -121,9 +121,6 @@ class Curve:
         Approximations that concern the complete curve.
     error : ModelError, optional
         Estimated error of the model, if the model estimates it while it solves.
-    friction_area : ndarray, optional
-        ``sum w_i A_i`` [mm^2] with the weights of `metafem.Friction`, set if the asperities differ in
-        friction.
 
     Examples
     --------
@@ -143,26 +140,18 @@ class Curve:
     compute_last: Callable[[], RescaledState]
     notes: tuple[Note, ...] = ()
     error: ModelError | None = None
-    friction_area: FloatArray | None = None
-
-    @property
-    def rescaled_friction(self) -> FloatArray:
-        """F/(sigma B) by the largest sigma B [mm^2], (k,): A0 if the asperities have the same friction."""
-        return self.area if self.friction_area is None else self.friction_area
 
     def part(self, rows: IntArray, compute_last: Callable[[], RescaledState]) -> Curve:
         """Return the curve at some of its rows; `compute_last` is used if they end before the last one."""
         whole = rows[-1] == len(self.load) - 1
-        arrays = {name: values[rows] for name in ARRAYS if (values := getattr(self, name)) is not None}
+        arrays = {name: getattr(self, name)[rows] for name in ARRAYS}
         return replace(self, **arrays, compute_last=(lambda: self.last) if whole else compute_last)
 
     @staticmethod
     def joined(parts: list[Curve]) -> Curve:
         """Return one curve that consists of consecutive parts."""
         arrays: dict[str, Any] = {
-            name: np.concatenate([getattr(part, name) for part in parts])
-            for name in ARRAYS
-            if getattr(parts[0], name) is not None
+            name: np.concatenate([getattr(part, name) for part in parts]) for name in ARRAYS
         }
         return replace(
             parts[-1],
@@ -223,20 +212,18 @@ def refuse_flattening(law: Contact, unloading: bool) -> None:
     """Raise InvalidInput for unloading of plastic contacts, which follow a different law on unloading."""
     if unloading and type(law).unloaded is not Contact.unloaded:
         raise InvalidInput(
-            f"unloading = True: the contacts of {law!r} stay flattened; use friction_law with "
-            "unloading=True, or metafem.flattened"
+            f"unloading = True: the contacts of {law!r} stay flattened, and their unloading is not known"
         )
 
 
 @dataclass(frozen=True, eq=False)
 class Sensitivity:
-    """A curve at loads (k,), and derivatives of its friction at fixed load by a parameter of each asperity.
+    """A curve at loads (k,), and derivatives of A0 at fixed load by a parameter of each asperity.
 
     The parameter is the height (default), or with ``by="radius"``, ``"exponent"`` or ``"coefficient"`` one of
     the shape of the caps as their contact law takes them: R, or n and c of a power law. Derivatives by the
     exponent or the coefficient are 0 for caps that do not have it. Changes of the shape leave the heights of
-    the summits unchanged. The derivatives are those of A0, or of the friction area ``sum w_i A_i`` if the
-    asperities differ in friction; dF/d(sigma_i B_i) is the area of asperity i, `ContactState.asperity_area`.
+    the summits unchanged.
 
     Attributes
     ----------
@@ -276,7 +263,7 @@ def areas_one_by_one(
     radius: FloatArray | None,
     position: FloatArray | None,
 ) -> FloatArray:
-    """Return A0 or friction areas [mm^2] of many surfaces, (m, k), by one curve each; see `Model.areas`."""
+    """Return A0 [mm^2] of many surfaces, (m, k), by one curve each; see `Model.areas`."""
     found = np.full((len(height), len(load)), np.nan)
     for row in range(len(height)):
         changes = {"height": height, "radius": radius, "position": position}
@@ -285,5 +272,5 @@ def areas_one_by_one(
             curve = curve_of(changed, load)
         except NotConverged:
             continue
-        found[row] = np.where(curve.solved, curve.rescaled_friction, np.nan)
+        found[row] = np.where(curve.solved, curve.area, np.nan)
     return found

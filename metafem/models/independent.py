@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import ClassVar, Self, cast
+from typing import ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -23,15 +23,12 @@ from metafem.models.load_equation import LoadEquation, Paraboloids
 from metafem.surface import Surface
 
 
-def load_equation(law: Contact, model: object = None, weights: float | FloatArray = 1.0) -> LoadEquation:
-    """Return the load equation of a contact law, defined for unit E*; its states refer to `model`.
-
-    weights: those of the areas of the asperities in their friction, (n,); default: 1, equal friction.
-    """
+def load_equation(law: Contact, model: object = None) -> LoadEquation:
+    """Return the load equation of a contact law, defined for unit E*; its states refer to `model`."""
     adhesive = adhesive_law(law)
     if adhesive is not None:
-        return AdhesiveAsperities(model, adhesive, weights)
-    return (Paraboloids if law == PARABOLOID else LoadEquation)(model, law, weights)
+        return AdhesiveAsperities(model, adhesive)
+    return (Paraboloids if law == PARABOLOID else LoadEquation)(model, law)
 
 
 @dataclass(frozen=True, repr=False)
@@ -133,19 +130,6 @@ class Independent:
         if by == "height":
             return found
         return replace(found, compute_gradient=partial(_by_shape, found, equation.law, own, by, surface))
-
-    def conductance(self, surface: Surface, load: FloatArray, share: float = 1.0) -> FloatArray:
-        """Return the rescaled conductance ``(rho_1 + rho_2) G/2`` [mm] at increasing rescaled loads, (k,).
-
-        It is that of discs in parallel, ``sum_i 2 a_i``. share: not used.
-        """
-        equation = self._equation(surface)
-        radius = equation.contacts(surface.height, equation.law.summits(surface), load)[0]
-        return np.asarray(2.0 * radius.sum(axis=1))
-
-    def pull_off(self, surface: Surface, largest: float) -> float:
-        """Return the largest tension [mm^2] on the way back from the largest rescaled load, with adhesion."""
-        return cast("AdhesiveAsperities", self._equation(surface)).pull_off(surface, largest)
 
     def areas(
         self,

@@ -45,7 +45,6 @@ class LoadEquation:
 
     model: object  # to which the states refer
     law: Contact  # for unit E*
-    weights: float | FloatArray = 1.0  # of the areas of the asperities in their friction, (n,)
 
     def path(self, surface: Surface, values: FloatArray, by_load: bool, unloading: bool) -> Curve:
         """Return equilibria at increasing loads or approaches (k,)."""
@@ -62,9 +61,7 @@ class LoadEquation:
         """Return equilibria at approaches (k,) for heights and radii (n,)."""
         load, area, slope = self._sums(height, radius, approach)
         last = partial(self._last, height, radius, 0.0, approach[-1])
-        friction = self.friction_area(approach, height.max() - height, radius)
-        residual = np.zeros(len(approach))
-        return Curve(np.array(approach), load, area, slope, residual, TOLERANCE, last, friction_area=friction)
+        return Curve(np.array(approach), load, area, slope, np.zeros(len(approach)), TOLERANCE, last)
 
     def solve(self, height: FloatArray, radius: FloatArray, load: FloatArray) -> tuple[FloatArray, ...]:
         """Return approach, load, area and stiffness (m, k) of surfaces (m, n) at increasing loads (k,)."""
@@ -88,12 +85,8 @@ class LoadEquation:
         return results
 
     def areas(self, surface: Surface, height: FloatArray, radius: FloatArray, load: FloatArray) -> FloatArray:
-        """Return A0 or friction areas [mm^2] (m, k) of surfaces (m, n) at loads (k,); see `Model.areas`."""
-        approach, carried, area, _ = self.solve(height, radius, load)
-        if np.ndim(self.weights):
-            sizes = np.broadcast_to(radius, height.shape)
-            rows = zip(approach, height.max(axis=1, keepdims=True) - height, sizes, strict=True)
-            area = np.array([self.friction_area(*row) for row in rows])
+        """Return A0 [mm^2] (m, k) of surfaces (m, n) at loads (k,); see `Model.areas`."""
+        _, carried, area, _ = self.solve(height, radius, load)
         return np.where(solved(_error(carried, load), TOLERANCE, carried, area), area, np.nan)
 
     def sensitivity(self, height: FloatArray, radius: FloatArray, load: FloatArray) -> Sensitivity:
@@ -103,15 +96,9 @@ class LoadEquation:
 
         def gradient() -> FloatArray:
             _, stiffness, _, area_rate = self.rates(indentation, radius)
-            return at_fixed_load(stiffness, self.weights * area_rate)
+            return at_fixed_load(stiffness, area_rate)
 
         return Sensitivity(curve, gradient, indentation)
-
-    def friction_area(self, approach: FloatArray, gap: FloatArray, radius: FloatArray) -> FloatArray | None:
-        """Return ``sum w_i A_i`` [mm^2] at approaches (k,); None if the asperities have the same friction."""
-        if not np.ndim(self.weights):
-            return None
-        return np.asarray(self.rates(approach[:, None] - gap, radius)[2] @ self.weights)
 
     def contacts(
         self, height: FloatArray, radius: FloatArray, load: FloatArray
@@ -135,9 +122,7 @@ class LoadEquation:
         """Return the curve of the first surface in `results`; its last approach is base + depth."""
         approach, carried, area, slope = (part[0] for part in results)
         last = partial(self._last, height, radius, base, depth)
-        friction = self.friction_area(approach, height.max() - height, radius)
-        error = _error(carried, load)
-        return Curve(approach, carried, area, slope, error, TOLERANCE, last, friction_area=friction)
+        return Curve(approach, carried, area, slope, _error(carried, load), TOLERANCE, last)
 
     def _sums(self, height: FloatArray, radius: FloatArray, approach: FloatArray) -> tuple[FloatArray, ...]:
         """Return load [mm^2], area [mm^2] and stiffness [mm] at approaches (k,) [mm]."""
@@ -194,9 +179,7 @@ class Paraboloids(LoadEquation):
         return results
 
     def areas(self, surface: Surface, height: FloatArray, radius: FloatArray, load: FloatArray) -> FloatArray:
-        """Return A0 or friction areas [mm^2] (m, k) of surfaces (m, n) at loads (k,); see `Model.areas`."""
-        if np.ndim(self.weights):
-            return super().areas(surface, height, radius, load)
+        """Return A0 [mm^2] (m, k) of surfaces (m, n) at loads (k,); see `Model.areas`."""
         gap, root = _sorted_by_gap(height, radius)
         area, load = np.empty((len(gap), len(load))), np.array(load)
 

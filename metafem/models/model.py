@@ -95,7 +95,6 @@ class Model(Protocol):
     ) -> FloatArray:
         """Return A0 [mm^2] of many surfaces at increasing rescaled loads (k,), (m, k); nan if not converged.
 
-        If the asperities differ in friction, the areas are the friction areas ``sum w_i A_i``.
         height, radius: (m, n) [mm]; position: (m, n, 2) [mm]; default: the surface's.
         """
         ...

@@ -3,29 +3,22 @@
 from metafem.prediction.branch_fit import BranchFit, fit_branch
 from metafem.prediction.contact_state import ContactState
 from metafem.prediction.equilibria import equilibrium
-from metafem.prediction.flattening import flattened
 from metafem.prediction.friction_law import default_loads, friction_law, law_of_curve
 from metafem.prediction.law import FrictionLaw
 from metafem.prediction.perturbation import Perturbed, Tolerances
-from metafem.prediction.quantities import Conductance, conductance, pull_off, tangential_stiffness
 from metafem.prediction.sliding import Onset, onset
 
 __all__ = [
     "BranchFit",
-    "Conductance",
     "ContactState",
     "FrictionLaw",
     "Onset",
     "Perturbed",
     "Tolerances",
-    "conductance",
     "default_loads",
     "equilibrium",
     "fit_branch",
-    "flattened",
     "friction_law",
     "law_of_curve",
     "onset",
-    "pull_off",
-    "tangential_stiffness",
 ]

@@ -13,7 +13,6 @@ from metafem.errors import NotConverged, refuse_if
 from metafem.models import Curve, Independent, Model
 from metafem.models.model import checked_model, contact_of, with_contact
 from metafem.notes import when_read
-from metafem.prediction.flattening import unloading_curve
 from metafem.prediction.law import FrictionLaw
 from metafem.prediction.validity import REMEDY, Validity
 from metafem.surface import Surface
@@ -45,9 +44,7 @@ def friction_law(
     """Return the predicted friction law of a surface.
 
     Adhesive contacts form and break in jumps at different loads; `unloading` selects the states on unloading.
-    All states are stable under load control, and the notes report the jumps. The largest load flattens
-    plastic contacts. They are then elastic: unloading and reloading up to that load follow the same law (see
-    `flattened`).
+    All states are stable under load control, and the notes report the jumps.
 
     Parameters
     ----------
@@ -64,8 +61,7 @@ def friction_law(
         comes first.
     unloading : bool
         Whether the states are those on unloading from the largest load; default: False. Elastic contacts
-        without adhesion have the same law on loading and unloading. For plastic contacts, the model of the
-        returned law is that of the flattened surface.
+        without adhesion have the same law on loading and unloading; that of plastic contacts is not known.
 
     Returns
     -------
@@ -117,15 +113,8 @@ def friction_law(
             f"load holds {newtons[0]:g} N; loads must be at least 0 N",
         )
         values = {"load": newtons / surface.material.composite_modulus}
-    if not unloading:
-        curve = solver.curve(surface, **values)
-    elif law.adhesive:
-        curve = cast("Any", solver).curve(surface, **values, unloading=True)
-    else:
-        top = surface.height.max()
-        surface, solver, curve = unloading_curve(surface, solver, **values)
-        distance = top - curve.approach if distance is None else distance
-    back = unloading and law.adhesive  # flattened plastic contacts load and unload along the same path
+    curve = cast("Any", solver).curve(surface, **values, **({"unloading": True} if unloading else {}))
+    back = unloading and law.adhesive
     return law_of_curve(surface, solver, curve, values.get("load", curve.load), distance, back)
 
 
@@ -163,7 +152,6 @@ def law_of_curve(
         model=model,
         material=surface.material,
         friction=surface.friction,
-        friction_area=_friction_area(surface, model, curve),
         notes=when_read(validity.notes, curve.notes, size=size),
         model_error=when_read(getattr, validity, "error", size=size),
         cell=surface.cell,
@@ -172,17 +160,6 @@ def law_of_curve(
         worst = curve.residual.max()
         raise NotConverged(f"{curve.status.value}: largest residual {worst:.2g}; {REMEDY}", law)
     return law
-
-
-def _friction_area(surface: Surface, model: Model, curve: Curve) -> FloatArray | None:
-    """Return the friction areas of a curve; refuse a curve without them if the asperities differ."""
-    differs = surface.friction is not None and surface.friction.differs
-    refuse_if(
-        differs and curve.friction_area is None,
-        f"{model!r} does not compute the friction of asperities that differ in friction; its curve needs "
-        "friction_area",
-    )
-    return curve.friction_area if differs else None
 
 
 def _grid_end(surface: Surface) -> float:

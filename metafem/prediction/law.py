@@ -63,9 +63,6 @@ class FrictionLaw(BaseLaw):
     model : Model
     material : Material
     friction : Friction or None
-    friction_area : ndarray or None
-        ``sum w_i A_i`` [mm^2] with the weights of `metafem.Friction`; None if the asperities do not differ in
-        friction, so that it is A0.
     notes : tuple of Note
         Approximations with their bounds, and estimates of neglected effects, computed when `notes` is first
         read.
@@ -99,19 +96,13 @@ class FrictionLaw(BaseLaw):
     model: Model
     material: Material
     friction: Friction | None = None
-    friction_area: FloatArray | None = None
     notes: tuple[Note, ...] = late(())
     model_error: ModelError = late(NOT_ESTIMATED)
     cell: PeriodicCell | None = None
 
     def __post_init__(self) -> None:
         converged = self.status is Status.CONVERGED  # the last state of a failed solver may be arbitrary
-        differs = self.friction is not None and self.friction.differs
-        refuse_if(
-            differs != (self.friction_area is not None),
-            "friction_area must be given if the asperities differ in friction, and only then",
-        )
-        for name in (*ARRAYS, *("friction_area",) * differs):
+        for name in ARRAYS:
             values = getattr(self, name)
             refuse_if(
                 values.ndim != 1 or values.shape != self.rescaled_load.shape or not values.size,
@@ -163,12 +154,12 @@ class FrictionLaw(BaseLaw):
 
     @property
     def rescaled_friction(self) -> FloatArray:
-        """Rescaled friction F/(sigma B) [mm^2], (k,): A0, or ``sum w_i A_i`` by the largest sigma B."""
-        return self.area if self.friction_area is None else self.friction_area
+        """Rescaled friction F/(sigma B) = A0 [mm^2], (k,)."""
+        return self.area
 
     @property
     def friction_force(self) -> FloatArray:
-        """Friction force ``F = sum sigma_i B_i A_i`` [N], (k,); raises InvalidInput without a Friction."""
+        """Friction force ``F = sigma B A0`` [N], (k,); raises InvalidInput without a Friction."""
         if self.friction is None:
             raise InvalidInput(
                 "friction_force needs the surface's friction; create the surface with "

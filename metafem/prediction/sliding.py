@@ -13,10 +13,10 @@ from metafem import drawing
 from metafem._validate import FloatArray, IntArray
 from metafem._values import MICROMETRES, Value
 from metafem.errors import refuse_if
+from metafem.material import Material
 from metafem.models import Model
 from metafem.prediction.contact_state import ContactState
 from metafem.prediction.equilibria import equilibrium
-from metafem.prediction.quantities.tangential import shear_modulus
 from metafem.surface import Surface
 
 if TYPE_CHECKING:
@@ -97,6 +97,12 @@ class Onset(Value):
         return ax
 
 
+def shear_modulus(material: Material) -> float:
+    """Return ``G* = G/(2 - nu) = E* (1 - nu)/(2 (2 - nu))`` of a block against a rigid plane [MPa]."""
+    ratio = material.poisson_ratio
+    return material.composite_modulus * (1.0 - ratio) / (2.0 * (2.0 - ratio))
+
+
 def onset(surface: Surface, model: Model | None = None, *, load: float) -> Onset:
     """Return the onset of sliding of a surface at a fixed normal load.
 
@@ -152,8 +158,7 @@ def onset(surface: Surface, model: Model | None = None, *, load: float) -> Onset
     closed = np.flatnonzero(state.asperity_area > 0.0)
     area = state.asperity_area[closed]
     stiffness = 8.0 * shear_modulus(surface.material) * np.sqrt(area / np.pi)
-    each = np.broadcast_to(friction.weights, surface.height.shape)
-    force = friction.stress * each[closed] * area
+    force = friction.stress * area
     order = np.argsort(force / stiffness, kind="stable")
     displacement = (force / stiffness)[order]
     # contacts that slide, and the stiffness of those that stick

@@ -67,3 +67,16 @@ def power_law(contact_radius: float, coefficient: float, exponent: float) -> tup
     rise = math.sqrt(math.pi) * math.gamma(0.5 * n + 1.0) / math.gamma(0.5 * n + 0.5)
     indentation = coefficient * contact_radius**n * rise
     return 2.0 * contact_radius * indentation * n / (n + 1.0), indentation
+
+
+def conductance(stiffness: float, composite_modulus: float, resistivity: float) -> float:
+    """Return the conductance of contacts on a half-space, ``G = 2 k/(E* rho)``, from their stiffness k.
+
+    `stiffness` is in N/mm and `composite_modulus` in MPa. `resistivity` is the sum of those of both bodies
+    [ohm mm] or [mm K/W]; G is then in S or W/K. The identity holds for all elastic contacts without adhesion:
+    Barber, Proc. R. Soc. A 459, 53 (2003), doi:10.1098/rspa.2002.1038.
+
+    >>> conductance(stiffness=4.0, composite_modulus=2.0, resistivity=1.0)
+    4.0
+    """
+    return 2.0 * stiffness / (composite_modulus * resistivity)

@@ -50,10 +50,7 @@ def _draw_difference(design: Design, ax: Axes) -> None:
     ax.axhline(0.0, color=QUIET, lw=0.8)
     ax.plot(target.load, 100.0 * difference, "o" if few(target) else "-", color=ACHIEVED)
     ax.spines[["top", "right"]].set_visible(False)
-    name = "A0" if design.law.friction_area is None else "F/(σB)"
-    if design.target.of != "friction":
-        name = design.target.of.replace("_", " ")
-    ax.set_ylabel(f"{name} against\n{'the target' if design.density is None else 'density law'} [%]")
+    ax.set_ylabel(f"A0 against\n{'the target' if design.density is None else 'density law'} [%]")
     if np.abs(difference).max() < 1e-9:
         ax.set_ylim(-1.0, 1.0)
         ax.annotate("all points are met to 1e-9", (0.02, 0.75), xycoords="axes fraction", color=QUIET)
@@ -62,8 +59,7 @@ def _draw_difference(design: Design, ax: Axes) -> None:
 def _draw_reach(design: Design, ax: Axes) -> None:
     """Draw the region of laws that independent asperities can reach, if the target is a curve."""
     target = design.target_law
-    coated = np.ndim(design.template.friction_weights) > 0  # the bounds are those of one friction
-    if design.density is not None or few(target) or coated or design.target.of != "friction":
+    if design.density is not None or few(target):
         return
     bounds = np.linspace(0.0, float(target.load[-1]), 200)[1:]
     low, high = feasible_region(
@@ -85,7 +81,7 @@ def force_figure(design: Design, friction: Friction) -> Figure:
     left, right = figure.subplots(1, 2, gridspec_kw={"wspace": 0.25})
     law.plot(left, units="N", label="achieved")
     right.plot(law.load, law.friction_coefficient, color=ACHIEVED, lw=1.8, label="achieved")
-    if design.density is None and design.target.of == "friction":
+    if design.density is None:
         load = target.load * modulus
         force = strength * target.law(design.target_area)
         draw_target(design, left, load, force)
@@ -126,8 +122,7 @@ def sensitivity_figure(design: Design) -> Figure:
         np.arange(design.surface.count) + 1, load, gradient, cmap="RdBu_r", vmin=-largest, vmax=largest,
         rasterized=True, shading="nearest",
     )  # fmt: skip
-    what = "A0" if design.law.friction_area is None else "F/(σB)"
-    figure.colorbar(picture, label=f"d{what}/dh [mm]")
+    figure.colorbar(picture, label="dA0/dh [mm]")
     ax.set(xlabel="asperity, the tallest first", ylabel="rescaled load  P/E* [mm²]")
     return figure
 
@@ -135,8 +130,6 @@ def sensitivity_figure(design: Design) -> Figure:
 def _force_axes(design: Design, ax: Axes) -> None:
     """Add axes with the load [N] at the top and, with a Friction, the friction force [N] on the right."""
     friction, modulus = design.surface.friction, design.surface.material.composite_modulus
-    if design.target.of != "friction":
-        friction = None
     top = ax.secondary_xaxis("top", functions=scaling(modulus))
     top.set_xlabel("load P [N]")
     ax.spines["right"].set_visible(friction is not None)

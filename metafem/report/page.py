@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from metafem._validate import FloatArray
 from metafem._values import MICROMETRES, percent, three_digits
 from metafem.drawing.inline import drawn
 from metafem.errors import MetafemError
@@ -231,15 +230,8 @@ def _comparisons(comparisons: tuple[Comparison, ...]) -> list[tuple[str, ...]]:
     ]
 
 
-def _range(values: FloatArray) -> str:
-    """Return the text of a value, or of the lowest and the highest of several."""
-    low, high = (f"{value:g}" for value in (values.min(), values.max()))
-    return low if low == high else f"{low} – {high}"
-
-
 def _tool_words(tool: Tool) -> str:
-    coating = "" if tool.shear_strength is None else f", σ = {tool.shear_strength:g} MPa"
-    return f"{tool.cap!r} of R = {MICROMETRES * tool.radius:.6g} µm{coating}"
+    return f"{tool.cap!r} of R = {MICROMETRES * tool.radius:.6g} µm"
 
 
 def _inputs(design: Design) -> list[Row]:
@@ -249,9 +241,8 @@ def _inputs(design: Design) -> list[Row]:
         ("Poisson's ratio ν", f"{surface.material.poisson_ratio:g}", ""),
     ]
     if surface.friction is not None:
-        strength, ratio = map(np.asarray, (surface.friction.shear_strength, surface.friction.area_ratio))
-        rows.append(("shear strength σ", _range(strength), "MPa"))
-        rows.append(("area ratio B", _range(ratio), ""))
+        rows.append(("shear strength σ", f"{surface.friction.shear_strength:g}", "MPa"))
+        rows.append(("area ratio B", f"{surface.friction.area_ratio:g}", ""))
     few = ", ".join(f"{radius:.6g}" for radius in radii[:MOST_NAMED])
     words = few if len(radii) <= MOST_NAMED else f"{radii[0]:.4g} – {radii[-1]:.4g}"
     rows.append(("summit radius R", words, "µm"))

@@ -157,13 +157,7 @@ def combined(
     """
     wish, number = requirement or Requirement(), Draws.of(draws)
     allowed, wanted, goal = wish.misfit, wish.probability, number.error
-    refuse_if(
-        design.target.of != "friction",
-        f"design is for the {design.target.of.replace('_', ' ')}; this study compares A0 with its target and "
-        "needs a target of the friction",
-    )
     surface = design.surface
-    surface.refuse_coatings("the study combined")
     tolerances.refuse_shape("the study combined")
     used = design.law.model if model is None else checked_model(model)
     slope, notes = Slope.if_any(surface, load_range, used)

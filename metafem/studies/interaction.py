@@ -70,7 +70,6 @@ def interaction(design: Design, *, placements: int = 1000, rng: Any = 0) -> xr.D
     >>> dict(interaction(design, placements=5).sizes)
     {'substrate': 1, 'order': 2, 'rescaled_load': 100, 'placement': 5}
     """
-    design.surface.refuse_coatings("the study interaction")
     count = check.integer("placements", placements, at_least=1)
     seed = entropy(rng)
     # a random stream other than that of `design`: with the same seed, the first permutation of that stream

@@ -126,7 +126,6 @@ def manufacturing(
     >>> study.slope_sd.values.round(3)
     array([0.   , 0.041])
     """
-    surface.refuse_coatings("the study manufacturing")
     used = checked_model(Independent() if model is None else model)
     deviations = np.atleast_1d(check.array("height_sd", np.atleast_1d(height_sd), shape=(None,)))
     tolerances = tuple(replace(others, height_sd=float(sd)) for sd in deviations)

@@ -132,7 +132,6 @@ def misalignment(
     >>> dict(found.slope_sd.sizes), found.slope_sd[0].round(3).values
     ({'placement': 4, 'angle': 2}, array([0.025, 0.065]))
     """
-    surface.refuse_coatings("the study misalignment")
     words = f"must be one of {', '.join(map(repr, DIRECTIONS))}"
     surface.refuse_tilt()
     refuse_if(axes not in DIRECTIONS, words, key="axes", value=repr(axes))

@@ -114,7 +114,6 @@ def uncertainty(
     >>> found.area_sd.round(4).values, found.area_total[:, 0].round(2).values
     (array([0.0035]), array([0.09, 0.91]))
     """
-    surface.refuse_coatings("the study uncertainty")
     used = checked_model(Independent() if model is None else model)
     number = Draws.of(draws)
     wanted = number.error

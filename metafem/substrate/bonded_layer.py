@@ -11,7 +11,6 @@ import numpy as np
 from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput, refuse_if
-from metafem.substrate.grounded_layer import GroundedLayer
 from metafem.substrate.layered import Layered, Quadrature, quadrature, regular_table
 from metafem.substrate.protocol import agreed
 from metafem.surface import Surface
@@ -71,10 +70,6 @@ class BondedLayer(Layered):
         given = None if block is None else block.thickness
         thickness = agreed("BondedLayer", "thickness", self.thickness, given)
         return replace(self, thickness=thickness, poisson_ratio=ratio)
-
-    def conductor(self, share: float) -> GroundedLayer:
-        """Return the conducting layer of the same thickness with a grounded base."""
-        return GroundedLayer(self._thickness, share)
 
     @property
     def _thickness(self) -> float:

@@ -28,10 +28,6 @@ class HalfSpace(Radial):
     self_influence: ClassVar[float] = 0.0  # Hertz's law contains the response of the half-space
     self_curvature: ClassVar[float] = 0.0
 
-    def conductor(self, share: float) -> HalfSpace:
-        """Return the half-space itself: potentials by currents decrease as displacements by loads."""
-        return self
-
     def regular_derivatives(self, distance: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return three arrays of zeros: a half-space has no regular part."""
         return np.zeros_like(distance), np.zeros_like(distance), np.zeros_like(distance)

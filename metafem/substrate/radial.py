@@ -35,13 +35,6 @@ class Radial(ABC):
         """Return the substrate with the dimensions and the Poisson's ratio of a surface."""
         return self
 
-    def conductor(self, share: float) -> Radial:
-        """Return the influence of currents, for a share of this body in the sum of both resistivities [-]."""
-        raise InvalidInput(
-            f"{self!r} has no conduction: the conductance of contacts needs metafem.HalfSpace() or "
-            "metafem.BondedLayer()"
-        )
-
     @property
     @abstractmethod
     def self_influence(self) -> float:

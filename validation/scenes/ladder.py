@@ -9,7 +9,6 @@ import numpy as np
 import metafem as mf
 from metafem._validate import FloatArray
 from metafem.contact import Contact
-from metafem.models import Model
 from metafem.models.truncation import truncation
 from metafem.substrate import Substrate
 

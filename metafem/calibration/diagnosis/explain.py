@@ -113,7 +113,6 @@ def explain(
     check.instance("measured", measured, MeasuredLaw, "a metafem.calibration.MeasuredLaw")
     surface = design.surface if isinstance(design, Design) else design
     check.instance("design", surface, Surface, "a metafem.Design or a metafem.Surface")
-    surface.refuse_coatings("metafem.calibration.explain")
     expected = Priors() if priors is None else priors
     check.instance("priors", expected, Priors, "a metafem.calibration.Priors")
     friction = measured.friction if measured.friction is not None else surface.friction

@@ -114,7 +114,6 @@ class MeasuredLaw(BaseLaw):
         check.instance("material", self.material, Material, "a metafem.Material")
         if self.friction is not None:
             check.instance("friction", self.friction, Friction, "a metafem.Friction, or None")
-            self.friction.refuse_differing("a measured law")
         check.instance("errors", self.errors, MeasurementErrors, "a metafem.calibration.MeasurementErrors")
         check.instance("label", self.label, str, "a text")
         for name, values in checked({name: getattr(self, name) for name in ARRAYS}, self.errors).items():

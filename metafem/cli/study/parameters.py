@@ -205,7 +205,6 @@ def with_calibration(
         "composite_modulus": surface.material.composite_modulus,
     }
     if surface.friction is not None:
-        surface.refuse_coatings("--calibration")
         designed["area_ratio"] = float(surface.friction.area_ratio)
         designed["shear_strength"] = float(surface.friction.shear_strength)
     used = [i for i, name in enumerate(found.parameters) if name in designed]

@@ -145,7 +145,7 @@ def _linear(design: Design, tolerances: Tolerances) -> Scatter | None:
     load = loads_of(design)
     try:
         found = model.sensitivity(surface, load)
-        mean = found.curve.checked().rescaled_friction
+        mean = found.curve.checked().area
         return Scatter(load, mean, deviations(tolerances, surface, found.gradient))
     except MetafemError:  # the model has no solution at these loads
         return None

@@ -185,7 +185,7 @@ def _scatter(answer: Answer, design: Design) -> list[Figure]:
         return found
     fit = Slope.of(design.surface, None, design.law.model)
     response = design.law.model.gradient_model.sensitivity(design.surface, fit.load)
-    slope = fit.weight @ response.curve.checked().rescaled_friction
+    slope = fit.weight @ response.curve.checked().area
     sd = band.deviations(tolerances, design.surface, (fit.weight @ response.gradient)[None])[0]
     ends = design.surface.material.composite_modulus * np.array(fit.load_range)
     low, high = map(three_digits, ends)

@@ -39,8 +39,6 @@ def reach_of(specification: Specification) -> Band | None:
 
 @lru_cache(BANDS)
 def _band(template: Surface, limits: Limits, tools: Given | None, contact: Contact) -> Band | None:
-    if np.ndim(template.friction_weights):  # the bounds are those of one friction
-        return None
     largest = bounds_of(*chosen(tools, template), contact, 0.0).largest_load(limits)
     if not 0.0 < largest < np.inf:
         return None

@@ -81,7 +81,7 @@ def _sensitivity(design: Design, rescaled_load: float, state: ContactState) -> d
     if not state.area > 0.0:
         return {"sensitivity": at_sites(design, np.zeros(design.surface.count), 0), "note": ""}
     found = model.sensitivity(design.surface, np.array([rescaled_load]))
-    share = PERCENT * found.gradient[0] / (found.curve.rescaled_friction[0] * MICROMETRES)
+    share = PERCENT * found.gradient[0] / (found.curve.area[0] * MICROMETRES)
     note = "" if model == design.law.model else f"Sensitivities are those of the model {model.name}."
     return {"sensitivity": at_sites(design, share, SENSITIVITY_DECIMALS), "note": note}
 

@@ -29,7 +29,6 @@ LABELS: Mapping[str, str] = {
     "friction.area_ratio": "area ratio B",
     "tools.radii": "radii of the tools",
     "tools.caps": "their caps",
-    "tools.shear_strengths": "their shear strengths σ",
     "tools.radius_range": "any radius within",
     "tools.step": "step of these radii",
     "tools.exponent_range": "any exponent within",

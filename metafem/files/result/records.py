@@ -40,17 +40,11 @@ MAKERS: Mapping[str, Callable[..., Any]] = {
     "TabulatedContact": lambda table, material: TabulatedContact(*table, material=material),
     "ModelError": lambda value, **rest: ModelError(math.nan if value is None else value, **rest),
 }
-# Targets, whose quantity earlier versions did not write.
-TARGETS = ("OperatingPoints", "SampledLaw", "PowerLaw", "LinearLaw", "BilinearLaw", "MultilinearLaw", "Band")
 # Members that earlier versions did not write; they have a default.
 ADDED: Mapping[str, set[str]] = {
-    "FrictionLaw": {"model_error", "cell", "friction_area"},
+    "FrictionLaw": {"model_error", "cell"},
     "Surface": {"cap", "cell"},
-    "Friction": {"reference"},
-    "Tool": {"shear_strength"},
     "TargetLaw": {"ends"},
-    "Wording": {"quantity"},
-    **{name: {"of"} for name in TARGETS},
     "Tolerances": {"exponent_sd", "coefficient_sd"},
     **{name: {"quantity", "value", "bound", "remedies"} for name in ("Note", "ArgumentNote", "FolderNote")},
 }

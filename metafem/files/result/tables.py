@@ -14,7 +14,7 @@ from metafem.caps import SPHERE, Caps
 from metafem.errors import named, refuse_if
 from metafem.files.caps import cap_named, cap_text
 from metafem.files.part.block import mirrored
-from metafem.files.tables import Columns, Entries
+from metafem.files.tables import Columns
 from metafem.inversion import Design
 from metafem.prediction import FrictionLaw, equilibrium, tables
 from metafem.surface import Block, Friction, Material, Surface
@@ -24,8 +24,7 @@ if TYPE_CHECKING:
 
 # Columns of a table of summits. metafem writes the site and standard deviations, but reading needs neither.
 COLUMNS = Columns(
-    "site,x_mm,y_mm,height_um,radius_um,cap,shear_strength_MPa,area_ratio,"
-    "sd_position_mm,sd_height_mm,sd_radius_mm",
+    "site,x_mm,y_mm,height_um,radius_um,cap,sd_position_mm,sd_height_mm,sd_radius_mm",
     ("x,y,height",),
     "summit",
     "x_mm,y_mm,height_um,radius_um (or in other units)",
@@ -43,7 +42,7 @@ def heights_table(surface: Surface, sites: IntArray) -> str:
 
     If the caps are not spheres or the frictions differ, they follow.
     """
-    more = {**_caps(surface), **_frictions(surface)}
+    more = _caps(surface)
     return csv((*HEIGHTS, *more), zip(sites.tolist(), *_columns(surface), *more.values(), strict=True))
 
 
@@ -53,7 +52,7 @@ def made_table(made: MadeSurface, sites: IntArray) -> str:
     `sites` are the sites of the design's asperities.
     """
     errors = (each.tolist() for each in (made.position_sd, made.height_sd, made.radius_sd))
-    more = {**_caps(made.surface), **_frictions(made.surface)}
+    more = _caps(made.surface)
     rows = zip(sites[made.site].tolist(), *_columns(made.surface), *more.values(), *errors, strict=True)
     return csv((*HEIGHTS, *more, "sd_position_mm", "sd_height_mm", "sd_radius_mm"), rows)
 
@@ -99,15 +98,14 @@ def read_surface(
     path : str or Path
         CSV file whose first line names the columns as quantity_unit, such as ``x_mm,y_mm,height_um``. The
         columns are x, y, height and radius, in any order and in any unit of length, and cap: "sphere" (the
-        default), "paraboloid" or "power 4 0.5", with exponent and coefficient. For asperities that differ in
-        friction they are also shear_strength_MPa and area_ratio (default: 1). Other columns are not read,
-        and `metafem.progress` reports them. Lines that begin with ``#`` are skipped. If semicolons or tabs
-        separate the columns, a comma is the decimal sign.
+        default), "paraboloid" or "power 4 0.5", with exponent and coefficient. Other columns are not
+        read, and `metafem.progress` reports them. Lines that begin with ``#`` are skipped. If semicolons or
+        tabs separate the columns, a comma is the decimal sign.
     material : Material
     radius : float, optional
         Radius of all summits [mm], for a table without a column radius.
     friction : Friction, optional
-        Friction, for a table without a column shear_strength.
+        Friction of all asperities.
     block : Block, optional
 
     Returns
@@ -135,7 +133,6 @@ def read_surface(
         raise COLUMNS.lacking(entries, "radius", hint=hint)
     words = f"{entries.table.name} has a column radius, and --radius is given too; leave one out"
     refuse_if(radius is not None and "radius" in entries.columns, words)
-    friction = _friction(entries, friction)
     position = np.column_stack([entries.numbers("x"), entries.numbers("y")])
     names = {"position": f"{entries.title('x')}, {entries.title('y')}"}
     if radius is not None:
@@ -152,8 +149,7 @@ def write_surface(design: Design, path: str | Path) -> None:
     """Write a VTU file whose points are the summits, with their contacts at the law's largest load.
 
     Each point has its site in the template, height and radius [mm], and, under the law's model, its load [N],
-    area [mm^2] and contact_radius [mm]; if the caps differ, also the index of its cap, and if the frictions
-    differ, its shear_strength_MPa and area_ratio.
+    area [mm^2] and contact_radius [mm]; if the caps differ, also the index of its cap.
     """
     import meshio
 
@@ -167,7 +163,6 @@ def write_surface(design: Design, path: str | Path) -> None:
             "height": surface.height,
             "radius": surface.radius,
             **({"cap": surface.cap.index} if isinstance(surface.cap, Caps) else {}),
-            **_frictions(surface),
             "load": state.asperity_load,
             "area": state.asperity_area,
             "contact_radius": np.sqrt(state.asperity_area / np.pi),
@@ -181,30 +176,6 @@ def _caps(surface: Surface) -> dict[str, list[str]]:
     if surface.cap == SPHERE:
         return {}
     return {"cap": [cap_text(surface.cap.one(i)) for i in range(surface.count)]}
-
-
-def _frictions(surface: Surface) -> dict[str, list[float]]:
-    """Return the columns of the frictions, if they have one value for each asperity."""
-    friction, shape = surface.friction, surface.height.shape
-    if friction is None or not (np.ndim(friction.shear_strength) or np.ndim(friction.area_ratio)):
-        return {}
-    columns = {"shear_strength_MPa": friction.shear_strength, "area_ratio": friction.area_ratio}
-    return {name: np.broadcast_to(values, shape).tolist() for name, values in columns.items()}
-
-
-def _friction(entries: Entries, given: Friction | None) -> Friction | None:
-    """Return the friction in the columns of a table, or the given one for a table without these columns."""
-    if "shear_strength" not in entries.columns:
-        words = f"{entries.table.name} has a column area_ratio, which needs a column shear_strength_MPa"
-        refuse_if("area_ratio" in entries.columns, words)
-        return given
-    words = (
-        f"{entries.table.name} has a column shear_strength, and --shear-strength is given too; leave one out"
-    )
-    refuse_if(given is not None, words)
-    with named(entries.names()):
-        ratio = entries.numbers("area_ratio") if "area_ratio" in entries.columns else 1.0
-        return Friction(entries.numbers("shear_strength"), ratio)
 
 
 def _columns(surface: Surface) -> list[list[float]]:

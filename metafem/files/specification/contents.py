@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from typing import Any
 
 from metafem._given import Given as Quantity
@@ -90,12 +88,9 @@ class Sections(Section):
         # if one of these sections is wrong, a placeholder is used to check the other sections
         material = found.pop("material") or Material(1.0)
         friction = found.pop("friction") or (Friction(1.0) if self.friction else None)
-        if friction is not None:
-            friction = made("", friction.of, math.prod(self.lattice.shape)) or Friction(1.0)
         top = limits.offset + limits.max_height if limits else 1.0
         cap = made("cap", self._cap, contact) or SPHERE
         template = made("lattice", self._template, top, material, friction, block, cap)
-        found["tools"] = made("tools", self._tools, found["tools"], cap)
         target = made("target", self.target.target, material, friction)
         pinned = None
         if template and limits:
@@ -117,17 +112,6 @@ class Sections(Section):
         words = f'is {cap!r}, which the contact law {contact!r} does not describe; use kind = "elastic"'
         refuse_if(not contact.fits(cap), words, key="kind")
         return cap
-
-    def _tools(self, tools: Any, cap: Cap) -> Any:
-        """Return the tools, of which coated ones without caps of their own have the cap of the lattice."""
-        section = self.tools
-        if not tools or section is None or section.shear_strengths is None:
-            return tools
-        words = "needs a section [friction], which states area_ratio"
-        refuse_if(self.friction is None, words, key="shear_strengths")
-        if section.caps is not None:
-            return tools
-        return tuple(replace(tool, cap=cap) for tool in tools)
 
     def _template(
         self, top: float, material: Material, friction: Friction | None, block: Block | None, cap: Cap

@@ -13,15 +13,11 @@ from pydantic import (
     Field,
     GetCoreSchemaHandler,
     GetJsonSchemaHandler,
-    TypeAdapter,
     model_validator,
 )
 from pydantic_core.core_schema import (
     CoreSchema,
-    ValidatorFunctionWrapHandler,
     no_info_before_validator_function,
-    no_info_wrap_validator_function,
-    plain_serializer_function_ser_schema,
 )
 
 from metafem.errors import InvalidInput
@@ -91,29 +87,6 @@ class Quantity:
         return {"anyOf": [text, pair]} if self.pairs else text
 
 
-@dataclass(frozen=True)
-class OneOrEach:
-    """A validator of one value of type `kind` for all asperities, or a list with one value for each."""
-
-    kind: Any
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        """Return the schema by which pydantic reads the value, or each value of the list."""
-        one, as_it_is = handler.generate_schema(self.kind), plain_serializer_function_ser_schema(lambda v: v)
-        return no_info_wrap_validator_function(self._read, one, serialization=as_it_is)
-
-    @staticmethod
-    def _read(given: Any, one: ValidatorFunctionWrapHandler) -> Any:
-        if isinstance(given, list) and given:
-            return np.array([one(value, i) for i, value in enumerate(given)])
-        return one(given)
-
-    def __get_pydantic_json_schema__(self, core: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
-        """Return the JSON schema of one value or a list."""
-        one = TypeAdapter(self.kind).json_schema()
-        return {"anyOf": [one, {"type": "array", "items": one, "minItems": 1}]}
-
-
 def measured(unit: str) -> Quantity:
     """Return the validator of a text such as "120 um", whose result is a number in `unit`."""
     return Quantity(lambda given: converted(given, unit), (unit,))
@@ -141,11 +114,9 @@ Length = Annotated[float, measured("mm")]
 Area = Annotated[float, measured("mm^2")]
 Force = Annotated[float, measured("N")]
 Stress = Annotated[float, measured("MPa")]
-Stresses = Annotated[Any, OneOrEach(Stress)]
 Energy = Annotated[float, measured("N/mm")]
 Angle = Annotated[float, measured("rad")]
 PositiveLength = Annotated[float, Field(gt=0.0), measured("mm")]
 PositiveStress = Annotated[float, Field(gt=0.0), measured("MPa")]
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
-Numbers = Annotated[Any, OneOrEach(Number)]
 Whether = Annotated[bool, Field(strict=True)]

@@ -185,7 +185,7 @@ def read_spec(path: str | Path) -> Specification:
     ...     _ = path.write_text(demo_text("linear"), encoding="utf-8")
     ...     spec = read_spec(path)
     >>> spec.target, spec.limits.max_height
-    (LinearLaw(slope=6.87, load_range=None, of='friction'), 0.12)
+    (LinearLaw(slope=6.87, load_range=None), 0.12)
     """
     raw = read_bytes(path, SPECIFICATION, "no such file; `metafem demo linear` writes one to start from")
     decoded(path, raw)  # raises an error with the line if the file is not UTF-8
@@ -217,7 +217,7 @@ def parsed(text: str, tables: Mapping[str, bytes] = NO_TABLES, name: str = "spec
     --------
     >>> from metafem.files.specification.models import demo_text
     >>> parsed(demo_text("linear")).target
-    LinearLaw(slope=6.87, load_range=None, of='friction')
+    LinearLaw(slope=6.87, load_range=None)
     >>> try:
     ...     parsed(demo_text("linear").replace('"1.5 mm"', "1.5"))
     ... except InvalidInput as error:

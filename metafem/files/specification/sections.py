@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Annotated, Any
 
 from pydantic import Field, field_validator, model_validator
 
 from metafem import _validate as check
 from metafem._given import Given, printable
-from metafem.caps import SPHERE, Cap
+from metafem.caps import Cap
 from metafem.caps.shapes import STEEPEST
 from metafem.errors import InvalidInput, refuse_if
 from metafem.files.caps import cap_named
@@ -18,12 +17,10 @@ from metafem.files.specification.fields import (
     Angle,
     Length,
     Number,
-    Numbers,
     PositiveLength,
     PositiveStress,
     Section,
     Stress,
-    Stresses,
     Whether,
     key,
     one_of,
@@ -59,12 +56,8 @@ class FrictionSection(Section):
     """The section ``[friction]``."""
 
     makes = Friction
-    shear_strength: Stresses = key(
-        "sigma: friction force per real contact area; one, or a list with one for each site", "0.358 MPa"
-    )
-    area_ratio: Numbers = key(
-        "B: sheared over initial real contact area; one, or a list with one for each site", 0.85, default=1.0
-    )
+    shear_strength: Stress = key("sigma: friction force per real contact area", "0.358 MPa")
+    area_ratio: Number = key("B: sheared over initial real contact area", 0.85, default=1.0)
 
 
 class LatticeSection(Section):
@@ -89,10 +82,6 @@ class ToolsSection(Section):
         "with radii: sphere, paraboloid or power EXPONENT COEFFICIENT of each; default: section [cap]",
         ["sphere", "power 4 0.5"],
     )
-    shear_strengths: Annotated[list[PositiveStress], Field(min_length=1)] | None = optional(
-        "with radii: sigma of the coating of each; default: friction.shear_strength",
-        ["0.358 MPa", "0.1 MPa"],
-    )
     radius_range: tuple[PositiveLength, PositiveLength] | None = optional(
         "or: smallest and largest radius", ["200 um", "800 um"]
     )
@@ -115,7 +104,6 @@ class ToolsSection(Section):
             ("exponent_step", "exponent_range", "it is the step of exponents"),
             ("coefficient", "exponent_range", "caps state their own"),
             ("caps", "radii", "one cap for each radius"),
-            ("shear_strengths", "radii", "one shear strength for each radius"),
         ):
             alone = getattr(self, name) is not None and getattr(self, other) is None
             refuse_if(alone, f"needs tools.{other}: {words}", key=name)
@@ -133,17 +121,13 @@ class ToolsSection(Section):
         return RadiusRange(*self.radius_range, *(() if self.step is None else (self.step,)))
 
     def _listed(self) -> tuple[Tool | float, ...]:
-        """Return the radii of the tools [mm], or tools if they have caps or coatings of their own."""
+        """Return the radii of the tools [mm], or tools if they have caps of their own."""
         radii = self.radii or []
-        for name, what in (("caps", "caps"), ("shear_strengths", "shear strengths")):
-            given = getattr(self, name)
-            words = f"has {len(given or ())} {what} for {len(radii)} radii; give one for each"
-            refuse_if(given is not None and len(given) != len(radii), words, key=name)
-        if self.caps is None and self.shear_strengths is None:
+        if self.caps is None:
             return tuple(radii)
-        caps = [SPHERE] * len(radii) if self.caps is None else [self._cap(i) for i in range(len(radii))]
-        coatings: Sequence[float | None] = self.shear_strengths or [None] * len(radii)
-        return tuple(map(Tool, radii, caps, coatings))
+        words = f"has {len(self.caps)} caps for {len(radii)} radii; give one for each"
+        refuse_if(len(self.caps) != len(radii), words, key="caps")
+        return tuple(map(Tool, radii, [self._cap(i) for i in range(len(radii))]))
 
     def _cap(self, i: int) -> Cap:
         assert self.caps is not None

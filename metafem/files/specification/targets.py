@@ -31,15 +31,11 @@ from metafem.inversion import (
     SampledLaw,
     Target,
 )
-from metafem.inversion.quantities.quantity import FRICTION, Of, words
 from metafem.inversion.targets.wording import RESCALED, Wording
 from metafem.surface import Friction, Material
 
 # Example in errors about a load, which may be a rescaled load or a force.
 LOAD = '0.144 mm^2" or "0.2 N'
-
-# The same for a value of a law.
-FRICTION_OR = '0.84 mm^2" or, of another quantity, "0.84 mm'
 
 
 class GivenLoad(NamedTuple):
@@ -55,16 +51,11 @@ class GivenLoad(NamedTuple):
 
 def given_load(given: Any) -> GivenLoad:
     """Return the load that a text states, in mm^2 or N; errors do not name a key."""
-    return _in_either(given, "mm^2", "N", LOAD)
-
-
-def _in_either(given: Any, unit: str, other: str, example: str) -> GivenLoad:
-    """Return the value that a text states in one of two units; the error is that of the first one."""
     try:
-        return GivenLoad(converted(given, unit, example), unit)
+        return GivenLoad(converted(given, "mm^2", LOAD), "mm^2")
     except InvalidInput as reason:
         try:
-            return GivenLoad(converted(given, other, example), other)
+            return GivenLoad(converted(given, "N", LOAD), "N")
         except InvalidInput:
             raise reason from None
 
@@ -93,15 +84,7 @@ def _crossover(given: Any) -> list[GivenLoad]:
     return [given_load(load) for load in given] if isinstance(given, list) else [given_load(given)]
 
 
-def _value(given: Any) -> GivenLoad:
-    """Return the rescaled value of a law that a text states: mm^2 for friction, mm for other quantities."""
-    return _in_either(given, "mm^2", "mm", FRICTION_OR)
-
-
 Load = Annotated[Any, Quantity(given_load, ("mm^2", "N"))]
-
-# A value of a law.
-Rescaled = Annotated[Any, Quantity(_value, ("mm^2", "mm"))]
 
 # A single validator for one load or a pair: pydantic would report one error for each member of a union.
 Crossover = Annotated[Any, Quantity(_crossover, ("mm^2", "N"), pairs=True)]
@@ -111,49 +94,13 @@ Crossover = Annotated[Any, Quantity(_crossover, ("mm^2", "N"), pairs=True)]
 Kind = type[OperatingPoints] | type[SampledLaw]
 
 
-class TargetSection(Section):
-    """Keys of all targets."""
-
-    of: Of | None = optional(
-        'default "friction"; or "stiffness", "tangential_stiffness" or "conductance", in mm', "friction"
-    )
-
-    def quantity(self, *forces: object) -> Of:
-        """Return the quantity; raise InvalidInput if friction forces or coefficients are given with it."""
-        of = self.of or FRICTION
-        refuse_if(
-            of != FRICTION and any(value is not None for value in forces),
-            "cannot be combined with friction forces or coefficients; give the rescaled quantity",
-            key="of",
-            value=f'"{of}"',
-        )
-        return of
-
-    def values(self, key: str) -> list[float]:
-        """Return the values of a law under a key [mm^2], or [mm] for quantities other than friction."""
-        unit = "mm^2" if (self.of or FRICTION) == FRICTION else "mm"
-        # the columns of a table are numbers in mm^2
-        given = [
-            value if isinstance(value, GivenLoad) else GivenLoad(value, "mm^2")
-            for value in getattr(self, key) or []
-        ]
-        for value in given:
-            refuse_if(
-                value.unit != unit,
-                f"must be in {unit}, for a law of the {words(self.of or FRICTION)}",
-                key=key,
-                value=f'"{value.value:g} {value.unit}"',
-            )
-        return [value.value for value in given]
-
-
-class CurveSection(TargetSection):
+class CurveSection(Section):
     """Points of a law, as rescaled loads and rescaled friction or as forces."""
 
     choices: ClassVar[Choices] = (("rescaled_load", "rescaled_friction"), ("load", "friction_force"))
 
     rescaled_load: list[Area] | None = optional("either: P/E*, increasing", LOADS)
-    rescaled_friction: list[Rescaled] | None = optional("with it: F/(sigma B) at these loads", FRICTIONS)
+    rescaled_friction: list[Area] | None = optional("with it: F/(sigma B) at these loads", FRICTIONS)
     load: list[Force] | None = optional("or: P, increasing", ["0.2 N", "0.4 N"])
     friction_force: list[Force] | None = optional(
         "with it: F at these loads; needs [friction]", ["0.26 N", "0.53 N"]
@@ -161,15 +108,13 @@ class CurveSection(TargetSection):
 
     def law(self, kind: Kind, material: Material, friction: Friction | None, **more: Any) -> Target:
         """Return the target of class `kind` through the points."""
-        more["of"] = self.quantity(self.friction_force)
         if self.load is None:
-            return kind(self.rescaled_load or [], self.values("rescaled_friction"), **more)
+            return kind(self.rescaled_load or [], self.rescaled_friction or [], **more)
         if self.friction_force is None:  # a table of areas measured at loads in N
             modulus = material.composite_modulus
             load = np.array(self.load) / modulus
-            return kind(load, self.values("rescaled_friction"), **more, wording=Wording(modulus))
+            return kind(load, self.rescaled_friction or [], **more, wording=Wording(modulus))
         pair = material, _stated(friction, "friction_force")
-        more.pop("of")
         return kind.from_forces(self.load, self.friction_force, *pair, **more)
 
 
@@ -207,7 +152,7 @@ class SampledSection(CurveSection):
         return self.law(SampledLaw, material, friction, **more)
 
 
-class BandSection(TargetSection):
+class BandSection(Section):
     """Any law between two curves; the design has the largest margin to both."""
 
     kind: Literal["band"]
@@ -216,8 +161,8 @@ class BandSection(TargetSection):
         ("load", "lowest_force", "highest_force"),
     )
     rescaled_load: list[Area] | None = optional("either: P/E*, increasing", LOADS)
-    lowest: list[Rescaled] | None = optional("with it: smallest F/(sigma B) at these loads", FRICTIONS)
-    highest: list[Rescaled] | None = optional("with it: largest F/(sigma B)", ["1.04 mm^2", "1.98 mm^2"])
+    lowest: list[Area] | None = optional("with it: smallest F/(sigma B) at these loads", FRICTIONS)
+    highest: list[Area] | None = optional("with it: largest F/(sigma B)", ["1.04 mm^2", "1.98 mm^2"])
     load: list[Force] | None = optional("or: P, increasing", ["0.2 N", "0.4 N"])
     lowest_force: list[Force] | None = optional(
         "with it: smallest F at these loads; needs [friction]", ["0.26 N", "0.53 N"]
@@ -227,15 +172,12 @@ class BandSection(TargetSection):
     def target(self, material: Material, friction: Friction | None) -> Target:
         """Return the target that the keys describe."""
         if self.load is None:
-            return Band(
-                self.rescaled_load or [], self.values("lowest"), self.values("highest"), of=self.quantity()
-            )
-        self.quantity(self.lowest_force)
+            return Band(self.rescaled_load or [], self.lowest or [], self.highest or [])
         pair = material, _stated(friction, "lowest_force")
         return Band.from_forces(self.load, self.lowest_force or [], self.highest_force or [], *pair)
 
 
-class PowerSection(TargetSection):
+class PowerSection(Section):
     """Friction proportional to a power of the load."""
 
     kind: Literal["power"]
@@ -246,12 +188,10 @@ class PowerSection(TargetSection):
     def target(self, material: Material, friction: Friction | None) -> Target:
         """Return the target that the keys describe."""
         ends = rescaled_range(self.load_range, material)
-        return PowerLaw(
-            self.exponent, ends, self.prefactor, _in_newtons(material, *self.load_range), self.quantity()
-        )
+        return PowerLaw(self.exponent, ends, self.prefactor, _in_newtons(material, *self.load_range))
 
 
-class MultilinearSection(TargetSection):
+class MultilinearSection(Section):
     """Straight branches with increasing or decreasing slopes and a free intercept."""
 
     kind: Literal["multilinear"]
@@ -279,12 +219,10 @@ class MultilinearSection(TargetSection):
         every = [*self.load_range, *(load for pair in self.crossover_loads for load in pair)]
         wording = _wording(self, material, friction, *every)
         ends = rescaled_range(self.load_range, material)
-        return MultilinearLaw(
-            _slopes(self, wording, None), crossovers, ends, wording, self.quantity(self.friction_coefficients)
-        )
+        return MultilinearLaw(_slopes(self, wording, None), crossovers, ends, wording)
 
 
-class LinearSection(TargetSection):
+class LinearSection(Section):
     """A straight line with a slope or a friction coefficient."""
 
     kind: Literal["linear"]
@@ -297,14 +235,13 @@ class LinearSection(TargetSection):
         """Return the target that the keys describe."""
         ends = rescaled_range(self.load_range, material) if self.load_range is not None else None
         wording = _wording(self, material, friction, *(self.load_range or ()))
-        of = self.quantity(self.friction_coefficient)
         if self.friction_coefficient is None:
-            return LinearLaw(self.slope or 0.0, ends, wording, of)
+            return LinearLaw(self.slope or 0.0, ends, wording)
         mu = check.number("friction_coefficient", self.friction_coefficient, above=0.0)
         return LinearLaw(wording.slope(mu), ends, wording)
 
 
-class BilinearSection(TargetSection):
+class BilinearSection(Section):
     """Two straight branches that meet at a crossover load."""
 
     kind: Literal["bilinear"]
@@ -321,9 +258,7 @@ class BilinearSection(TargetSection):
         wording = _wording(self, material, friction, self.crossover_load, *(self.load_range or ()))
         ends = rescaled_range(self.load_range, material) if self.load_range is not None else None
         crossover = self.crossover_load.rescaled(material)
-        return BilinearLaw(
-            _slopes(self, wording, 2), crossover, ends, wording, self.quantity(self.friction_coefficients)
-        )
+        return BilinearLaw(_slopes(self, wording, 2), crossover, ends, wording)
 
 
 def _wording(section: Section, material: Material, friction: Friction | None, *loads: GivenLoad) -> Wording:

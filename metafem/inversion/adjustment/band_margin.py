@@ -48,7 +48,7 @@ def margin(area: FloatArray, ends: tuple[FloatArray, FloatArray]) -> float:
 def area_of(model: Model, surface: Surface, height: FloatArray, load: FloatArray) -> FloatArray | None:
     """Return A0 (k,) [mm^2] of heights (n,) [mm] under a model; None beyond the range of its contact law."""
     try:
-        return model.curve(surface.replaced(height=height), load).checked().rescaled_friction
+        return model.curve(surface.replaced(height=height), load).checked().area
     except InvalidInput:
         return None
 
@@ -61,7 +61,7 @@ def widest(problem: Problem, candidate: Candidate) -> tuple[Candidate, FloatArra
     assert law.ends is not None
     (low, high), load = law.ends, law.load
     half = 0.5 * (high - low)
-    area = model.curve(surface, load).checked().rescaled_friction
+    area = model.curve(surface, load).checked().area
     found, moved, size = margin(area, law.ends), False, FIRST * float(surface.radius.mean())
     least, history = LEAST * size / FIRST, [found]
     gradient: FloatArray | None = None

@@ -23,7 +23,6 @@ from metafem._values import percent
 from metafem.errors import Infeasible
 from metafem.inversion.adjustment.band_margin import area_of
 from metafem.inversion.limits import Limits
-from metafem.inversion.quantities.quantity import measured
 from metafem.inversion.targets.band import Band
 from metafem.models import Independent, Model
 from metafem.progress import doing, each
@@ -127,7 +126,6 @@ def brought_into(
     check.instance("only_lower", only_lower, bool, "True or False")
     solver: Model = Independent() if model is None else model
     check.instance("model", solver, Model, "a model such as metafem.Independent()")
-    solver = measured(solver, band.of, surface)
     check.instance("limits", limits, Limits | None, "metafem.Limits")
     start, radius = surface.height, float(surface.radius.mean())
     foot, top = (0.0, float(start.max()) + radius) if limits is None else (limits.foot, limits.top)
@@ -149,7 +147,7 @@ def brought_into(
 
     def searched(x: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the change (n,) [mm] found from a first change, and the areas (k,) [mm^2]."""
-        area = solver.curve(surface.replaced(height=start + x), load).checked().rescaled_friction
+        area = solver.curve(surface.replaced(height=start + x), load).checked().area
         size, gradient = FIRST * radius, None
         for _ in each("step", range(STEPS), at_most=True):
             if size < LEAST * radius:

@@ -37,7 +37,7 @@ def free_exponents(problem: Problem, candidate: Candidate) -> bool:
     Those of a height density, on height steps and of targets other than friction do not change.
     """
     ranged = isinstance(problem.tools, Kit) and problem.tools.range is not None
-    fixed = problem.first_under_model or candidate.density is not None or candidate.stepped
+    fixed = candidate.density is not None or candidate.stepped
     return ranged and problem.model.couples and not fixed
 
 

@@ -85,7 +85,7 @@ class _StepSearch:
         """Return the residual (k,) [-] for level indices (n,), and its Jacobian (k, n) [1/mm]."""
         solver = self.problem.model.gradient_model
         found = solver.sensitivity(self.surface, self.law.load, self.heights(index))
-        return self.law.residual(found.curve.rescaled_friction, found.gradient)
+        return self.law.residual(found.curve.area, found.gradient)
 
     def sums(self, trials: IntArray, law: TargetLaw) -> FloatArray:
         """Return the sums over the loads of a law for level indices (m, n), (m,); inf if not converged."""

@@ -73,7 +73,7 @@ class OnSites:
                 rates[:, some] = found.gradient
                 return rates
 
-            return law.late_residual(found.curve.rescaled_friction, gradient)
+            return law.late_residual(found.curve.area, gradient)
 
         return residual
 
@@ -84,7 +84,7 @@ class OnSites:
         def residual(height: FloatArray) -> LateResidual:
             some = np.flatnonzero(self.space.exists(height))
             surface = self._surface.only(some, height=height[some])
-            area = model.curve(surface, law.load).rescaled_friction
+            area = model.curve(surface, law.load).area
             return law.late_residual(area, lambda: near(height)[1]())
 
         return residual

@@ -95,7 +95,7 @@ def refined(problem: Problem, candidate: Candidate, rng: np.random.Generator) ->
             first, residual, residual_of_model = residuals(
                 problem, searched, lambda height: below_limit(height, limits)
             )
-            if model.couples and not (has_paraboloids(model) or problem.first_under_model):
+            if model.couples and not has_paraboloids(model):
                 found = with_same_entries(problem, trial, goal, rng)
                 if found.misfit > goal and not problem.contact.adhesive:
                     found = descend(residual, found.unknowns, space, goal, exact, options)
@@ -107,7 +107,7 @@ def refined(problem: Problem, candidate: Candidate, rng: np.random.Generator) ->
                     found = search(residual, [found.unknowns], space, AT_KINKS, changes, rng, options)
                     found = descend(residual, found.unknowns, space, goal, True, options)
             else:
-                guesses = _initial_guesses(problem, searched, first().curve.rescaled_friction, rng)
+                guesses = _initial_guesses(problem, searched, first().curve.area, rng)
                 restarts = ADHESIVE_RESTARTS if problem.contact.adhesive else problem.effort.refined_restarts
                 found = search(residual, guesses, space, goal, restarts, rng, options)
             if solver != model:
@@ -152,11 +152,11 @@ def residuals(
             found = first() if same else solver.sensitivity(surface, law.load, placed(height))
         except InvalidInput:
             return beyond(law.load, height)
-        return law.late_residual(found.curve.rescaled_friction, lambda: found.gradient)
+        return law.late_residual(found.curve.area, lambda: found.gradient)
 
     def residual_of_model(height: FloatArray) -> LateResidual:
         height = placed(height)
-        area = model.curve(surface.replaced(height=height), law.load).rescaled_friction
+        area = model.curve(surface.replaced(height=height), law.load).area
         return law.late_residual(area, lambda: solver.sensitivity(surface, law.load, height).gradient)
 
     return first, residual, residual_of_model
@@ -173,7 +173,7 @@ def _initial_guesses(
     law, surface = start.target_law, start.surface(problem.template)
     if law.misfit(area) <= CLOSE:
         return [start.height]
-    ratio = area / problem.uncoupled.curve(surface, law.load).rescaled_friction
+    ratio = area / problem.uncoupled.curve(surface, law.load).area
     powers = np.vander(np.log(law.load / law.load[-1]), RATIO_DEGREE + 1)
     smooth = powers @ np.linalg.lstsq(powers, ratio, rcond=None)[0]
     divided = TargetLaw.fixed(law.load, law.law(area) / smooth, law.weight)

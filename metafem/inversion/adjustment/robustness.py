@@ -190,7 +190,7 @@ def _exchanged(problem: Problem, candidate: Candidate, rng: np.random.Generator)
     found = problem.model.gradient_model.sensitivity(candidate.surface(template), law.load)
     position, total = template.position, problem.count
     gradient, order = np.zeros((len(law.load), total)), np.full(total, -1)
-    gradient[:, candidate.sites] = law.residual(found.curve.rescaled_friction, found.gradient)[1]
+    gradient[:, candidate.sites] = law.residual(found.curve.area, found.gradient)[1]
     order[candidate.sites] = np.arange(len(candidate.sites))
     for _ in range(total):
         few = total <= FORECAST_SITES
@@ -240,7 +240,7 @@ def _lowered(problem: Problem, start: Candidate, unit: FloatArray) -> tuple[Cand
         rows = []
         for part, shift in errors:
             found = solver.sensitivity(part, law.load, placed(height) + shift)
-            r, jacobian = law.residual(found.curve.rescaled_friction, found.gradient)
+            r, jacobian = law.residual(found.curve.area, found.gradient)
             rows.append(np.column_stack([jacobian, r]))
         stacked = np.concatenate(rows)
         factor = np.asarray(np.linalg.qr(stacked, mode="r"))
@@ -278,7 +278,7 @@ def _irreducible(problem: Problem, candidate: Candidate, unit: FloatArray) -> fl
     total = np.zeros((len(law.load), count))
     for part, shift in _errors(problem.tolerances, surface, unit):
         found = solver.sensitivity(part, law.load, surface.height + shift)
-        total += law.residual(found.curve.rescaled_friction, found.gradient)[1]
+        total += law.residual(found.curve.area, found.gradient)[1]
     response = problem.tolerances.height_sd * total / len(unit)
     squares = float((response**2).sum())
     if problem.tolerances.radius_sd > 0.0:

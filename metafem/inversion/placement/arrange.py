@@ -154,7 +154,6 @@ def arrange(
     """
     solver: Model = Interacting() if model is None else model
     check.instance("surface", surface, Surface, "a metafem.Surface")
-    surface.refuse_coatings("metafem.arrange")
     check.instance("model", solver, Model, "a model such as metafem.Interacting()")
     check.instance("objective", objective, Objective, "such as metafem.FollowLaw(...)")
     where, known = sites_for(surface, solver, position)

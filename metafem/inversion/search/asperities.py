@@ -143,7 +143,6 @@ class OfExponents(Asperities):
     range: PowerRange
     radius: float
     depth: float
-    area: tuple[float, float] = (math.pi, 2.0)  # c and m of the "area" c a^m of a contact
 
     def joined(self, height: FloatArray, shape: FloatArray) -> FloatArray:
         """Return the unknowns (2n,) [mm] for heights [mm] and exponents, (n,) each."""
@@ -177,7 +176,8 @@ class OfExponents(Asperities):
                 exponent[order],
                 logarithm[order],
                 turn[order],
-                *self.area,
+                math.pi,
+                2.0,
             )
             # a read-only array would compile the kernel again
             kernel.sensitivities(*given, np.array(target.load), approach, area, by_height, by_exponent)

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from metafem._validate import FloatArray, IntArray
 from metafem.caps import Cap, Caps, Power
-from metafem.inversion.quantities.quantity import measure
 from metafem.inversion.search.asperities import Asperities, OfExponents, OfTools
 from metafem.inversion.search.dictionary import starts
 from metafem.inversion.search.levenberg_marquardt import NEAR, Minimum, descend, search
@@ -62,11 +61,8 @@ class ToolSearch:
     goal: float = GOAL
     exact: float | None = None
 
-    def nearest(self) -> tuple[float, FloatArray, FloatArray, Cap, FloatArray | None]:
-        """Return the misfit, and heights, with the tallest first and equal to 0, radii, caps and sigma (n,).
-
-        sigma is None if no tool has a friction of its own.
-        """
+    def nearest(self) -> tuple[float, FloatArray, FloatArray, Cap]:
+        """Return the misfit, and heights, with the tallest first and equal to 0, radii and caps (n,)."""
         best = self._fewest(*self.space.split(self._mixed().unknowns))
         height, shape = best.unknowns, best.shape
         if self.exact is not None:
@@ -74,8 +70,7 @@ class ToolSearch:
             found = search(self._of_heights(shape), [height], self._heights, *given)
             height, best = found.unknowns, Mixture(found.unknowns, found.misfit, shape)
         order = np.argsort(-height, kind="stable")
-        coating = self.kit.coatings(shape[order].astype(np.int64), self.problem.template.friction)
-        return best.misfit, height[order] - height.max(), *self._made(shape[order]), coating
+        return best.misfit, height[order] - height.max(), *self._made(shape[order])
 
     def around(self, height: FloatArray, surface: Surface) -> tuple[FloatArray, Cap]:
         """Return heights [mm] and caps (n,) of a range of exponents after a descent from a surface's."""
@@ -111,8 +106,7 @@ class ToolSearch:
         if self.kit.range is None:
             return OfTools(span, count, summits=self.problem.tool_summits)
         radius = float(self.kit.radii[0])
-        area = measure(self.problem.contact)
-        return OfExponents(span, count, range=self.kit.range, radius=radius, depth=self._depth, area=area)
+        return OfExponents(span, count, range=self.kit.range, radius=radius, depth=self._depth)
 
     @cached_property
     def _depth(self) -> float:

@@ -69,7 +69,7 @@ def residual_of_surface(model: Independent, surface: Surface, law: TargetLaw) ->
             found = model.sensitivity(surface, law.load, height)
         except InvalidInput:
             return beyond(law.load, height)
-        return law.late_residual(found.curve.rescaled_friction, lambda: found.gradient)
+        return law.late_residual(found.curve.area, lambda: found.gradient)
 
     return residual
 

@@ -1,4 +1,4 @@
-"""Asperities made by tools of several shapes or frictions, by one tool if one reaches the target."""
+"""Asperities made by tools of several shapes, by one tool if one reaches the target."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 
 from metafem.errors import Infeasible, InvalidInput
 from metafem.inversion.assessment import EXACT, POINT_GOAL, independent_misfit
-from metafem.inversion.search.mixed_tools import FEW, ToolSearch
+from metafem.inversion.search.mixed_tools import ToolSearch
 from metafem.inversion.search.nearest_law import GOAL
 from metafem.inversion.targets.target import LEVEL_FRACTIONS
 from metafem.inversion.targets.wording import Message
@@ -20,10 +20,6 @@ FIRST = (1e-2,)
 
 # Misfit at which the search for tools ends if the law must be exact; a descent of the heights follows.
 ENOUGH = 1e-4
-
-# Factor of the number of restarts for coated tools and few sites. For 16 laws of 8 or 12 asperities of three
-# tools on 12 sites, the mean misfit falls from .32 to .15 %, and 13 instead of 6 laws are recovered to .2 %.
-MORE_RESTARTS = 5
 
 if TYPE_CHECKING:
     from metafem.inversion.candidate import Candidate
@@ -49,15 +45,13 @@ def candidate(problem: Problem, rng: np.random.Generator, restarts: int | None =
     if law is None:
         raise unreachable(refused)
     most = problem.restarts if restarts is None else restarts
-    if kit.coated and problem.count <= FEW:
-        most *= MORE_RESTARTS
     guesses = target.guesses(law, problem.bounds, LEVEL_FRACTIONS)
     ends = (ENOUGH, POINT_GOAL) if target.exact else (GOAL,)
     search = ToolSearch(problem, kit, law, guesses, most, rng, *ends)
-    misfit, height, radius, cap, coating = search.nearest()
+    misfit, height, radius, cap = search.nearest()
     if best is not None and best[0] <= misfit:
         return best[1]
-    mixed = target.of_heights(problem, law, problem.limits.top + height, radius, cap, coating)
+    mixed = target.of_heights(problem, law, problem.limits.top + height, radius, cap)
     if not target.exact:
         return mixed
     return replace(mixed, refusal=_not_met, lowest_level=float(mixed.height.min()))
@@ -80,7 +74,7 @@ def _singles(
     """
     found: list[tuple[float, Candidate]] = []
     refused: dict[Tool, Infeasible] = {}
-    for i, tool in enumerate(kit.tools):
+    for tool in kit.tools:
         alone = problem.alone(tool)
         alone = replace(
             alone, effort=replace(alone.effort, restarts=0, free_goals=FIRST, adhesive_restarts=0)
@@ -92,8 +86,7 @@ def _singles(
             refused[tool] = reason
             continue
         misfit = independent_misfit(alone, one)
-        coating = kit.coatings(np.full(len(one.height), i), problem.template.friction)
-        found.append((misfit, replace(one, cap=tool.cap, shear_strength=coating)))
+        found.append((misfit, replace(one, cap=tool.cap)))
         if misfit <= (EXACT if problem.target.exact else GOAL):
             break
     return found, refused

@@ -15,7 +15,6 @@ from metafem.errors import Infeasible
 from metafem.inversion.adjustment.band_margin import widest
 from metafem.inversion.bounds import ROUNDING
 from metafem.inversion.feasibility import margin_words, refuse_load
-from metafem.inversion.quantities.quantity import FRICTION, Of
 from metafem.inversion.search.target_law import TargetLaw
 from metafem.inversion.targets.laws import SampledLaw
 from metafem.inversion.targets.target import Target
@@ -42,10 +41,6 @@ class Band(Value, Target):
         P/E* [mm^2], positive and increasing. Between the loads the law is free.
     lowest, highest : array_like, (k,)
         Ends of F/(sigma B) [mm^2] at these loads, positive, each `lowest` below its `highest`.
-    of : str
-        Quantity of the target: "friction" (default), "stiffness" k/E*, "tangential_stiffness" k_t/E* or
-        "conductance" ``(rho_1 + rho_2) G/2``, each in mm in place of F/(sigma B). On a layer the
-        plane is then an ideal conductor.
 
     Raises
     ------
@@ -66,7 +61,6 @@ class Band(Value, Target):
     lowest: FloatArray
     highest: FloatArray
     wording: Wording = field(default=RESCALED, compare=False, repr=False)
-    of: Of = FRICTION
 
     def __init__(
         self,
@@ -74,13 +68,12 @@ class Band(Value, Target):
         lowest: ArrayLike,
         highest: ArrayLike,
         wording: Wording = RESCALED,
-        of: Of = FRICTION,
     ) -> None:
         load = check.increasing("rescaled_load", check.array("rescaled_load", rescaled_load, shape=(None,)))
         low = check.array("lowest", lowest, shape=load.shape, positive=True)
         high = check.array("highest", highest, shape=load.shape, positive=True)
         check.refuse_entries("lowest", low, low >= high, "must be below highest at the same load")
-        self._set(wording, of, rescaled_load=load, lowest=low, highest=high)
+        self._set(wording, rescaled_load=load, lowest=low, highest=high)
 
     @classmethod
     def from_forces(
@@ -98,7 +91,7 @@ class Band(Value, Target):
     def title(self) -> str:
         """Description of the target in one line."""
         count = len(self.rescaled_load)
-        return self.wording.named(f"Friction law within a band at {count} load{'s' if count > 1 else ''}")
+        return f"Friction law within a band at {count} load{'s' if count > 1 else ''}"
 
     @property
     def last_load(self) -> float:
@@ -190,6 +183,6 @@ class Band(Value, Target):
             i = int(np.abs(band.difference(area)).argmax())
             parts = ("no law within the band was found: at load ", ("loads", band.load[i]))
             words = f" the nearest law found is outside by {percent(violation, '.3g')}"
-            nearest = SampledLaw(self.rescaled_load, area, wording=self.wording, of=self.of)
+            nearest = SampledLaw(self.rescaled_load, area, wording=self.wording)
             raise Infeasible(Message((*parts, words), self.wording), nearest, by_search=True)
         return found

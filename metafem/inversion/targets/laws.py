@@ -16,7 +16,6 @@ from metafem.errors import Infeasible
 from metafem.inversion.assessment import largest_misfit
 from metafem.inversion.bounds import ROUNDING
 from metafem.inversion.feasibility import broken_sample, margin_words, nearest_within, refuse_load
-from metafem.inversion.quantities.quantity import FRICTION, Of, words
 from metafem.inversion.search.target_law import TargetLaw
 from metafem.inversion.strategies import operating_points
 from metafem.inversion.targets.target import Target
@@ -46,10 +45,6 @@ class OperatingPoints(Value, Target):
         P_i/E* [mm^2], positive and increasing.
     rescaled_friction : array_like, (k,)
         F_i/(sigma B) [mm^2], positive and increasing.
-    of : str
-        Quantity of the target: "friction" (default), "stiffness" k/E*, "tangential_stiffness" k_t/E* or
-        "conductance" ``(rho_1 + rho_2) G/2``, each in mm in place of F/(sigma B). On a layer the
-        plane is then an ideal conductor.
 
     Raises
     ------
@@ -68,20 +63,18 @@ class OperatingPoints(Value, Target):
     rescaled_load: FloatArray
     rescaled_friction: FloatArray
     wording: Wording = field(default=RESCALED, compare=False, repr=False)
-    of: Of = FRICTION
 
     def __init__(
         self,
         rescaled_load: ArrayLike,
         rescaled_friction: ArrayLike,
         wording: Wording = RESCALED,
-        of: Of = FRICTION,
     ) -> None:
         load = check.array("rescaled_load", rescaled_load, shape=(None,))
         friction = check.array("rescaled_friction", rescaled_friction, shape=(len(load),))
         load = check.increasing("rescaled_load", load)
         friction = check.increasing("rescaled_friction", friction)
-        self._set(wording, of, rescaled_load=load, rescaled_friction=friction)
+        self._set(wording, rescaled_load=load, rescaled_friction=friction)
 
     @classmethod
     def from_forces(
@@ -94,7 +87,7 @@ class OperatingPoints(Value, Target):
     @property
     def title(self) -> str:
         """Description of the target in one line."""
-        return self.wording.named(f"Friction law through {len(self.rescaled_load)} operating points")
+        return f"Friction law through {len(self.rescaled_load)} operating points"
 
     @property
     def last_load(self) -> float:
@@ -129,10 +122,6 @@ class SampledLaw(Value, Target):
     relative_error : array_like, (k,), optional
         Relative standard deviations of the frictions [-], positive and below 1. Default: None; the samples
         are exact.
-    of : str
-        Quantity of the target: "friction" (default), "stiffness" k/E*, "tangential_stiffness" k_t/E* or
-        "conductance" ``(rho_1 + rho_2) G/2``, each in mm in place of F/(sigma B). On a layer the
-        plane is then an ideal conductor.
 
     Raises
     ------
@@ -154,7 +143,6 @@ class SampledLaw(Value, Target):
     weight: FloatArray
     relative_error: FloatArray | None = None
     wording: Wording = field(default=RESCALED, compare=False, repr=False)
-    of: Of = FRICTION
 
     def __init__(
         self,
@@ -163,7 +151,6 @@ class SampledLaw(Value, Target):
         weight: ArrayLike | None = None,
         relative_error: ArrayLike | None = None,
         wording: Wording = RESCALED,
-        of: Of = FRICTION,
     ) -> None:
         load = check.increasing("rescaled_load", check.array("rescaled_load", rescaled_load, shape=(None,)))
         each = (len(load),)
@@ -177,7 +164,7 @@ class SampledLaw(Value, Target):
             given = np.ones(each) if error is None else error**-2.0
         weights = check.array("weight", given, shape=each, positive=True)
         values = {"rescaled_friction": friction, "weight": weights, "relative_error": error}
-        self._set(wording, of, rescaled_load=load, **values)
+        self._set(wording, rescaled_load=load, **values)
 
     @classmethod
     def from_forces(
@@ -197,7 +184,7 @@ class SampledLaw(Value, Target):
     @property
     def title(self) -> str:
         """Description of the target in one line."""
-        return self.wording.named(f"Friction law given by {len(self.rescaled_load)} samples")
+        return f"Friction law given by {len(self.rescaled_load)} samples"
 
     @property
     def last_load(self) -> float:
@@ -230,7 +217,7 @@ class SampledLaw(Value, Target):
         if not broken:
             return candidate
         law, surface = candidate.target_law, candidate.surface(problem.template)
-        area = problem.model.curve(surface, load).checked().rescaled_friction
+        area = problem.model.curve(surface, load).checked().area
         misfit, most = law.misfit(area), largest_misfit(law)
         near = nearest_within(load, law.base, law.weight, problem.bounds) / law.base
         if misfit > most:
@@ -240,7 +227,7 @@ class SampledLaw(Value, Target):
             )
             raise Infeasible(
                 Message((broken, words)),
-                SampledLaw(load, area, self.weight, self.relative_error, wording, self.of),
+                SampledLaw(load, area, self.weight, self.relative_error, wording),
                 by_search=law.misfit(near * law.base) <= most,
             )
         return replace(candidate, notes=(*candidate.notes, information(_outside(near - 1.0, margin))))
@@ -258,10 +245,6 @@ class PowerLaw(Target):
         Smallest and largest P/E* [mm^2], positive and increasing.
     prefactor : float, optional
         C [mm^(2 - 2 beta)], positive; default: free.
-    of : str
-        Quantity of the target: "friction" (default), "stiffness" k/E*, "tangential_stiffness" k_t/E* or
-        "conductance" ``(rho_1 + rho_2) G/2``, each in mm in place of F/(sigma B). On a layer the
-        plane is then an ideal conductor.
 
     Raises
     ------
@@ -278,7 +261,6 @@ class PowerLaw(Target):
     load_range: LoadRange
     prefactor: float | None
     wording: Wording = field(default=RESCALED, compare=False, repr=False)
-    of: Of = FRICTION
 
     def __init__(
         self,
@@ -286,11 +268,9 @@ class PowerLaw(Target):
         load_range: ArrayLike,
         prefactor: float | None = None,
         wording: Wording = RESCALED,
-        of: Of = FRICTION,
     ) -> None:
         self._set(
             wording,
-            of,
             exponent=check.number("exponent", exponent, above=0.0),
             load_range=check.interval("load_range", load_range),
             prefactor=None if prefactor is None else check.number("prefactor", prefactor, above=0.0),
@@ -310,8 +290,7 @@ class PowerLaw(Target):
     def title(self) -> str:
         """Description of the target in one line."""
         loads = self.wording.title_loads(*self.load_range)
-        what = "" if self.of == FRICTION else f" of the {words(self.of)},"
-        return f"Power law{what} of exponent {self.exponent:.4g} from {loads}"
+        return f"Power law of exponent {self.exponent:.4g} from {loads}"
 
     @property
     def marked_loads(self) -> dict[str, tuple[tuple[float, ...], ...]]:
@@ -356,7 +335,7 @@ class PowerLaw(Target):
                 f"at least {least:.4g} and at most {most:.4g} with {problem.count} asperities of "
                 f"{'one radius' if radii.single else radii}"
                 f"{margin_words(margin)}",
-                PowerLaw(min(max(self.exponent, least), most), self.load_range, wording=wording, of=self.of),
+                PowerLaw(min(max(self.exponent, least), most), self.load_range, wording=wording),
             )
         if self.prefactor is None:
             return

@@ -15,7 +15,6 @@ from metafem._validate import FloatArray
 from metafem.errors import Infeasible, refuse_if
 from metafem.inversion.bounds import ROUNDING
 from metafem.inversion.feasibility import margin_words, refuse_load
-from metafem.inversion.quantities.quantity import FRICTION, Of
 from metafem.inversion.search.target_law import TargetLaw
 from metafem.inversion.targets.target import Target
 from metafem.inversion.targets.wording import RESCALED, LoadRange, Wording
@@ -45,10 +44,6 @@ class MultilinearLaw(Target):
         loads of a pair the law is free, and the next branch has its own free intercept.
     load_range : (float, float)
         Start of the first and end of the last branch, P/E* [mm^2].
-    of : str
-        Quantity of the target: "friction" (default), "stiffness" k/E*, "tangential_stiffness" k_t/E* or
-        "conductance" ``(rho_1 + rho_2) G/2``, each in mm in place of F/(sigma B). On a layer the
-        plane is then an ideal conductor.
 
     Examples
     --------
@@ -61,7 +56,6 @@ class MultilinearLaw(Target):
     crossover_loads: tuple[LoadRange, ...]
     load_range: LoadRange
     wording: Wording = field(default=RESCALED, compare=False, repr=False)
-    of: Of = FRICTION
 
     def __init__(
         self,
@@ -69,7 +63,6 @@ class MultilinearLaw(Target):
         crossover_loads: Sequence[object],
         load_range: ArrayLike,
         wording: Wording = RESCALED,
-        of: Of = FRICTION,
     ) -> None:
         values = check.array("slopes", slopes, shape=(None,))
         least = values.min()
@@ -83,7 +76,7 @@ class MultilinearLaw(Target):
         )
         ends = check.interval("load_range", load_range)
         pairs = tuple(_crossover(f"crossover_loads[{i}]", given) for i, given in enumerate(crossover_loads))
-        self._set(wording, of, slopes=tuple(values.tolist()), crossover_loads=pairs, load_range=ends)
+        self._set(wording, slopes=tuple(values.tolist()), crossover_loads=pairs, load_range=ends)
         for i, (_, (start, end)) in enumerate(self.branches, start=1):
             words = f"branch {i} would run from {wording.loads(start, end)}"
             refuse_if(not start < end, f"must increase within load_range: {words}", key="crossover_loads")
@@ -125,7 +118,7 @@ class MultilinearLaw(Target):
     @property
     def title(self) -> str:
         """Description of the target in one line."""
-        return self.wording.named(f"Friction law of {self.wording.slopes(*self.slopes)}")
+        return f"Friction law of {self.wording.slopes(*self.slopes)}"
 
     @property
     def last_load(self) -> float:

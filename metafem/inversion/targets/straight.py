@@ -12,7 +12,6 @@ from numpy.typing import ArrayLike
 from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput, refuse_if
-from metafem.inversion.quantities.quantity import FRICTION, Of, words
 from metafem.inversion.search.target_law import TargetLaw
 from metafem.inversion.strategies import exponential, proportional
 from metafem.inversion.targets.target import Target
@@ -100,10 +99,6 @@ class LinearLaw(StraightLaw):
         Smallest and largest P/E* [mm^2], positive and increasing. Over this range the target is the line
         ``F = m P`` through the origin, to be met within 1 %. Default: None; the heights then follow the
         exponential density whose law has this slope at large loads and its own intercept.
-    of : str
-        Quantity of the target: "friction" (default), "stiffness" k/E*, "tangential_stiffness" k_t/E* or
-        "conductance" ``(rho_1 + rho_2) G/2``, each in mm in place of F/(sigma B). On a layer the
-        plane is then an ideal conductor.
 
     Examples
     --------
@@ -117,18 +112,15 @@ class LinearLaw(StraightLaw):
     slope: float
     load_range: LoadRange | None = None
     wording: Wording = field(default=RESCALED, compare=False, repr=False)
-    of: Of = FRICTION
 
     def __init__(
         self,
         slope: float,
         load_range: ArrayLike | None = None,
         wording: Wording = RESCALED,
-        of: Of = FRICTION,
     ) -> None:
         slope = check.number("slope", slope, above=0.0)
-        self._set(wording, of, slope=slope, load_range=_optional_range(load_range))
-        _refuse_density(self.of, self.load_range)
+        self._set(wording, slope=slope, load_range=_optional_range(load_range))
 
     @classmethod
     def from_friction_coefficient(
@@ -166,9 +158,9 @@ class LinearLaw(StraightLaw):
         """Description of the target in one line."""
         words = self.wording.slopes(self.slope)
         if self.load_range is None:
-            return self.wording.named(f"Linear friction law of {words}")
+            return f"Linear friction law of {words}"
         loads = self.wording.title_loads(*self.load_range)
-        return self.wording.named(f"Friction proportional to load: {words} from {loads}")
+        return f"Friction proportional to load: {words} from {loads}"
 
     @property
     def lines(self) -> tuple[tuple[float, float], ...]:
@@ -191,10 +183,6 @@ class BilinearLaw(StraightLaw):
         target is ``F = m_1 P`` below and ``F = m_1 P_c + m_2 (P - P_c)`` above the crossover, to be met
         within 1 %. Default: None; the heights then follow a density of two exponential branches whose law has
         these slopes at large loads.
-    of : str
-        Quantity of the target: "friction" (default), "stiffness" k/E*, "tangential_stiffness" k_t/E* or
-        "conductance" ``(rho_1 + rho_2) G/2``, each in mm in place of F/(sigma B). On a layer the
-        plane is then an ideal conductor.
 
     Examples
     --------
@@ -208,7 +196,6 @@ class BilinearLaw(StraightLaw):
     crossover_load: float
     load_range: LoadRange | None = None
     wording: Wording = field(default=RESCALED, compare=False, repr=False)
-    of: Of = FRICTION
 
     def __init__(
         self,
@@ -216,14 +203,12 @@ class BilinearLaw(StraightLaw):
         crossover_load: float,
         load_range: ArrayLike | None = None,
         wording: Wording = RESCALED,
-        of: Of = FRICTION,
     ) -> None:
         values = check.array("slopes", slopes, shape=(2,))
         pair = tuple(check.number(f"slopes[{i}]", value, above=0.0) for i, value in enumerate(values))
         load = check.number("crossover_load", crossover_load, above=0.0)
         ends = _optional_range(load_range)
-        self._set(wording, of, slopes=pair, crossover_load=load, load_range=ends)
-        _refuse_density(self.of, ends)
+        self._set(wording, slopes=pair, crossover_load=load, load_range=ends)
         refuse_if(
             ends is not None and not ends[0] < load < ends[1],
             f"must lie inside load_range, from {wording.loads(*(ends or ()))}",
@@ -272,23 +257,14 @@ class BilinearLaw(StraightLaw):
         """Description of the target in one line."""
         words = f"Bilinear friction law of {self.wording.slopes(*self.slopes)}"
         if self.load_range is None:
-            return self.wording.named(words)
+            return words
         loads = self.wording.title_loads(*self.load_range)
-        return self.wording.named(f"{words} through the origin from {loads}")
+        return f"{words} through the origin from {loads}"
 
     @property
     def lines(self) -> tuple[tuple[float, float], ...]:
         """Slope [-] of each line, and the load [mm^2] at which it starts."""
         return (self.slopes[0], 0.0), (self.slopes[1], self.crossover_load)
-
-
-def _refuse_density(of: Of, load_range: LoadRange | None) -> None:
-    """Raise InvalidInput for slopes without a load range, whose densities are those of friction laws."""
-    refuse_if(
-        load_range is None and of != FRICTION,
-        f"is needed for a law of the {words(of)}: without it, the heights follow a density for friction",
-        key="load_range",
-    )
 
 
 def _optional_range(load_range: ArrayLike | None) -> LoadRange | None:

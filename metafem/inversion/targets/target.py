@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -12,8 +11,6 @@ from metafem._validate import FloatArray
 from metafem.caps import Cap
 from metafem.errors import InvalidInput
 from metafem.inversion.candidate import Branch, Candidate, Parameter
-from metafem.inversion.quantities import quantity
-from metafem.inversion.quantities.quantity import Of
 from metafem.inversion.search.nearest_law import LawSearch
 from metafem.inversion.search.target_law import TargetLaw
 from metafem.inversion.targets.wording import LoadRange, Wording
@@ -34,13 +31,11 @@ class Target:
     exact: ClassVar[bool] = False
 
     wording: Wording
-    of: Of
 
-    def _set(self, wording: Wording, of: Of, **members: Any) -> None:
+    def _set(self, wording: Wording, **members: Any) -> None:
         """Set the attributes of a frozen target."""
         check.instance("wording", wording, Wording, "a Wording, as from_friction_coefficient sets it")
-        named = replace(wording, quantity=quantity.checked(of))
-        for name, value in {**members, "of": named.quantity, "wording": named}.items():
+        for name, value in {**members, "wording": wording}.items():
             object.__setattr__(self, name, value)
 
     @property
@@ -114,9 +109,8 @@ class Target:
         height: FloatArray,
         radius: FloatArray,
         cap: Cap | None = None,
-        shear_strength: FloatArray | None = None,
     ) -> Candidate:
-        """Return the candidate with heights, radii [mm], caps and sigma for the curve `law` of the target."""
+        """Return the candidate with heights, radii [mm] and caps for the curve `law` of the target."""
         parameters: dict[str, Parameter] = {"span": float(np.ptp(height))}
         branches = tuple(
             # if the law has no free parameter, each branch has a fixed intercept
@@ -127,11 +121,10 @@ class Target:
             )
             for slope, ends in self.branches
         )
-        candidate = Candidate(height, radius, parameters, law, branches)
-        candidate = replace(candidate, cap=cap, shear_strength=shear_strength)
+        candidate = Candidate(height, radius, parameters, law, branches, cap=cap)
         if law.is_open:
             curve = problem.uncoupled.curve(candidate.surface(problem.template), law.load)
-            parameters |= self.open_parameters(law, curve.rescaled_friction)
+            parameters |= self.open_parameters(law, curve.area)
         return candidate
 
     def judged(self, problem: Problem, candidate: Candidate) -> Candidate:

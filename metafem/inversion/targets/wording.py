@@ -12,7 +12,6 @@ from numpy.typing import ArrayLike
 from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
-from metafem.inversion.quantities.quantity import FRICTION, Of, words
 from metafem.surface import Friction, Material
 
 LoadRange = tuple[float, float]
@@ -41,7 +40,6 @@ class Wording:
     shear_stress: float | None = None
     # E* [MPa] of the part; if set, loads are stated both in mm^2 and in newtons
     part_modulus: float | None = None
-    quantity: Of = FRICTION  # the quantity of the target; quantities other than friction are in mm
 
     def __post_init__(self) -> None:
         for name in ("composite_modulus", "shear_stress", "part_modulus"):
@@ -144,17 +142,7 @@ class Wording:
 
     def frictions(self, *frictions: float) -> str:
         """Return rescaled frictions in words: ``0.84 to 1.68 mm^2``."""
-        if self.quantity != FRICTION:
-            return _stated(frictions, None).replace("mm^2", "mm")
         return _stated(frictions, self.shear_stress)
-
-    def named(self, text: str) -> str:
-        """Return a text on friction with the quantity of the target in place of friction."""
-        if self.quantity == FRICTION:
-            return text
-        return text.replace("friction", words(self.quantity)).replace(
-            "Friction", words(self.quantity).capitalize()
-        )
 
     def rescaled(
         self,
@@ -204,16 +192,14 @@ class Message:
 
     def worded(self, wording: Wording | None) -> str:
         """Return the sentence in the units of a wording; default: the wording of the message."""
-        units = replace(
-            wording or self.wording, part_modulus=self.wording.part_modulus, quantity=self.wording.quantity
-        )
+        units = replace(wording or self.wording, part_modulus=self.wording.part_modulus)
 
         def stated(part: Any) -> str:
             if isinstance(part, Message):
                 return part.worded(wording)
             return str(getattr(units, part[0])(*part[1:])) if isinstance(part, tuple) else part
 
-        return units.named("".join(map(stated, self.parts)))
+        return "".join(map(stated, self.parts))
 
 
 def _digits(value: float, digits: int) -> float:

@@ -1,9 +1,9 @@
-"""Choice of the tool of each asperity, for caps of several shapes or frictions."""
+"""Choice of the tool of each asperity, for caps of several shapes."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -14,15 +14,11 @@ from metafem._given import shown
 from metafem._validate import FloatArray, IntArray
 from metafem.caps import Cap, Caps, Paraboloid, Power, Sphere
 from metafem.contact import Contact, Elastic
-from metafem.contact.by_profile import MixedCaps
 from metafem.contact.elastic import PARABOLOID
-from metafem.contact.law import SUMMIT
 from metafem.errors import InvalidInput, refuse_if
-from metafem.inversion.quantities.quantity import weighted
 from metafem.inversion.tools.radii import Radii
 from metafem.inversion.tools.ranges import PowerRange, RadiusRange
 from metafem.inversion.tools.tool import Tool
-from metafem.material import Friction
 from metafem.surface import Surface
 
 # The argument `tools` of a design.
@@ -35,7 +31,7 @@ TRIED_EXPONENTS = 7
 
 @dataclass(frozen=True)
 class Kit:
-    """Tools with caps of several shapes or frictions, one of which makes each asperity.
+    """Tools with caps of several shapes, one of which makes each asperity.
 
     Of a range of exponents, `tools` are some power caps, with increasing exponents from the smallest to the
     largest.
@@ -58,11 +54,6 @@ class Kit:
         return False
 
     @property
-    def coated(self) -> bool:
-        """Whether a tool has a friction of its own."""
-        return any(tool.shear_strength is not None for tool in self.tools)
-
-    @property
     def given_as(self) -> PowerRange | tuple[Tool, ...]:
         """The range or the tools, as in the argument `tools` of `design`."""
         return self.tools if self.range is None else self.range
@@ -78,13 +69,6 @@ class Kit:
     def made(self, which: IntArray) -> tuple[FloatArray, Cap]:
         """Return the radii [mm] and the caps of asperities made by tools, given by their indices (n,)."""
         return self.radii[which], Caps.of([self.tools[i].cap for i in which.tolist()])
-
-    def coatings(self, which: IntArray, friction: Friction | None) -> FloatArray | None:
-        """Return sigma [MPa] of asperities (n,) if a tool has one; `friction` is that of all other tools."""
-        if friction is None or not self.coated:
-            return None
-        given = (tool.shear_strength for tool in self.tools)
-        return np.array([friction.shear_strength if one is None else one for one in given])[which]
 
     @property
     def radii(self) -> FloatArray:
@@ -104,7 +88,7 @@ def chosen(tools: Given | None, template: Surface) -> tuple[Choice, Surface]:
     """Return the choice that the argument `tools` states, and the template with the cap of all tools.
 
     Default: the common radius and cap of the template. Numbers are tools of these radii with the common cap
-    of the template. Tools of one shape and of the template's friction are a choice of radii.
+    of the template. Tools of one shape are a choice of radii.
     """
     if isinstance(tools, PowerRange):
         radius = template.radius if tools.radius is None else np.array([tools.radius])
@@ -114,7 +98,7 @@ def chosen(tools: Given | None, template: Surface) -> tuple[Choice, Surface]:
         return kit, template.replaced(cap=kit.tools[0].cap)
     shapes = {} if tools is None or isinstance(tools, RadiusRange) else _listed(tools, template)
     kit = Kit(tuple(shapes))
-    if len(set(shapes.values())) > 1 or kit.coated:
+    if len(set(shapes.values())) > 1:
         return kit, template
     ours = template if not shapes else template.replaced(cap=next(iter(shapes.values())))
     _refuse_several_caps(ours.cap)
@@ -132,19 +116,10 @@ def singles(choice: Choice, template: Surface) -> list[Surface]:
 def pressed(choice: Choice, template: Surface, contact: Contact) -> tuple[Contact, Any]:
     """Return the law of one contact of the tools, and what its methods take as `radius` for each tool.
 
-    With a choice of radii, these are the radii of the template. If the tools have coatings, the areas of the
-    law are rescaled friction, with the weights of the coatings.
+    With a choice of radii, these are the radii of the template.
     """
-    if isinstance(choice, Kit) and choice.coated:
-        parts = [pressed(Radii.of(tool.radius), tool.on(template), contact) for tool in choice.tools]
-        summits = np.empty(len(parts), SUMMIT)
-        summits["radius"] = [radius[0] for _, radius in parts]
-        summits["cap"] = np.arange(len(parts))
-        return MixedCaps(tuple(law for law, _ in parts)), summits
     surface = choice.surface(template) if isinstance(choice, Kit) else template
-    law, weights = contact.bound(surface), np.unique(surface.friction_weights)
-    if len(weights) == 1:  # otherwise each site has a friction of its own
-        law = weighted(law, float(weights[0]))
+    law = contact.bound(surface)
     return law, law.summits(surface)
 
 
@@ -161,23 +136,8 @@ def _listed(tools: Any, template: Surface) -> dict[Tool, Cap]:
                 raise InvalidInput(words, key=f"tools[{i}]", value=shown(given))
             _refuse_several_caps(template.cap)
             tool = Tool(check.number(f"tools[{i}]", given, above=0.0), template.cap)
-        if tool.shear_strength is not None:
-            tool = _coated(tool, template.friction, f"tools[{i}].shear_strength")
         found[tool] = tool.cap
     return found
-
-
-def _coated(tool: Tool, friction: Friction | None, key: str) -> Tool:
-    """Return a tool with a shear strength only if it differs from that of the template's friction."""
-    if friction is None:
-        raise InvalidInput(
-            "needs a template with a friction, which states the area ratio of all tools and the shear "
-            "strength of the others; add friction=metafem.Friction(shear_strength, area_ratio) to it",
-            key=key,
-            value=tool.shear_strength,
-        )
-    friction.refuse_differing(key)
-    return replace(tool, shear_strength=None) if tool.shear_strength == friction.shear_strength else tool
 
 
 def _refuse_several_caps(cap: Cap) -> None:
@@ -200,8 +160,6 @@ def refuse_misfits(choice: Choice, template: Surface, top: float, law: Contact) 
     top: height of the tallest possible summit above the base plane [mm].
     """
     if isinstance(choice, Kit):
-        words = f"with a shear_strength need contacts without adhesion, not {law!r}; leave shear_strength out"
-        refuse_if(choice.coated and law.adhesive, words, key="tools")
         for tool in choice.tools:
             refuse_if(
                 not law.fits(tool.cap),

@@ -29,7 +29,6 @@ from metafem._validate import FloatArray
 from metafem.contact import Contact
 from metafem.inversion.bounds import Bounds, at_load
 from metafem.inversion.limits import Limits
-from metafem.inversion.quantities.quantity import measure, of_area
 from metafem.inversion.tools.radii import Radii
 
 # Loads at which the areas of all tools are compared: their number, and the smallest one over the largest.
@@ -69,12 +68,10 @@ class KitBounds(Bounds):
     @cached_property
     def least_exponent(self) -> float:
         """Lower bound of the local exponent d ln A0/d ln p [-]; 0 if none is proven."""
-        elastic = all(of_area(part.law).largest_order > 1 for part in self.parts)
+        elastic = all(part.law.largest_order > 1 for part in self.parts)
         if not (self.convex and elastic):
             return 0.0
-        factors = [measure(part.law)[0] for part in self.parts]
-        ratio = least_ratio(self.count, max(factors) / min(factors))
-        return min(part.least_exponent for part in self.parts) * ratio
+        return min(part.least_exponent for part in self.parts) * least_ratio(self.count)
 
     def steepest(self, load: float, friction: float, margin: float = 0.0) -> float:
         """Return infinity: flat caps begin with an infinite slope."""

@@ -33,18 +33,11 @@ class AdhesiveAsperities(LoadEquation):
         notes: tuple[Note, ...] = ()
         if found.path is not None:
             notes = jump_notes(found.path.jumps(values[0] if unloading else values[-1]), modulus, unloading)
-        return found.curve(self.model, surface.height, notes, self.weights)
-
-    def pull_off(self, surface: Surface, largest: float) -> float:
-        """Return the largest tension [mm^2] on the way back from the largest rescaled load."""
-        refuse_merging(self.law, surface)
-        asperities = Asperities(self.law, self.law.summits(surface), surface.gap)
-        (reached,), _ = asperities.loading(largest).approach(np.array([largest]))
-        return max(0.0, -float(asperities.unloading(float(reached)).best[-1]))
+        return found.curve(self.model, surface.height, notes)
 
     def curve(self, height: FloatArray, radius: FloatArray, load: FloatArray) -> Curve:
         """Return equilibria at increasing loads (k,) for heights and radii (n,)."""
-        return self._loaded(height, radius, load).curve(self.model, height, weights=self.weights)
+        return self._loaded(height, radius, load).curve(self.model, height)
 
     def solve(self, height: FloatArray, radius: FloatArray, load: FloatArray) -> tuple[FloatArray, ...]:
         """Return approach, load, area and stiffness (m, k) of surfaces (m, n) at increasing loads (k,)."""
@@ -54,18 +47,18 @@ class AdhesiveAsperities(LoadEquation):
         return tuple(np.array([getattr(curve, name) for curve in curves]) for name in names)
 
     def areas(self, surface: Surface, height: FloatArray, radius: FloatArray, load: FloatArray) -> FloatArray:
-        """Return A0 or friction areas [mm^2] (m, k) of surfaces (m, n) at loads (k,); see `Model.areas`."""
+        """Return A0 [mm^2] (m, k) of surfaces (m, n) at loads (k,); see `Model.areas`."""
         refuse_merging(self.law, surface)
         every = zip(height, np.broadcast_to(radius, height.shape), strict=True)
-        return np.array([self.curve(*row, load).rescaled_friction for row in every])
+        return np.array([self.curve(*row, load).area for row in every])
 
     def sensitivity(self, height: FloatArray, radius: FloatArray, load: FloatArray) -> Sensitivity:
         """Return the loading curve at increasing loads (k,), and dA0/dh at fixed load [mm], (k, n)."""
         found = self._loaded(height, radius, load)
         a, law = found.sums.contact_radius, self.law
         return Sensitivity(
-            found.curve(self.model, height, weights=self.weights),
-            lambda: at_fixed_load(law.stiffness(a, radius), self.weights * law.area_slope(a, radius)),
+            found.curve(self.model, height),
+            lambda: at_fixed_load(law.stiffness(a, radius), law.area_slope(a, radius)),
             found.indentation,
         )
 
@@ -114,19 +107,11 @@ class Equilibria:
         error = self.sums.load - self.control
         return np.asarray(np.abs(error) / np.where(carried > 0.0, carried, 1.0))
 
-    def curve(
-        self,
-        model: object,
-        height: FloatArray,
-        notes: tuple[Note, ...] = (),
-        weights: float | FloatArray = 1.0,
-    ) -> Curve:
-        """Return the curve for heights (n,) [mm] and weights of the areas."""
-        load, area, stiffness, a = self.sums
+    def curve(self, model: object, height: FloatArray, notes: tuple[Note, ...] = ()) -> Curve:
+        """Return the curve for heights (n,) [mm]."""
+        load, area, stiffness, _ = self.sums
         last = partial(self._last, model, height)
-        friction = self.asperities.law.area(a) @ weights if np.ndim(weights) else None
-        given = self.approach, load, area, stiffness, self.residual, TOLERANCE, last, notes
-        return Curve(*given, friction_area=friction)
+        return Curve(self.approach, load, area, stiffness, self.residual, TOLERANCE, last, notes)
 
     def _last(self, model: object, height: FloatArray) -> RescaledState:
         some, a, x = self.asperities, self.sums.contact_radius[-1], float(self.approach[-1])

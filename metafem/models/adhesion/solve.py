@@ -97,9 +97,9 @@ class State:
         """Whether the contacts are stable at fixed load."""
         return self.holds and self.stiffness > 0.0
 
-    def area_gradient(self, weights: FloatArray) -> FloatArray:
-        """Return ``d(sum w_i A_i)/dh`` for the heights of the contacts at fixed load [mm], (m,)."""
-        both = np.column_stack([2.0 * np.pi * self.a * weights, self.linear.total])
+    def area_gradient(self) -> FloatArray:
+        """Return dA0/dh for the heights of the contacts at fixed load [mm], (m,)."""
+        both = np.column_stack([2.0 * np.pi * self.a, self.linear.total])
         by_area, by_load = dgetrs(*self.factors, both, trans=1)[0].T
         return np.asarray(by_area - by_area.sum() / by_load.sum() * by_load)
 

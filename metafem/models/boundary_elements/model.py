@@ -176,23 +176,6 @@ class BoundaryElements(WithoutGradients):
         indentation = np.array([curve.last.indentation for curve in curves])
         return Sensitivity(Curve.joined(curves), lambda: gradient, indentation)
 
-    def conductance(self, surface: Surface, load: FloatArray, share: float = 1.0) -> FloatArray:
-        """Return the rescaled conductance ``(rho_1 + rho_2) G/2`` [mm] at increasing rescaled loads, (k,).
-
-        It is the current through the cells in contact at a common potential. Loads too light for the cells
-        are those of order 3. share: share of the block in the sum of both resistivities [-].
-        """
-        scene = self._scene(surface)
-        conductor = scene.substrate.conductor(share)
-        found = np.zeros(len(load))
-        for k in each("resolved conductance: load", list(np.flatnonzero(load > 0.0))):
-            guess = scene.initial_guess(float(load[k]), by_load=True)
-            if scene.resolves(guess):
-                found[k] = scene.rise(scene.solve(guess, float(load[k])), conductor)
-            else:
-                found[k] = self.gradient_model.conductance(surface, load[k : k + 1], share)[0]
-        return found
-
     def _scene(self, surface: Surface) -> Scene:
         """Return the surface with its law and cells."""
         law = cast("Hertz | ElasticCap", self.contact.bound(surface))
@@ -218,12 +201,11 @@ class BoundaryElements(WithoutGradients):
     def _row(self, scene: Scene, solution: Solution | None, value: float, by_load: bool) -> Curve:
         """Return the solution at one load [mm^2] or approach [mm] as a curve."""
         if solution is None:  # no load, or no contact
-            row, each = (0.0 if by_load else value, 0.0, 0.0, 0.0, 0.0), np.zeros(scene.surface.count)
+            row = (0.0 if by_load else value, 0.0, 0.0, 0.0, 0.0)
             last = partial(self._open, scene.surface, row[0])
             estimate = ModelError(0.0, "there is no contact")
         else:
             h = scene.cell
-            each = h**2 * solution.contacts.area
             load, area = (h**2 * math.fsum(part) for part in (solution.contacts.load, solution.contacts.area))
             residual = solution.minimum.error / solution.indentation if solution.covered else math.inf
             if by_load:
@@ -232,10 +214,7 @@ class BoundaryElements(WithoutGradients):
             last = partial(self._last, scene, solution)
             estimate = ModelError(_cell_error(solution), "the number of cells in contact")
         approach, carried, total, stiffness, error = np.array(row)[:, None]
-        weights = scene.surface.friction_weights
-        friction = np.array([each @ weights]) if np.ndim(weights) else None
-        found = Curve(approach, carried, total, stiffness, error, TOLERANCE, last, error=estimate)
-        return replace(found, friction_area=friction)
+        return Curve(approach, carried, total, stiffness, error, TOLERANCE, last, error=estimate)
 
     def _open(self, surface: Surface, approach: float) -> RescaledState:
         """Return the state without contact."""

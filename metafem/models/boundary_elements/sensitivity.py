@@ -148,8 +148,7 @@ def _area_rates(scene: Scene, own: Contact, by: str, moments: list[Moments]) -> 
         np.divide(sloped, shift, out=np.zeros_like(a), where=shift > 0.0),
         shape,
     )
-    weights = scene.surface.friction_weights
-    return AreaRates(*(np.where(closed, weights * part, 0.0) for part in parts))
+    return AreaRates(*(np.where(closed, part, 0.0) for part in parts))
 
 
 def _contact_radius(scene: Scene, spread: FloatArray, load: FloatArray) -> FloatArray:

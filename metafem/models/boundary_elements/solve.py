@@ -165,11 +165,6 @@ class Scene:
         rise = _rise(operator, minimum.pressure > 0.0)
         return Solution(minimum, contacts, patches, covered, indentation, rise)
 
-    def rise(self, solution: Solution, substrate: Radial) -> float:
-        """Return the stiffness of flat punches on the cells in contact [mm], on another substrate."""
-        operator = self.influence(solution.patches, substrate)
-        return self.cell * _rise(operator, solution.minimum.pressure > 0.0)
-
     def _lift(self, load: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the increase [mm] of the indentations by the field's slopes, and where [cells], (n,)."""
         gain, distance = self.summits.lift(np.hypot(self.slope_x @ load, self.slope_y @ load))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
@@ -40,34 +39,25 @@ class Followed:
     def _each(self, value: Callable[[State], float], none: float = 0.0) -> FloatArray:
         return np.array([none if state is None else value(state) for state in self.states])
 
-    def curve(
-        self, compute_last: Callable[[], RescaledState], notes: tuple[Note, ...], weights: float | FloatArray
-    ) -> Curve:
-        """Return the states as a curve; weights: of the areas of the asperities in their friction, (n,)."""
+    def curve(self, compute_last: Callable[[], RescaledState], notes: tuple[Note, ...]) -> Curve:
+        """Return the states as a curve."""
         approach = self._each(lambda state: state.x)
         open_ones = np.array([state is None for state in self.states])
         approach[open_ones] = self.control[open_ones]
         return Curve(
             approach,
             self._each(lambda state: state.load),
-            self._each(lambda state: state.area),
+            self.areas(),
             self._each(lambda state: state.stiffness),
             self._each(lambda state: state.residual),
             TOLERANCE,
             compute_last,
             notes,
-            friction_area=self.friction_area(weights) if np.ndim(weights) else None,
         )
 
-    def friction_area(self, weights: float | FloatArray) -> FloatArray:
-        """Return ``sum w_i A_i`` [mm^2], (k,)."""
-        if not np.ndim(weights):
-            return self._each(lambda state: state.area)
-        found = np.zeros((len(self.states), len(self.scene.gap)))
-        for row, state in zip(found, self.states, strict=True):
-            if state is not None:
-                row[state.closed] = math.pi * state.a**2
-        return np.asarray(found @ weights)
+    def areas(self) -> FloatArray:
+        """Return A0 [mm^2], (k,)."""
+        return self._each(lambda state: state.area)
 
     def last(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return loads [mm^2], areas [mm^2] and indentations [mm] (n,) of the last state."""
@@ -93,16 +83,12 @@ class Followed:
                 row[state.closed] = state.p
         return found
 
-    def gradients(self, weights: float | FloatArray) -> FloatArray:
-        """Return dA0/dh at fixed load [mm], (k, n), without the change of the pedestal compliance.
-
-        weights: those of the areas of the asperities in their friction, (n,), or 1.
-        """
-        each = np.broadcast_to(weights, self.scene.gap.shape)
+    def gradients(self) -> FloatArray:
+        """Return dA0/dh at fixed load [mm], (k, n), without the change of the pedestal compliance."""
         found = np.zeros((len(self.states), len(self.scene.gap)))
         for row, state in zip(found, self.states, strict=True):
             if state is not None:
-                row[state.closed] = state.area_gradient(each[state.closed])
+                row[state.closed] = state.area_gradient()
         return found
 
 
@@ -149,16 +135,7 @@ class AdhesiveCoupling(Coupled):
         refuse_wide(surface, max((float(state.a.max()) for state in found.states if state), default=0.0))
         notes = jump_notes(found.jumps, modulus, unloading) if by_load else ()
         last = partial(self._last, surface.height, found)
-        return found.curve(last, notes, surface.friction_weights)
-
-    def pull_off(self, largest: float) -> float:
-        """Return the largest tension [mm^2] on the way back from the largest rescaled load."""
-        refuse_merging(self.law, self.surface)
-        path = Loading(self._scene(self.surface.height), record=False)
-        path.press(Goal(largest, by_load=True))
-        back = Unloading(path.scene, record=False, state=path.state, extreme=np.inf)
-        back.withdraw(Goal(-np.inf, by_load=True))
-        return max(0.0, -back.extreme)
+        return found.curve(last, notes)
 
     def solve(self, height: FloatArray, load: FloatArray) -> tuple[FloatArray, ...]:
         """Return approach, load, area and stiffness (m, k) for heights (m, n) at increasing loads (k,)."""
@@ -173,14 +150,13 @@ class AdhesiveCoupling(Coupled):
         """
         found = followed_near(self._scene(height), load)
         indentation = np.array([found.indentation(state) for state in found.states])
-        weights = self.surface.friction_weights
-        curve = found.curve(partial(self._last, height, found), (), weights)
+        curve = found.curve(partial(self._last, height, found), ())
         return Sensitivity(
-            curve, lambda: self.on_pedestals(found.gradients(weights), height, found.loads()), indentation
+            curve, lambda: self.on_pedestals(found.gradients(), height, found.loads()), indentation
         )
 
     def areas(self, height: FloatArray, radius: FloatArray | None, load: FloatArray) -> FloatArray:
-        """Return A0 or friction areas [mm^2] (m, k) for heights and radii (m, n); see `Model.areas`."""
+        """Return A0 [mm^2] (m, k) for heights and radii (m, n); see `Model.areas`."""
         area = np.full((len(height), len(load)), np.nan)
         for row, heights in enumerate(height):
             scene = self._scene(heights, None if radius is None else radius[row])
@@ -188,7 +164,7 @@ class AdhesiveCoupling(Coupled):
                 found = followed_near(scene, load)
             except NotConverged:
                 continue
-            area[row] = found.friction_area(self.surface.friction_weights)
+            area[row] = found.areas()
         return area
 
     def _scene(self, height: FloatArray, radius: FloatArray | None = None) -> Scene:

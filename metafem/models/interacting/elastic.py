@@ -29,7 +29,7 @@ from metafem.models.interacting.coupled import Coupled, refuse_wide
 from metafem.models.interacting.influence import coupling_between
 from metafem.models.interacting.large import NOT_RECORDED, large_scene
 from metafem.models.interacting.newton_krylov import TOLERANCE as FAST_TOLERANCE
-from metafem.models.interacting.sensitivity import area_gradients, friction_areas
+from metafem.models.interacting.sensitivity import area_gradients
 from metafem.models.interacting.shape_sensitivity import Shapes, shape_gradient
 from metafem.models.interacting.sums.fft_sums import find_lattice
 from metafem.models.interacting.sums.periodic_sums import find_grid
@@ -73,7 +73,6 @@ class Solution:
     tolerance: float
     gradient: Callable[[], FloatArray]  # returns dA0/dh without the change of the pedestals
     notes: tuple[Note, ...] = ()
-    friction_area: FloatArray | None = None  # of the last list of heights, (k,)
 
     @property
     def solved(self) -> np.ndarray:
@@ -138,9 +137,8 @@ class ElasticCoupling(Coupled):
         return Sensitivity(self._curve(solution), gradient, indentation)
 
     def areas(self, height: FloatArray, radius: FloatArray | None, load: FloatArray) -> FloatArray:
-        """Return A0 or friction areas [mm^2] (m, k) for heights and radii (m, n); see `Model.areas`."""
-        weighted = np.ndim(self.surface.friction_weights) > 0
-        if weighted or (radius is not None and self.summed is not None):
+        """Return A0 [mm^2] (m, k) for heights and radii (m, n); see `Model.areas`."""
+        if radius is not None and self.summed is not None:
             return areas_one_by_one(self.model.curve, self.surface, load, height, radius, None)
         solution = self._solve(height, load, True, radius=radius)
         self._refuse_thin_layer(solution.results)
@@ -208,8 +206,7 @@ class ElasticCoupling(Coupled):
             parts = state.load, math.pi * state.footprint, state.indentation
             return self.state(solution.height, *parts, solution.notes)
 
-        given = approach, load, area, stiffness, residual, solution.tolerance, last
-        return Curve(*given, friction_area=solution.friction_area)
+        return Curve(approach, load, area, stiffness, residual, solution.tolerance, last)
 
     def _solve(
         self,
@@ -224,9 +221,6 @@ class ElasticCoupling(Coupled):
         radius: (m, n) [mm]; default: the surface's. `indentation` (k, n) [mm] is filled with the nominal
         indentations of the last list of heights unless empty.
         """
-        weights = self.surface.friction_weights if len(height) == 1 else 1.0
-        if np.ndim(weights) and not indentation.size:
-            indentation = np.zeros((len(control), height.shape[1]))
         gap = height.max(axis=1, keepdims=True) - height
         surface, bound = self.surface, self.substrate
         size = surface.radius if radius is None else radius
@@ -243,9 +237,8 @@ class ElasticCoupling(Coupled):
             self._refuse_deep(rows_of(law, -1), last)
             notes = (information(large.sums.note),)
             scene = rows_of(law, -1), self_term[-1], gap[-1], indentation
-            gradients = partial(large.area_gradients, *scene, weights)
-            friction = large.friction_areas(*scene, weights) if isinstance(weights, np.ndarray) else None
-            return Solution(results, height[-1], last, FAST_TOLERANCE, gradients, notes, friction)
+            gradients = partial(large.area_gradients, *scene)
+            return Solution(results, height[-1], last, FAST_TOLERANCE, gradients, notes)
         coupling, regular = coupling_between(surface, bound, self.order)
         self_term += regular
         control = np.array(control)  # a read-only array would compile the kernel again
@@ -268,9 +261,8 @@ class ElasticCoupling(Coupled):
         for (end, _), state in states.items():
             self._refuse_deep(rows_of(law, end - 1), state)
         system = coupling, self.order, rows_of(law, -1), self_term[-1], indentation
-        gradients = partial(area_gradients, *system, weights)
-        friction = friction_areas(*system, weights) if isinstance(weights, np.ndarray) else None
-        return Solution(results, height[-1], states[whole], TOLERANCE, gradients, friction_area=friction)
+        gradients = partial(area_gradients, *system)
+        return Solution(results, height[-1], states[whole], TOLERANCE, gradients)
 
     def _refuse_deep(self, law: Law, state: State) -> None:
         """Raise InvalidInput if an indentation exceeds the range of the law."""

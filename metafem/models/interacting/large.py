@@ -115,32 +115,12 @@ class LargeScene:
         self_term: FloatArray,
         gap: FloatArray,
         indentation: FloatArray,
-        weights: float | FloatArray,
     ) -> FloatArray:
-        """Return dA0/dh at fixed load [mm], (k, n), for equilibria with nominal indentations z (k, n).
-
-        weights: those of the areas in the friction, (n,), or 1.
-        """
+        """Return dA0/dh at fixed load [mm], (k, n), for equilibria with nominal indentations z (k, n)."""
         equations = self.equations(law, self_term, gap)
         states = (equations.respond(z, 0.0, 0.0) for z in indentation)  # neither approach nor load matters
         none = np.zeros_like(gap)
-        return np.array([equations.area_gradient(at, weights) if at.closed.any() else none for at in states])
-
-    def friction_areas(
-        self,
-        law: Law,
-        self_term: FloatArray,
-        gap: FloatArray,
-        indentation: FloatArray,
-        weights: FloatArray,
-    ) -> FloatArray:
-        """Return ``sum w_i A_i`` [mm^2], (k,), for equilibria with nominal indentations z (k, n)."""
-        equations, found = self.equations(law, self_term, gap), []
-        for z in indentation:
-            state = equations.respond(z, 0.0, 0.0).state  # neither approach nor load matters
-            spread(self.order, law, state)
-            found.append(math.pi * exact_sum(weights * state.footprint))
-        return np.array(found)
+        return np.array([equations.area_gradient(at) if at.closed.any() else none for at in states])
 
     @staticmethod
     def _record(results: Results, j: int, approach: float, state: Iterate) -> None:

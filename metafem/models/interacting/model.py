@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import ClassVar, cast
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,12 +18,10 @@ from metafem.errors import InvalidInput, refuse_if
 from metafem.models.adhesion.notes import adhesive_law
 from metafem.models.curve import Curve, Sensitivity, areas_one_by_one, controlled
 from metafem.models.interacting.adhesive import AdhesiveCoupling
-from metafem.models.interacting.discs import conductances
 from metafem.models.interacting.elastic import DENSE_LIMIT as DENSE_LIMIT
 from metafem.models.interacting.elastic import LATTICE_LIMIT as LATTICE_LIMIT
 from metafem.models.interacting.elastic import TOLERANCE as TOLERANCE
 from metafem.models.interacting.elastic import ElasticCoupling
-from metafem.models.interacting.quantities import Quantity, quantity_sensitivity
 from metafem.substrate import HalfSpace, Radial, Substrate
 from metafem.surface import Surface
 
@@ -64,7 +62,7 @@ class Interacting:
     lattice, the load of order 3 at a given contact radius is off by at most 0.03 % up to a/pitch = 0.19.
 
     The stiffness of a curve of order 1 has a relative error below 1e-8, that of order 3 below 3e-5, because
-    its tangent omits terms of second order; on a half-space, `conductance` is the exact derivative.
+    its tangent omits terms of second order.
 
     The notes of a state or law warn if contacts overlap, or if the estimated error of order 3 in A0 exceeds
     4 %. They also state if a/r exceeds 0.32, or a/t exceeds 0.3.
@@ -234,28 +232,6 @@ class Interacting:
         heights = surface.height if height is None else height
         refuse_parameter(self.contact.for_material(surface.material), by, surface)
         return self.bound(surface).sensitivity(heights, load, by)
-
-    def quantity_sensitivity(
-        self, surface: Surface, load: FloatArray, of: Quantity, height: FloatArray | None = None
-    ) -> Sensitivity:
-        """Return a sensitivity whose areas are the quantity `of` [mm], see `interacting.quantities`.
-
-        height: as in `sensitivity`.
-        """
-        bound = cast("ElasticCoupling", self.bound(surface))
-        return quantity_sensitivity(bound, of, surface.height if height is None else height, load)
-
-    def conductance(self, surface: Surface, load: FloatArray, share: float = 1.0) -> FloatArray:
-        """Return the rescaled conductance ``(rho_1 + rho_2) G/2`` [mm] at increasing rescaled loads, (k,).
-
-        It is that of discs with the contact areas of this model, see `metafem.models.interacting.discs`.
-        share: share of the block in the sum of both resistivities [-].
-        """
-        return conductances(self.bound(surface), load, share)
-
-    def pull_off(self, surface: Surface, largest: float) -> float:
-        """Return the largest tension [mm^2] on the way back from the largest rescaled load, with adhesion."""
-        return cast("AdhesiveCoupling", self.bound(surface)).pull_off(largest)
 
     def areas(
         self,

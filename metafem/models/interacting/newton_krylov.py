@@ -189,19 +189,19 @@ class ContactEquations:
         rate = (rest + shift + state.compliance * share) / state.state.bend / shift
         return 1.0 / form, rate, coupled
 
-    def area_gradient(self, state: Iterate, weights: float | FloatArray = 1.0) -> FloatArray:
-        """Return dA0/dh at fixed load at an equilibrium, (n,) [mm]; weights: of the areas in the friction.
+    def area_gradient(self, state: Iterate) -> FloatArray:
+        """Return dA0/dh at fixed load at an equilibrium, (n,) [mm].
 
         The method solves ``H l = c + x 1`` with the x for which the sum of l over the contacts is zero; see
         `interacting.sensitivity`.
         """
         closed, found, none = state.closed, state.state, np.zeros_like(self.gap)
         spread(self.order, self.law, found)
-        widened = weights * found.by_load
+        widened = found.by_load
         if self.order == 3:
-            tilting = 2.0 * weights * found.by_slope
+            tilting = 2.0 * found.by_slope
             slopes = (tilting * slope for slope in (found.slope_x, found.slope_y))
-            widened = widened + self.sums.displacement(none, 0.5 * weights * found.by_curvature, *slopes)
+            widened = widened + self.sums.displacement(none, 0.5 * found.by_curvature, *slopes)
         by_load = np.where(closed, math.pi * widened, 0.0)
         change, _, _ = self.solve(state, by_load, 0.0, SENSITIVITY * float(by_load.max()), exact=True)
         return change

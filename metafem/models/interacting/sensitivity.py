@@ -35,15 +35,11 @@ def area_gradients(
     law: Law,
     self_term: FloatArray,
     indentation: FloatArray,
-    weights: float | FloatArray = 1.0,
 ) -> FloatArray:
-    """Return dA0/dh at fixed load [mm], (k, n), for equilibria with nominal indentations z (k, n).
-
-    weights: those of the areas in the friction, (n,), or 1.
-    """
+    """Return dA0/dh at fixed load [mm], (k, n), for equilibria with nominal indentations z (k, n)."""
     rows, count = indentation.shape
-    if count > FEW or np.ndim(weights):
-        return general_gradients(field, order, law, self_term, indentation, weights)
+    if count > FEW:
+        return general_gradients(field, order, law, self_term, indentation)
     gradients = np.zeros_like(indentation)
 
     def run(part: slice) -> None:
@@ -57,36 +53,17 @@ def area_gradients(
     return gradients
 
 
-def friction_areas(
-    field: Coupling,
-    order: int,
-    law: Law,
-    self_term: FloatArray,
-    indentation: FloatArray,
-    weights: FloatArray,
-) -> FloatArray:
-    """Return ``sum w_i A_i`` [mm^2], (k,), for equilibria with nominal indentations z (k, n)."""
-    found, state = np.empty(len(indentation)), empty_state(indentation.shape[1])
-    for row, z in enumerate(indentation):
-        state.z[:] = z
-        closed = state.closed[: respond(field, order, law, self_term, state)]
-        spread(order, law, state)
-        found[row] = math.pi * (weights[closed] @ state.footprint[closed])
-    return found
-
-
 def general_gradients(
     field: Coupling,
     order: int,
     law: Law,
     self_term: FloatArray,
     indentation: FloatArray,
-    weights: float | FloatArray = 1.0,
 ) -> FloatArray:
     """Return the result of `area_gradients` by a general solver, without a positive definite matrix."""
     gradients = np.zeros_like(indentation)
     state = empty_state(indentation.shape[1])
-    influences, each = influences_of(field, order), np.broadcast_to(weights, state.z.shape)
+    influences = influences_of(field, order)
     for row, z in enumerate(indentation):
         state.z[:] = z
         count = respond(field, order, law, self_term, state)
@@ -94,7 +71,7 @@ def general_gradients(
             continue
         spread(order, law, state)
         closed = state.closed[:count]
-        hessian, by_load = contact_system(influences, self_term, state, closed, each[closed])
+        hessian, by_load = contact_system(influences, self_term, state, closed)
         _, _, found, failed = dgesv(hessian, np.column_stack([by_load, np.ones(count)]), overwrite_a=True)
         if failed:
             raise np.linalg.LinAlgError("the contact system of an equilibrium is singular")
@@ -113,16 +90,16 @@ def influences_of(field: Coupling, order: int) -> FloatArray:
 
 
 def contact_system(
-    influences: FloatArray, self_term: FloatArray, state: State, closed: IntArray, each: FloatArray
+    influences: FloatArray, self_term: FloatArray, state: State, closed: IntArray
 ) -> tuple[FloatArray, FloatArray]:
     """Return d2W/dp2 [1/mm] and dA0/dp [-] for the asperities in contact.
 
     d2W/dp2 has all the terms of `coupling.quadratic_form`. A load changes the area of its own contact and,
-    through the curvature and the slope of its field, the areas of other contacts. each: their weights.
+    through the curvature and the slope of its field, the areas of other contacts.
     """
     part = influences.take(closed, axis=1).take(closed, axis=2)
     matrix, rates = part[0], part[1:]
-    by_load, square = each * state.by_load[closed], state.square[closed]
+    by_load, square = state.by_load[closed], state.square[closed]
     matrix[np.diag_indices(len(closed))] += state.bend[closed] / state.rate[closed] + self_term[closed]
     if not len(rates):
         return matrix, math.pi * by_load
@@ -136,6 +113,6 @@ def contact_system(
     stacked = rates.reshape(-1, len(closed))
     matrix -= stacked.T @ (weights[:, :, None] * rates).reshape(-1, len(closed))
     matrix[np.diag_indices(len(closed))] -= 0.5 * state.lever_bend[closed] * (slope_x**2 + slope_y**2)
-    sloping = 2.0 * each * state.by_slope[closed]
-    weights = np.stack([0.5 * each * state.by_curvature[closed], sloping * slope_x, sloping * slope_y])
+    sloping = 2.0 * state.by_slope[closed]
+    weights = np.stack([0.5 * state.by_curvature[closed], sloping * slope_x, sloping * slope_y])
     return matrix, math.pi * (by_load + stacked.T @ weights.ravel())

@@ -7,8 +7,7 @@ the extra curvature k and the slope g of the neighbours' field, all derivatives 
 
     dA0/ds = dA_i/ds - G_i (dd/ds - |g|^2 d2T/dp ds) - 1/4 dM/ds lap u_G + 2 dT/ds g . grad u_G,
 
-where u_G is the displacement at asperity i by the loads G. If the asperities differ in friction, G are the
-derivatives of the friction area, and dA_i/ds has the weight of the asperity.
+where u_G is the displacement at asperity i by the loads G.
 """
 
 from __future__ import annotations
@@ -51,7 +50,7 @@ def shape_gradient(shapes: Shapes, state: State, gradient: FloatArray, field: Fi
     rates = shapes.rates(a)
     compliance = np.divide(state.bend, state.rate, out=np.zeros_like(a), where=closed)
     change = -gradient * (rates.indentation - rates.load * compliance)
-    change -= math.pi * shapes.surface.friction_weights * rates.load * state.by_load
+    change -= math.pi * rates.load * state.by_load
     if field is not None:
         change += _order_3(shapes, state, a, rates, gradient, field)
     return np.where(closed, change, 0.0)
@@ -67,7 +66,7 @@ def _order_3(
     square = state.slope_x**2 + state.slope_y**2
     tilt = state.slope_x * slope_x + state.slope_y * slope_y
     change = gradient * lever_rate * square - 0.25 * moment * laplacian + 2.0 * lever * tilt
-    return np.asarray(change + shapes.surface.friction_weights * _on_slope(shapes, state, a, rates, square))
+    return np.asarray(change + _on_slope(shapes, state, a, rates, square))
 
 
 def _lever(shapes: Shapes, state: State) -> tuple[FloatArray, FloatArray]:

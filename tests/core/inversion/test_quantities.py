@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from metafem.inversion.quantities.quantity import measured
 from numpy.testing import assert_allclose
 
 import metafem as mf
-from metafem.inversion.quantities.quantity import measured
 
 LOADS = np.linspace(0.02, 0.3, 12)
 QUANTITIES = ("stiffness", "tangential_stiffness", "conductance")

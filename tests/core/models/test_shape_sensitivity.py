@@ -63,8 +63,7 @@ def difference(surface, model, by, i, load, step=2e-3):
     for share in (step, step / 2.0, step / 4.0):
         (up, size), (down, _) = (changed(surface, by, i, sign * share) for sign in (1.0, -1.0))
         slopes.append(
-            (model.curve(up, load).rescaled_friction - model.curve(down, load).rescaled_friction)
-            / (2.0 * share * size),
+            (model.curve(up, load).rescaled_friction - model.curve(down, load).area) / (2.0 * share * size),
         )
     first, second = ((4.0 * fine - coarse) / 3.0 for coarse, fine in pairwise(slopes))
     return (16.0 * second - first) / 15.0

@@ -29,7 +29,7 @@ def difference(surface, model, by, i):
         for sign in (1.0, -1.0):
             other, size = changed(surface, by, i, sign * step)
             curve = model.curve(other, LOAD)
-            areas.append(curve.rescaled_friction[0])
+            areas.append(curve.area[0])
             cells.append(curve.last.field.pressure > 0.0)
         slopes.append((areas[0] - areas[1]) / (2.0 * step * size))
     if any(one.shape != cells[0].shape or (one != cells[0]).any() for one in cells):

@@ -1,1 +1,0 @@
-"""Targets of quantities other than friction: stiffness, tangential stiffness and conductance."""
