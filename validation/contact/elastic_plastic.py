@@ -1,4 +1,4 @@
-"""Elastic-plastic contacts: published formulas and their jumps, blends, limits, energy and second loading."""
+"""Elastic-plastic contacts: published formulas and their jumps, blends and limits."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ import numpy as np
 
 import metafem as mf
 from metafem.contact.elastic_plastic import ElasticPlastic
-from metafem.drawing import ACHIEVED, QUIET, TARGET
+from metafem.drawing import ACHIEVED, TARGET
 from metafem.reference import single_contacts
 from metafem.reference.elastic_plastic import jackson_green, kogut_etsion
 from validation.check import Check, Claim, Picture, Row, below, reported
 from validation.figures import panels
-from validation.sources import Source, closed_form, known_input, publication
+from validation.sources import Source, closed_form, known_input
 
 RADIUS, MODULUS = 0.526, 1.36
 
@@ -41,15 +41,7 @@ BLENDED = (
     "law with blends over the published formulas, largest change at Poisson's ratios of 0.3, 0.4 and 0.5"
 )
 GROWS = known_input("identity: load and area of a contact grow with its indentation")
-UNLOADED = publication("10.1016/j.ijsolstr.2004.12.006", "Etsion, Kligerman and Kadin, loss of height")
-GAIN = known_input("identity: a cycle of loading and unloading gains no energy")
-AGAIN = known_input("identity: the second loading reaches the state from which the first was unloaded")
 HERTZ = closed_form(single_contacts.hertz, "Hertz's law, to which the law tends")
-
-
-# Laws of a cycle of loading and unloading; indentations at yield and far beyond.
-LAWS = (mf.KogutEtsion(0.02), mf.JacksonGreen(0.004))
-STEPS = np.concatenate([1.0 + np.geomspace(1e-6, 1.0, 40), np.geomspace(2.1, 170.0, 40)])
 
 
 def bound(law: mf.contact.Contact, ratio: float = 0.3) -> ElasticPlastic:
@@ -61,14 +53,12 @@ def claim() -> Claim:
     """The laws of Kogut and Etsion and of Jackson and Green are compared with their published formulas, which
     jump by up to 8 % between regimes for Poisson's ratios of 0.3 to 0.5, and by up to 37 % at 0. Cubics close
     the jumps so that Newton's method converges; the largest change by them is listed. Load and area grow with
-    the indentation for all materials tried, hard materials follow Hertz's law, no cycle of loading and
-    unloading gains energy, and a second loading returns to the first.
+    the indentation for all materials tried, and hard materials follow Hertz's law.
     """
     return Claim(
         "Elastic-plastic contacts and contacts of a table",
-        [*_formulas(), *_growth(), *_limits(), *_cycles()],
+        [*_formulas(), *_growth(), *_limits()],
         {
-            "A cycle of loading and unloading": Picture(_picture),
             "Blends between the published formulas": Picture(_blends),
         },
     )
@@ -145,79 +135,6 @@ def _limits() -> Iterator[Row]:
         parts = found / a, one.load(found, RADIUS) / load
         worst = max(float(np.abs(part - 1.0).max()) for part in parts)
         yield below(f"{name}: largest relative difference from Hertz's law", worst, limit, HERTZ)
-
-
-def _cycles() -> Iterator[Row]:
-    """Check the energy of cycles, and the second loading of a surface."""
-    node, weight = np.polynomial.legendre.leggauss(30)
-    height = 0.2 - np.random.default_rng(5).exponential(0.03, 64).clip(0.0, 0.15)
-    surface = mf.Surface.square_lattice(height, radius=RADIUS, material=mf.Material(MODULUS, 0.3))
-    for law in LAWS:
-        one, lost, name, worst = bound(law), [], type(law).__name__, 0.0
-        for largest in STEPS * one.yield_indentation(RADIUS):
-            ends = one.indentation(np.append(0.0, one.breaks(RADIUS)), RADIUS)
-            ends = np.append(ends[ends < largest], largest)
-            # with d = x^2 the elastic load is a polynomial
-            x = np.sqrt(ends[:-1]) + np.outer(0.5 * (node + 1.0), np.diff(np.sqrt(ends)))
-            load = one.load(one.contact_radius(x**2, RADIUS), RADIUS) * 2.0 * x
-            taken = float((weight @ load) @ (0.5 * np.diff(np.sqrt(ends))))
-            after, loss = one.unloaded(np.array([largest]), np.array([RADIUS]))
-            top = float(one.load(one.contact_radius(largest, RADIUS), RADIUS))
-            worst = max(
-                worst, abs(_lost(largest / float(one.yield_indentation(RADIUS))) * largest / loss[0] - 1.0)
-            )
-            lost.append(1.0 - top * (largest - loss[0]) / (after.load_exponent[0] + 1.0) / taken)
-        least = float(min(lost))
-        label = f"{name}: least share of the energy that is lost in a cycle, to rounding"
-        yield _positive(label, least, -ROUNDING, GAIN)
-        yield below(f"{name}: loss of height, largest relative error", worst, 1e-8, UNLOADED)
-        for model in (mf.Independent(law), mf.Interacting(1, contact=law)):
-            after, second = mf.flattened(surface, model, load=0.2)
-            load = np.array([0.2, 0.3])
-            again, first = (
-                mf.friction_law(*pair, load=load).area for pair in ((after, second), (surface, model))
-            )
-            worst = float(np.abs(again / first - 1.0).max())
-            how = "order 1" if model.couples else "independent"
-            label = f"{name}, {how}: second loading at the earlier load and beyond, relative change of A0"
-            yield below(label, worst, 1e-9, AGAIN)
-
-
-def _lost(star: float) -> float:
-    """Loss of height over the largest indentation, which is that at yield times `star`."""
-    return (1.0 - star**-0.28) * (1.0 - star**-0.69)
-
-
-@panels(8.0, 3.6, columns=2)
-def _picture(*axes) -> None:
-    """Load P/E* [mm²] of one contact over its indentation [µm], up to 60 times that at yield: first loading,
-    Hertz's law of an elastic contact (grey), and unloading from two depths (dashed). Unloading ends at a
-    residual depth, and the area between loading and unloading is the energy lost.
-    """
-    for ax, law in zip(axes, LAWS, strict=True):
-        one = bound(law)
-        d = np.linspace(0.0, 60.0, 400) * one.yield_indentation(RADIUS)
-        ax.plot(
-            1e3 * d, one.load(one.contact_radius(d, RADIUS), RADIUS), color=ACHIEVED, label="first loading"
-        )
-        a = mf.Hertz().contact_radius(d, RADIUS)
-        ax.plot(1e3 * d, mf.Hertz().load(a, RADIUS), color=QUIET, lw=0.8, label="elastic")
-        for largest in (d[150], d[-1]):
-            after, loss = one.unloaded(np.array([largest]), np.array([RADIUS]))
-            e = np.linspace(0.0, largest - loss[0], 100)
-            back, label = after.one(0), "unloading" if largest == d[-1] else None
-            ax.plot(
-                1e3 * (e + loss[0]),
-                back.load(back.contact_radius(e, RADIUS), RADIUS),
-                "--",
-                color=TARGET,
-                label=label,
-            )
-        ax.set_title(WORDS[type(law)])
-        ax.set_ylim(0.0, 1.2 * one.load(one.contact_radius(d[-1], RADIUS), RADIUS))
-        ax.set_xlabel("indentation [µm]")
-    axes[0].set_ylabel("P/E* [mm²]")
-    axes[0].legend(frameon=False)
 
 
 @panels(8.0, 3.4, columns=2, sharey=True)

@@ -12,7 +12,7 @@ from metafem._validate import FloatArray
 from metafem.drawing import QUIET
 from validation.check import Claim, Picture, Row, below, near
 from validation.figures import panels
-from validation.methods import power_caps
+from validation.methods.caps import Caps, areas
 from validation.sources import second_method
 
 # Resolved contacts of nine caps take some seconds.
@@ -34,7 +34,7 @@ APPROACH = 0.14
 # Accuracy of bisection and Newton's method, with a margin, and the wanted errors of A0 and of the load.
 METHODS, WANTED, WANTED_LOAD = 1e-12, 2e-3, 5e-4
 
-BISECTION = second_method(power_caps.areas, "sums of closed forms of each cap, by bisection of the approach")
+BISECTION = second_method(areas, "sums of closed forms of each cap, by Newton's method for the approach")
 RESOLVED = second_method(mf.BoundaryElements, "resolved contacts, extrapolated to vanishing cells")
 
 
@@ -83,7 +83,7 @@ def claim() -> Claim:
 def _rows() -> Iterator[Row]:
     alone, order_3, resolved = laws()
     exponent, coefficient = np.array([SHAPES[i % 4] for i in range(9)]).T
-    expected = power_caps.areas(surface().height, LOADS, coefficient * RADIUS ** (1.0 - exponent), exponent)
+    expected = areas(Caps(RADIUS, exponent, coefficient), surface().height, LOADS)
     for load, found, area in zip(LOADS, alone, expected, strict=True):
         yield near(f"independent caps: A0 at {load:g} N [mm²]", found, area, METHODS * area, BISECTION)
     error = np.abs(order_3 / resolved - 1.0)

@@ -1,4 +1,4 @@
-"""The plasticity index ψ = E*/H √(λ/R): its limit of 0.6 on the paper's surfaces, and the design steps."""
+"""The plasticity index ψ = E*/H √(λ/R): its limit of 0.6 on the paper's surfaces."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ import numpy as np
 
 import metafem as mf
 from metafem.drawing import QUIET
-from validation.check import Check, Claim, Picture, Result, above, below, near, reported, rms
+from validation.check import Check, Claim, Picture, Result, near, reported, rms
 from validation.figures import panels
 from validation.paper.pictures import INKS
-from validation.paper.surfaces import fig4, surfaces, template
+from validation.paper.surfaces import surfaces
 from validation.published import paper
-from validation.sources import known_input, printed, publication
+from validation.sources import known_input, publication
 
 # Limit of the index, and values at which the laws are compared.
 LIMIT = 0.6
@@ -33,14 +33,12 @@ MATERIALS = {"elastomer, E*/H = 1": 1.0, "glassy polymer, E*/H = 15": 15.0, "ste
 MANY, SCALE, RADIUS = 10_000, 0.02, 0.526
 PLANES = (0.0, 2.0)
 
-CRITERION = printed("SM, suitability of an elastic asperity model")
 WARNED = known_input("requirement: mf.plasticity_index warns above the limit of 0.6, and not below")
 INDEX = publication("10.1098/rspa.1966.0242", "Greenwood and Williamson 1966, plasticity index")
 YIELD = publication("10.1115/1.1490373", "Kogut and Etsion 2002, w_c = (πKH/2E)²R with K = 0.454 + 0.41 ν")
 SHARE = publication(
     "10.1098/rspa.1966.0242", "Greenwood and Williamson 1966, exponential heights: e^(-w_c/λ) at every load"
 )
-SAME = known_input("step 2 of the paper's scheme: the design of the elastic model itself")
 METHOD = "independent contacts by Kogut and Etsion's law against Hertz's, mf.KogutEtsion"
 
 
@@ -78,10 +76,9 @@ def claim() -> Claim:
     """
     return Claim(
         "Plasticity index: where elastic contacts suffice",
-        [*_indices(), *_yield(), *_criterion(), *_steps()],
+        [*_indices(), *_yield(), *_criterion()],
         {
             "criterion": Picture(_criterion_figure),
-            "share": Picture(_share_figure),
         },
     )
 
@@ -153,29 +150,6 @@ def _criterion() -> Iterator[Result]:
                        float(np.median(at[1])), METHOD)  # fmt: skip
 
 
-def _steps() -> list[Check | Result]:
-    """Design the red surface of Fig. 4 for a hard and for a soft material."""
-    first, sample = fig4("red"), template("fig4_red")
-    modulus = sample.material.composite_modulus
-    elastic = mf.design_for_hardness(first.target, sample, modulus, limits=first.limits)
-    plastic = mf.design_for_hardness(first.target, sample, 0.2 * modulus, limits=first.limits)
-    moved = np.abs(elastic.surface.height - first.surface.height).max()
-    rough = np.sqrt(plastic.surface.height.std() / plastic.surface.radius[0])
-    limit = float(plastic.parameters["largest_modulus_ratio"])
-    return [
-        below("design steps, H = E*, elastic: index", float(elastic.parameters["plasticity_index"]),
-              LIMIT, CRITERION),
-        near("design steps, H = E*: largest change of the heights of Fig. 4 red [µm]",
-             1e3 * moved, 0, 0, SAME),
-        above("design steps, H = 0.2 E*, plastic: index", float(plastic.parameters["plasticity_index"]),
-              LIMIT, CRITERION),
-        near("design steps, H = 0.2 E*: index at the stated largest E*/H",
-             limit * rough, LIMIT, 1e-12, INDEX),
-        reported("design steps, H = 0.2 E*: difference of the slope from the target", plastic.misfit,
-                 "design under Kogut and Etsion's law, mf.design_for_hardness"),
-    ]  # fmt: skip
-
-
 @panels(6.4, 3.8)
 def _criterion_figure(ax):
     """Rms change of A0(P) by plastic deformation over the plasticity index, on the five surfaces. It begins
@@ -191,13 +165,3 @@ def _criterion_figure(ax):
     ax.set_xticks(INDICES, [f"{index:g}" for index in INDICES])
     ax.set_xticks([], minor=True)
     ax.set_yticks((0.01, 0.1, 1, 10, 100), ("0.01", "0.1", "1", "10", "100"))
-
-
-@panels(6.4, 3.4)
-def _share_figure(ax):
-    """Share of A0 in contacts that are past yield, at ψ = 0.6. Few contacts are past yield but they are the
-    largest; their area still follows Hertz's law closely.
-    """
-    for name in surfaces():
-        ax.plot(LOADS, 100.0 * changed(name, LIMIT)[1], label=name)
-    ax.set(xlabel="rescaled load  P/E* [mm²]", ylabel="share of A0 past yield [%]", ylim=(0.0, 100.0))

@@ -4,15 +4,27 @@ from __future__ import annotations
 
 from itertools import groupby
 
-from metafem.drawing import QUIET, new_figure
+from metafem.drawing import MEASURED, QUIET, new_figure
 from validation.cost.measured import Point, models, peers
-from validation.cost.work_precision import PEER, STYLES
 from validation.numbers import powers
-from validation.scenes.costs import AUTOMATIC, MODELS, RESOLVED, SCENES, reference
+from validation.scenes.costs import AUTOMATIC, MODELS, ORDER_3, RESOLVED, SCENES, reference
 
 # The scenes: 64 asperities from sparse to crowded, merged contacts, and more asperities.
 SHOWN = ("sparse", "paper", "dense", "merged", "several", "many")
 ROWS, COLUMNS = 2, 3
+
+PEER = "tamaas"
+
+# Colour and marker of each line; all can be told apart in grey, on white and on black.
+STYLES = {
+    "Independent()": ("#8a8f98", "o"),
+    "Interacting(order=1)": ("#7fb069", "^"),
+    ORDER_3: ("#1b6f8a", "D"),
+    AUTOMATIC: ("#8d6fc0", "*"),
+    RESOLVED: ("#c8553d", "v"),
+    PEER: (MEASURED, "X"),
+    f"{PEER}, second moments": (MEASURED, "x"),
+}
 
 # Lines of the picture: the models and another code, with the two readings of its area.
 LINES = (*MODELS, RESOLVED, PEER, f"{PEER}, second moments")
@@ -21,7 +33,10 @@ CHOSEN = f"{AUTOMATIC}, tolerance above"
 
 
 def ladder_picture():
-    """Draw seconds for one load against the error of A0, one panel for each scene."""
+    """Seconds for one load of a new surface against the error of A0, one panel for each scene. Lines join
+    finer cells or smaller tolerances; rings are what Automatic chose, with its tolerances. Dotted line: the
+    uncertainty of the reference; smaller errors are drawn on it.
+    """
     figure = new_figure(9.6, 6.6)
     panels = figure.subplots(ROWS, COLUMNS, sharex=True, sharey=True)
     for ax, scene in zip(panels.ravel(), SHOWN, strict=True):

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from functools import partial
 
 import metafem as mf
-from metafem.drawing import MEASURED, new_figure
 from metafem.models.interacting.model import TOLERANCE as RESIDUAL
 from validation.check import Claim, Picture, Row, below, reported
+from validation.cost.ladder_picture import PEER, ladder_picture
 from validation.cost.measured import PEER_ERRORS, Point, fastest_within, models, peers
 from validation.cost.peers import (
     BEFORE,
@@ -29,16 +28,12 @@ from validation.sources import second_method
 # Largest uncertainty of the reference.
 UNCERTAINTY = 2e-4
 
-PEER = "tamaas"
-
 # The scene of the table of the models.
 TABLE_SCENE = "paper"
 
 # What stands for the errors of order 3 on a scene without a reference of its own.
 OWN = "the model's own estimate; nothing independent"
 
-# Lines of the figures that are no models.
-PER_CURVE = ", each load of a curve"
 PAIRS = "time to read all pairs once"
 
 RUN = "both measured in the same run"
@@ -55,19 +50,6 @@ SMALLER = "the uncertainty of the reference of this scene; the error is smaller"
 # Settings of the models whose numbers are rows; the others are in the pictures.
 SHOWN = ("", "0.001", "10 µm")
 
-# Colour and marker of each line; all can be told apart in grey, on white and on black.
-STYLES = {
-    "Independent()": ("#8a8f98", "o"),
-    "Interacting(order=1)": ("#7fb069", "^"),
-    ORDER_3: ("#1b6f8a", "D"),
-    AUTOMATIC: ("#8d6fc0", "*"),
-    RESOLVED: ("#c8553d", "v"),
-    PEER: (MEASURED, "X"),
-    f"{PEER}, second moments": (MEASURED, "x"),
-    "ContactMechanics": ("#b07a1e", "P"),
-    "ContactMechanics, second moments": ("#b07a1e", "+"),
-}
-
 
 def measure() -> Claim:
     """Errors are counted from resolved contacts on a half-space, extrapolated from three cells, for merged
@@ -76,10 +58,7 @@ def measure() -> Claim:
     {machine}
     """
     rows: list[Row] = [row for scene in SCENES for row in _errors(scene)]
-    figures = {
-        "A0(P)": Picture(partial(_drawn, "area_error"), {"what": "A0", "given": "load"}),
-        "P(δ)": Picture(partial(_drawn, "load_error"), {"what": "P", "given": "separation"}),
-    }
+    figures = {"seconds against error": Picture(ladder_picture)}
     values = {"conditions": _conditions(), "machine": machine(*installed())}
     return Claim("Seconds against error", [*_ratios(), *rows], figures, values)
 
@@ -163,52 +142,6 @@ def _compared(point: Point, error: float) -> Iterator[Row]:
         seconds = next_load_with_tamaas(grid, SCENES[TABLE_SCENE].newtons)
         words = f"{name} {ORDER_3}, each load of a curve"
         yield reported(words, rounded(seconds / order_3.per_load, down=True), f"{method}; {WARM}")
-
-
-def _drawn(error: str):
-    """Error of {what} at a given {given} against the time for it. Filled symbols: one {given} of a new
-    surface. Open symbols: each load of a curve. Lines join finer cells or smaller tolerances. Dotted line:
-    the uncertainty of the reference; smaller errors are drawn on it. Dashed line: the time to read all pairs
-    once, in which numpy sums the rows of a dense matrix.
-    """
-    # one column: readable on a narrow screen
-    figure = new_figure(6.0, 2.9 * len(SCENES) + 1.2)
-    panels = figure.subplots(len(SCENES), 1)
-    for ax, scene in zip(panels, SCENES, strict=True):
-        _panel(ax, scene, error)
-        ax.set_xlabel("seconds for one load" if error == "area_error" else "seconds for one separation")
-        ax.set_ylabel("relative error of A0" if error == "area_error" else "relative error of P")
-    figure.legend(*_entries(panels[1]), frameon=False, fontsize=9, ncols=2, loc="outside lower center")
-    return figure
-
-
-def _entries(ax):
-    """Return the entries of a legend: each line once, without its open symbols."""
-    entries = zip(*ax.get_legend_handles_labels(), strict=True)
-    return tuple(zip(*((handle, label) for handle, label in entries if PER_CURVE not in label), strict=True))
-
-
-def _panel(ax, scene: str, error: str) -> None:
-    known, exact = SCENES[scene], reference(scene)
-    time, uncertainty = "cold", exact.area_uncertainty
-    if error == "load_error":
-        time, uncertainty = "at_separation", exact.load_uncertainty
-    every = (*models(scene), *peers(scene))
-    for line, (colour, marker) in STYLES.items():
-        shown = [each for each in every if each.line == line]
-        if not shown or (error == "load_error" and line.endswith("moments")):
-            continue
-        value = [max(uncertainty, getattr(each, error)) for each in shown]
-        style = {"marker": marker, "ms": 6, "color": colour}
-        ax.plot([getattr(each, time) for each in shown], value, lw=1, label=line, **style)
-        on_curves = [(each.per_load, v) for each, v in zip(shown, value, strict=True)
-                     if math.isfinite(each.per_load)]  # fmt: skip
-        if on_curves:
-            ax.plot(*zip(*on_curves, strict=True), lw=0, mfc="none", label=f"{line}{PER_CURVE}", **style)
-    ax.axhline(uncertainty, color="grey", lw=0.8, ls=":", label="uncertainty of the reference")
-    ax.axvline(floor(known.surface.count), color="grey", lw=0.8, ls="--", label=PAIRS)
-    ax.set_title(known.title, fontsize=10)
-    ax.loglog()
 
 
 def _conditions() -> str:

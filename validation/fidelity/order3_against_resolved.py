@@ -15,12 +15,11 @@ from scipy.optimize import brentq
 
 import metafem as mf
 from metafem.drawing import QUIET
-from metafem.reference import single_contacts
 from validation.check import Check, Claim, Picture, Result, above, below, near, reported
 from validation.figures import panels
 from validation.methods import point_load_error
 from validation.scenes.models import CAP_ERROR, CAP_LOAD_ERROR, FEW_ERROR, LOAD_ERROR
-from validation.sources import closed_form, second_method
+from validation.sources import second_method
 
 # The tests of this claim carry the mark "slow".
 SLOW = True
@@ -50,10 +49,6 @@ CROWDED_CAPS = [CROWDED_SCENE.format(shape) for shape in list(SHAPES)[1:]]
 # scatter of four about the line is the uncertainty of the extrapolated value.
 CELLS = (24, 32, 42, 56)
 
-# Bounds of the errors of load and area that the documentation of BoundaryElements states, times the square of
-# the cells per radius.
-CELL_LOAD, CELL_AREA = 0.12, 0.37
-
 # Least ratio of the errors of A0, a requirement of this check.
 LEAST_GAIN = 4.0
 
@@ -62,7 +57,6 @@ NEXT = 0.06
 
 RESOLVED = second_method(mf.BoundaryElements, "resolved contacts, extrapolated to vanishing cells")
 LEADING = second_method(point_load_error.area_error, "curvature of the field of point loads")
-HERTZ = closed_form(single_contacts.hertz, "Hertz: P = 4/3 E* a³/R, A = πa²")
 CUBIC = second_method(point_load_error.area_error, "error of point loads in proportion to (a/r)³")
 
 
@@ -181,8 +175,8 @@ def claim() -> Claim:
     much as interaction itself changes A0(P) of some of the paper's surfaces. Order 3 is the default. Its
     error for crowded spheres and power caps is about that of paraboloids.
     """
-    rows = [*_single(), *_scenes(), *_rates()]
-    figures = {"errors": Picture(_errors_figure), "resolved contacts": Picture(_cells_figure)}
+    rows = [*_scenes(), *_rates()]
+    figures = {"errors": Picture(_errors_figure)}
     return Claim("Interaction to third order against resolved contacts", rows, figures)
 
 
@@ -226,25 +220,6 @@ def _leading(name: str) -> float:
     return point_load_error.area_error(np.sqrt(state.asperity_area / np.pi), np.linalg.norm(apart, axis=2))
 
 
-@cache
-def single() -> np.ndarray:
-    """Return the relative errors of load and area (k, 2) of one resolved contact of radius 0.2 mm."""
-    radius = 0.2
-    load = single_contacts.hertz(radius, RADIUS)[0]
-    scene = Scene(mf.Surface([[0.0, 0.0]], [0.2], RADIUS, mf.Material(1.0)), radius**2 / RADIUS)
-    states = [scene.state(mf.BoundaryElements(radius / cells)) for cells in CELLS]
-    return np.array([(each.load / load, each.area / (np.pi * radius**2)) for each in states]) - 1.0
-
-
-def _single() -> Iterator[Check | Result]:
-    last, _ = extrapolated(1.0 + single(), CELLS)
-    for k, (name, bound) in enumerate((("load", CELL_LOAD), ("A0", CELL_AREA))):
-        scaled = np.abs(single()[:, k]) * np.array(CELLS) ** 2
-        yield below(f"one resolved contact: largest error of {name} times cells per radius squared",
-                    float(scaled.max()), bound, HERTZ)  # fmt: skip
-        yield below(f"one resolved contact, extrapolated: error of {name}", abs(last[k] - 1.0), 5e-5, HERTZ)
-
-
 @panels(7.0, 4.0)
 def _errors_figure(ax):
     """Relative error of A0 at a given load on the 3 x 3 lattice. Order 1 (circles) follows the line, the
@@ -265,19 +240,6 @@ def _errors_figure(ax):
     ax.set_ylim(1e-4, 2.0)
     _plain_ticks(ax, (0.1, 0.15, 0.2))
     ax.legend(frameon=False, loc="lower right")
-
-
-@panels(6.0, 3.4)
-def _cells_figure(ax):
-    """Error of resolved contacts against Hertz's closed form for one contact, over the number of cells per
-    contact radius, and the documented bounds (lines).
-    """
-    cells = np.array(CELLS)
-    for k, (name, bound) in enumerate((("load", CELL_LOAD), ("A0", CELL_AREA))):
-        ax.loglog(cells, 100.0 * np.abs(single()[:, k]), "o", color=f"C{k}", label=name)
-        ax.loglog(cells, 100.0 * bound / cells**2, color=f"C{k}", lw=0.8, label=f"bound {bound:g}/n²")
-    ax.set(xlabel="cells per contact radius n", ylabel="relative error [%]", ylim=(1e-3, 0.1))
-    _plain_ticks(ax, CELLS)
 
 
 def _plain_ticks(ax, ticks: Sequence[float]) -> None:

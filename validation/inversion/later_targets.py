@@ -18,7 +18,8 @@ from metafem.drawing import ACHIEVED, QUIET, TARGET
 from metafem.reference.single_contacts import hertz, power_law
 from validation.check import REQUIRED, Claim, Picture, Row, above, below, near, reported
 from validation.figures import panels
-from validation.methods import independent, power_caps
+from validation.methods import independent
+from validation.methods.caps import Caps, areas
 from validation.paper.surfaces import template
 from validation.sources import closed_form, known_input, publication
 
@@ -148,7 +149,7 @@ def _caps() -> Iterator[Row]:
     load = np.geomspace(*RANGE, 30)
     for shape, exponent in CAPS:
         design = capped(shape, exponent)
-        area = power_caps.areas(design.surface.height, load, 0.5 * RADIUS ** (1.0 - shape), shape)
+        area = areas(Caps(RADIUS, shape), design.surface.height, load)
         name = f"caps of power {shape:g}, power {exponent:g} of the load"
         yield below(f"{name}: misfit", design.misfit, REACHED, REQUIRED)
         yield near(f"{name}: exponent by bisection", exponent_between(load, area), exponent, 2e-3, PUT_IN)

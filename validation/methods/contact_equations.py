@@ -1,4 +1,4 @@
-"""Hertz contacts of a surface by plain numpy: independent ones, and ones that interact as point loads."""
+"""Elastic contacts of a surface by plain numpy: independent ones, and ones that interact as point loads."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from metafem.reference import bonded_layer
-from validation.methods.independent import FloatArray, approaches, sums
+from validation.methods.caps import Caps, FloatArray, approach_at
 
-# Steps of Newton's method, of which the loads of the paper need about six, and the relative size of the last
-# one, ten times rounding.
-MOST_STEPS, SMALL = 60, 1e-14
+# Most steps of Newton's method, of which the loads of the paper need about six, the least part of a step, and
+# the largest residual over load or approach at the end.
+STEPS, LEAST, SMALL = 200, 1e-6, 1e-13
 
 
 class Contacts(NamedTuple):
@@ -23,32 +23,46 @@ class Contacts(NamedTuple):
 
 
 def independent(height: FloatArray, radius: float, load: float) -> Contacts:
-    """Return the contacts of independent asperities."""
-    approach = float(approaches(height, np.array([load]), radius)[0])
-    separation = float(height.max()) - approach
-    return Contacts(height - separation, separation, float(sums(height - separation, radius)[0]))
+    """Return the contacts of independent paraboloids."""
+    return _contacts(Caps(radius), height, float(height.max()) - approach_at(Caps(radius), height, load))
 
 
-def coupled(height: FloatArray, radius: float, influence: FloatArray, load: float) -> Contacts:
-    """Return contacts that act as point loads on each other.
+def _contacts(caps: Caps, height: FloatArray, separation: float) -> Contacts:
+    area = np.pi * (caps.pressed(height - separation)[0] ** 2).sum()
+    return Contacts(height - separation, separation, float(area))
+
+
+def coupled(height: FloatArray, caps: Caps | float, influence: FloatArray, load: float) -> Contacts:
+    """Return contacts of caps, or of paraboloids of a radius, that act as point loads on each other.
 
     d_i + sum_j K_ij P_j(d_j) = h_i - delta and sum_i P_i = P, by Newton's method in all unknowns. `influence`
     is K (n, n) per unit of P/E* [1/mm].
     """
-    indentation, separation, _ = independent(height, radius, load)
-    n = len(height)
-    for _ in range(MOST_STEPS):
-        depth = np.clip(indentation, 0.0, None)
-        force, rate = 4.0 / 3.0 * np.sqrt(radius) * depth**1.5, 2.0 * np.sqrt(radius * depth)
-        residual = np.append(indentation + influence @ force - height + separation, force.sum() - load)
+    shape, n = caps if isinstance(caps, Caps) else Caps(caps), len(height)
+    start = float(height.max()) - approach_at(shape, height, load)
+    unknown = np.append(height - start, start)
+
+    def equations(u: FloatArray) -> tuple[FloatArray, FloatArray]:
+        a, force = shape.pressed(u[:n])
+        return np.append(u[:n] + influence @ force - height + u[n], force.sum() - load), a
+
+    residual, a = equations(unknown)
+    for _ in range(STEPS):
         slope = np.ones((n + 1, n + 1))
-        slope[:n, :n] = np.eye(n) + influence * rate
-        slope[n] = np.append(rate, 0.0)
-        step = np.linalg.solve(slope, residual)
-        indentation, separation = indentation - step[:n], separation - step[n]
-        if np.abs(step).max() <= SMALL * np.abs(indentation).max():
-            return Contacts(indentation, float(separation), float(sums(indentation, radius)[0]))
-    raise ArithmeticError(f"Newton's method ends with a step of {np.abs(step).max():.2g} mm")
+        slope[:n, :n] = np.eye(n) + influence * (2.0 * a)
+        slope[n] = np.append(2.0 * a, 0.0)
+        step, size = np.linalg.solve(slope, residual), 1.0
+        while np.linalg.norm((trial := equations(unknown - size * step))[0]) >= np.linalg.norm(residual):
+            size *= 0.5
+            if size < LEAST:  # rounding
+                break
+        else:
+            unknown, (residual, a) = unknown - size * step, trial
+            continue
+        break
+    if np.abs(residual).max() > SMALL * max(load, float(np.ptp(height)), float(np.abs(unknown).max())):
+        raise ArithmeticError(f"Newton's method ends with a residual of {np.abs(residual).max():.2g}")
+    return Contacts(unknown[:n], float(unknown[n]), float(np.pi * (a**2).sum()))
 
 
 def influence(surface: Any, substrate: str) -> FloatArray:

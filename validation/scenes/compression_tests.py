@@ -35,7 +35,7 @@ def compression_tests(
     return load, area + ERRORS.of_area(area) * rng.standard_normal((trials, a.size))
 
 
-def fitted(load: FloatArray, area: FloatArray, contacts: int, *, robust: bool = False) -> DistanceFit:
+def fitted(load: FloatArray, area: FloatArray, contacts: int) -> DistanceFit:
     """Return the fits to many sets of loads and total areas, (trials, k)."""
     return distance_fit(
         load,
@@ -44,5 +44,4 @@ def fitted(load: FloatArray, area: FloatArray, contacts: int, *, robust: bool = 
         contacts=contacts,
         load_sd=ERRORS.load,
         area_sd=lambda of: ERRORS.of_area(of) / math.sqrt(contacts),
-        robust=robust,
     )

@@ -4,8 +4,8 @@ A scene depends on its seed alone: 1 to 64 asperities, on a lattice or scattered
 one in ten scenes with lengths and moduli in other units; one of nine kinds of law with random parameters; one
 of nine kinds of model, or a design. Its loads end where the widest contact without interaction has a given
 part of the documented range: a/R = 0.5, a/r = 0.32 with the nearest neighbour, and a/t = 0.3 on a layer.
-Curves are those at loads or approaches, and of contacts that stay closed or flattened also on the way back.
-One kind of scene is a design whose target is the law of a random surface.
+Curves are those at loads or approaches. One kind of scene is a design whose target is the law of a random
+surface.
 """
 
 from __future__ import annotations
@@ -39,8 +39,8 @@ LEAST_DEPTH = 0.1
 # Part of the scenes whose lengths and moduli are multiplied by up to a million, or divided by it.
 OTHER_UNITS = 0.1
 
-# Part of the scenes at given approaches in place of loads, and of adhesive or plastic ones that unload.
-BY_APPROACH, BACK = 0.2, 0.3
+# Part of the scenes at given approaches in place of loads.
+BY_APPROACH = 0.2
 
 # Loads of a curve, and of one whose contacts may be resolved.
 LOADS, FEW_LOADS = 4, 2
@@ -75,7 +75,6 @@ class Scene:
     law: Contact
     control: np.ndarray
     by_load: bool = True
-    unloading: bool = False
 
 
 @dataclass(frozen=True)
@@ -107,8 +106,7 @@ def random_scene(seed: int, inside: bool = True) -> Scene:
     by_load = kind == "design" or rng.random() >= BY_APPROACH
     control = fractions * (_load(surface, law, approach) if by_load else approach)
     model = _model(rng, kind, law, _widest(surface, law, approach))
-    unloading = (law.adhesive or law.plastic) and not resolved and kind != "design" and rng.random() < BACK
-    return Scene(kind, surface, model, law, control, by_load, unloading)
+    return Scene(kind, surface, model, law, control, by_load)
 
 
 def _surface(rng: np.random.Generator, units: Units, most: int, kind: str, inside: bool) -> mf.Surface:

@@ -9,7 +9,6 @@ from functools import cache
 import numpy as np
 
 import metafem as mf
-from metafem._kernels.continuation import Results
 from metafem.models.truncation import truncation
 from metafem.notes import Level
 from metafem.substrate import Radial
@@ -37,9 +36,6 @@ RADII = (1.0, 2.0, 5.0, 10.0)
 # near the largest ratio to which order 3 was compared, cells per contact radius, and steps to equal contacts.
 SIDE, WIDE, FEWER_CELLS, STEPS = 8, 0.319, 14, 12
 
-# Asperities of a lattice.
-COUNTS = (1, 9, 100, 400, 2500, 10_000)
-
 # Tolerance of `Automatic` and of the reference [-]; cells per contact radius and their number in the latter.
 TOLERANCE = 1e-3
 CELLS, SIZES = 32, (5, 7)
@@ -54,8 +50,6 @@ class Point:
     uncertainty: float
     estimate: float  # that of the error of order 3, infinite where contacts overlap
     ratio: float  # contact radius over the distance of neighbours, or over the thickness of the layer
-    steps: int  # Newton steps of order 3; 0 if it has no solution
-    residual: float
     warned: bool  # whether order 3 has a warning
     resolved: bool  # whether Automatic chose resolved contacts
     refusal: str  # the words with which order 3 refuses
@@ -63,15 +57,12 @@ class Point:
 
 def solve(surface: mf.Surface, load: float, substrate: Radial, apart: float, cells: int = CELLS) -> Point:
     """Solve a scene by order 3 and by Automatic and compare both with resolved contacts."""
-    rescaled = load / surface.material.composite_modulus
-    third, estimate, steps, residual, warned, refusal = math.nan, math.inf, 0, 0.0, False, ""
+    third, estimate, warned, refusal = math.nan, math.inf, False, ""
     model = mf.Interacting(3, substrate)
     try:
         point = mf.equilibrium(surface, model, load=load)
         third, estimate = point.area, truncation(surface, point.asperity_area, substrate)
         warned = any(note.level is Level.WARNING for note in point.notes)
-        found = newton(surface, model, rescaled)
-        steps, residual = int(found.steps[0, -1]), float(found.residual[0, -1])
     except mf.MetafemError as error:
         refusal = str(error)
     state = mf.equilibrium(surface, mf.Automatic(TOLERANCE, substrate), load=load)
@@ -80,12 +71,7 @@ def solve(surface: mf.Surface, load: float, substrate: Radial, apart: float, cel
     ratio = float(np.sqrt(state.asperity_area.max() / math.pi)) / apart
     resolved = isinstance(state.model, mf.BoundaryElements)
     errors = third / exact - 1.0, state.area / exact - 1.0, uncertainty, estimate
-    return Point(*errors, ratio, steps, residual, warned, resolved, refusal)
-
-
-def newton(surface: mf.Surface, model: mf.Interacting, rescaled_load: float) -> Results:
-    """Return the results of the kernels at one load, with the number of their steps."""
-    return model.bound(surface)._solve(surface.height[None], np.array([rescaled_load]), True).results
+    return Point(*errors, ratio, warned, resolved, refusal)
 
 
 def alone(surface: mf.Surface, approach: float) -> float:
@@ -129,13 +115,3 @@ def unequal(ratio: float) -> Point:
     depth = 0.2**2 / RADIUS
     surface = mf.Surface([[0.0, 0.0], [1.0, 0.0]], [1.0, 1.0], [RADIUS, RADIUS / ratio], mf.Material(1.0))
     return solve(surface, alone(surface, depth), mf.HalfSpace(), 1.0)
-
-
-@cache
-def numerous(count: int) -> tuple[int, float]:
-    """Steps and residual of order 3 on a lattice with scattered heights."""
-    side = math.isqrt(count)
-    height = 1.0 - 1e-3 * np.random.default_rng(count).random(count)
-    surface = mf.Surface.square_lattice(height, (side, side), PITCH, radius=RADIUS, material=mf.Material(1.0))
-    found = newton(surface, mf.Interacting(), alone(surface, 2e-3))
-    return int(found.steps[0, 0]), float(found.residual[0, 0])

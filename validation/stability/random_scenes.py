@@ -8,15 +8,13 @@ from __future__ import annotations
 import re
 from collections import Counter, defaultdict
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 
 import click
 import numpy as np
 
 import metafem as mf
-from metafem.models import Curve
-from metafem.prediction.flattening import unloading_curve
 from validation.check import Check, Claim, Picture, Row, below, near, reported
 from validation.figures import panels
 from validation.methods.equation_errors import equation_error
@@ -44,8 +42,7 @@ LARGEST = "largest error of the recomputed equations"
 # Misfit above which a design misses its target.
 MISSED = 0.01
 
-# Seeds that are named for each reason, and the numbers in a reason, without the exponents of units.
-EXAMPLES = 3
+# The numbers in a reason, without the exponents of units.
 NUMBERS = re.compile(r"(?<![\^\w])-?\d[\d.e+-]*")
 
 # Refused: the input is beyond a stated limit. Not solved: the solver does not converge, or the search of a
@@ -86,9 +83,10 @@ def outcome(seed: int, inside: bool) -> Outcome:
     try:
         if scene.kind == "design":
             return _designed(names, scene)
-        surface, model, curve = _solved(scene)
+        given = {"load" if scene.by_load else "approach": scene.control}
+        curve = scene.model.curve(scene.surface, **given)
         last = curve.last
-        error = equation_error(surface, model, curve) if curve.converged else None
+        error = equation_error(scene.surface, scene.model, curve) if curve.converged else None
     except mf.MetafemError as reason:
         end = "not solved" if isinstance(reason, mf.NotConverged) else "refused"
         return Outcome(*names, end if str(reason) else "failed", str(reason) or "no reason is given")
@@ -101,18 +99,6 @@ def outcome(seed: int, inside: bool) -> Outcome:
     if not curve.converged:
         return Outcome(*names, "not solved", curve.status.value, residual)
     return Outcome(*names, "converged", residual=residual, error=error)
-
-
-def _solved(scene: Scene) -> tuple[mf.Surface, mf.models.Model, Curve]:
-    """Return the curve of a scene, with its surface and its model, those after flattening on the way back."""
-    given = {"load" if scene.by_load else "approach": scene.control}
-    if not scene.unloading:
-        return scene.surface, scene.model, scene.model.curve(scene.surface, **given)
-    if scene.law.adhesive:
-        return scene.surface, scene.model, scene.model.curve(scene.surface, **given, unloading=True)
-    surface, model, curve = unloading_curve(scene.surface, scene.model, **given)
-    lowered = scene.surface.height.max() - surface.height.max()
-    return surface, model, replace(curve, approach=curve.approach - lowered)
 
 
 def _designed(names: tuple[int, bool, str, str], scene: Scene) -> Outcome:
@@ -175,18 +161,11 @@ def _largest_error(curves: list[Outcome], adhesive: bool) -> float:
 
 
 def _results(found: list[Outcome]) -> Iterator[Row]:
-    """State how many scenes of each model and of each law are solved."""
+    """State how many scenes are solved."""
     recomputed = sum(each.error is not None for each in found)
     yield reported("scenes", len(found), "half of them inside the documented ranges")
     last = "those that converge, at the last load"
     yield reported("scenes whose equations are recomputed", recomputed, last)
-    for kind in ("model", "law"):
-        for name, group in _groups(found, kind).items():
-            unsolved = [each for each in group if each.end in ("refused", "not solved")]
-            inside = sum(each.inside for each in unsolved)
-            sides = f"{inside} inside the ranges, {len(unsolved) - inside} outside"
-            words = f"of {len(group)} scenes; refused or not solved: {sides}"
-            yield reported(f"{kind} {name}: scenes that converge", _count(group, "converged"), words)
     designs, others = _designs(found)
     every, rest = f"of {len(designs):,} designs", f"of {len(others):,} other scenes"
     missed = _count(designs, "not solved")
@@ -233,21 +212,13 @@ def _unsolved(found: list[Outcome]) -> list[Row]:
             short = re.split(r"[:;](?= )", each.reason)[0]
             groups[each.end, NUMBERS.sub("…", short)].append(each)
     return [
-        reported(f"{end}: {reason}", len(group), _examples(group))
+        reported(f"{end}: {reason}", len(group), f"the first: {_named(group[0])}: “{group[0].reason}”")
         for (end, reason), group in sorted(groups.items(), key=lambda item: -len(item[1]))
     ]
 
 
-def _examples(group: list[Outcome]) -> str:
-    """Return seeds of scenes that end for one reason, and the message of the first."""
-    parts = []
-    for inside, side in ((True, "inside"), (False, "outside")):
-        seeds = [str(each.seed) for each in group if each.inside == inside]
-        if seeds:
-            more = f", and {len(seeds) - EXAMPLES:,} more" if len(seeds) > EXAMPLES else ""
-            plural = "s" if len(seeds) > 1 else ""
-            parts.append(f"{side} the ranges: seed{plural} {', '.join(seeds[:EXAMPLES])}{more}")
-    return f"{'; '.join(parts)}. Seed {group[0].seed}: “{group[0].reason}”"
+def _named(each: Outcome) -> str:
+    return f"seed {each.seed} {'inside' if each.inside else 'outside'} the ranges"
 
 
 @panels(9.0, 4.0, columns=2)

@@ -10,9 +10,6 @@ import math
 import numpy as np
 
 from metafem.drawing import BRIGHT, DARK, QUIET
-from metafem.models.interacting.model import LATTICE_LIMIT
-from metafem.models.interacting.model import TOLERANCE as RESIDUAL
-from metafem.models.interacting.newton_krylov import TOLERANCE as LARGE_RESIDUAL
 from metafem.models.truncation import COMPARED
 from metafem.prediction.validity import BOUND
 from validation.check import Check, Claim, Picture, Row, below, near, reported
@@ -39,7 +36,6 @@ TOO_WIDE = "the contacts are too wide for their distances or their layer: …"
 PERCENTS = (0.001, 0.01, 0.1, 1.0)
 
 RESOLVED = self_consistency(extrapolated_area, "resolved contacts, extrapolated to vanishing cells")
-SOLVED = known_input("largest residual of a converged equilibrium, stated by the model")
 ANNOUNCED = known_input(f"requirement: an error above {100 * BOUND:g} % is announced by a warning")
 
 
@@ -61,7 +57,6 @@ def claim() -> Claim:
     figures = {
         "crowded contacts": Picture(_crowded_figure),
         "layers": Picture(_layer_figure),
-        "number of asperities": Picture(_numerous_figure),
     }
     values = {
         "overlap": OVERLAP, "wide": TOO_WIDE, "bound": 100.0 * BOUND, "compared": COMPARED,
@@ -80,8 +75,6 @@ def _checks(every: list[points.Point], pairs: list[points.Point]) -> list[Check]
     least = CERTAIN * points.TOLERANCE
     known = [p for p in solved if math.isfinite(p.estimate) and _beyond(p.third, p) > least]
     silent = [point for point in solved if abs(point.third) > BOUND and not point.warned]
-    small = [points.numerous(count)[1] for count in points.COUNTS if count <= LATTICE_LIMIT]
-    large = [points.numerous(count)[1] for count in points.COUNTS if count > LATTICE_LIMIT]
     return [
         below(f"Automatic({points.TOLERANCE:g}): largest error of A0",
               max(_beyond(point.automatic, point) for point in every), points.TOLERANCE, RESOLVED),
@@ -95,9 +88,6 @@ def _checks(every: list[points.Point], pairs: list[points.Point]) -> list[Check]
               max((_beyond(p.third, p) / p.estimate for p in known), default=0.0), 1.0 / MARGIN, RESOLVED),
         near(f"order 3: scenes with an error above {100 * BOUND:g} % and no warning",
              len(silent), 0, 0, ANNOUNCED),
-        below("order 3: largest residual", max(small), RESIDUAL, SOLVED),
-        below(f"order 3 above {LATTICE_LIMIT} asperities: largest residual", max(large),
-              LARGE_RESIDUAL, SOLVED),
     ]  # fmt: skip
 
 
@@ -118,14 +108,9 @@ def _results(every: list[points.Point]) -> list[Row]:
         reported("scenes that order 3 refuses", refused, "Automatic resolves the contacts there"),
         reported("largest uncertainty of the resolved contacts", max(point.uncertainty for point in every),
                  "95 % confidence interval of a fit over five to seven sizes of the cells"),
-        reported("order 3: most Newton steps", max(point.steps for point in every), "one load"),
         *(
             reported(f"two radii, 1 to {r:g}: error of order 3", points.unequal(r).third, str(RESOLVED))
             for r in points.RADII
-        ),
-        *(
-            reported(f"{count} asperities: Newton steps", points.numerous(count)[0], "order 3, one load")
-            for count in points.COUNTS
         ),
     ]  # fmt: skip
 
@@ -185,15 +170,3 @@ def _layer_figure(ax):
         ax.loglog([point.ratio for point in found], chosen, "o", mfc="none", color=f"C{i}", ms=8)
     ax.axhline(1e2 * points.TOLERANCE, color=QUIET, lw=1.0, label="tolerance of Automatic")
     ax.set(xlabel="contact radius over thickness  a/t", ylabel="error of A0 [%]")
-
-
-@panels(7.6, 3.2, columns=2)
-def _numerous_figure(left, right):
-    """Newton steps and residual of order 3 under one load, over the number of asperities of a lattice."""
-    steps, residuals = zip(*map(points.numerous, points.COUNTS), strict=True)
-    left.semilogx(points.COUNTS, steps, "o-", ms=4)
-    left.set(xlabel="asperities", ylabel="Newton steps", ylim=(0, 10))
-    right.loglog(points.COUNTS, residuals, "o", ms=4, label="residual")
-    tolerance = [RESIDUAL if count <= LATTICE_LIMIT else LARGE_RESIDUAL for count in points.COUNTS]
-    right.loglog(points.COUNTS, tolerance, color=QUIET, lw=1.0, drawstyle="steps-mid", label="tolerance")
-    right.set(xlabel="asperities", ylabel="residual")
