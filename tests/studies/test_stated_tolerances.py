@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from validation.scenes.stated_tolerances import ANGLE, HEIGHT_SD
+
+# Errors of the heights [mm] and largest tilts [degrees] that are asked for.
+HEIGHT_SD, ANGLE = (1e-3, 3e-3, 1e-2, 3e-2, 1e-1), (0.01, 0.1, 1.0, 10.0, 45.0)
 
 
 def test_the_largest_errors_of_the_heights_do_not_depend_on_those_studied(linear):

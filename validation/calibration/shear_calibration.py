@@ -35,7 +35,6 @@ FULL = np.linspace(2.0, 6.0, 12)
 FIT = "mean of 5,000 fits with errors of areas and friction force"
 CHI_SQUARE = known_input("noise of known size in 60 points, one number fitted: chi-square of mean 59")
 SCATTER = second_method(np.corrcoef, "scatter of the same 5,000 calibrations")
-OTHER = "least squares of each line alone on the same data"
 BATCH = second_method(parameters, "the same data among 5,000 that are fitted at once")
 
 
@@ -63,17 +62,16 @@ def results(contacts: int) -> tuple[dict[str, Errors], FloatArray, FloatArray]:
 def claim() -> Claim:
     """Synthetic shear tests of known area ratio B and shear strength σ are calibrated 5,000 times, with the
     error bars of the paper: ±1.4 µm at the edge of a contact, ±(1 mN + 0.01 F). One fit finds both, without
-    bias and with right uncertainties, and states that they are correlated, which two fits of one line each do
-    not: the uncertainty of σB from those alone is too large. σ from a surface in full contact, as in the
-    paper, has the uncertainty {known:.2g} MPa if E* and B are known, and {calibrated:.2g} MPa with the
-    published errors of E* and B; the paper prints 0.004 to 0.006 MPa.
+    bias and with right uncertainties, and states that they are correlated. σ from a surface in full contact,
+    as in the paper, has the uncertainty {known:.2g} MPa if E* and B are known, and {calibrated:.2g} MPa with
+    the published errors of E* and B; the paper prints 0.004 to 0.006 MPa.
     """
     figures = {
         "errors over their stated uncertainty": Picture(_figure),
         "bias and coverage": Picture(_biases),
     }
     known, calibrated = (found.sd.mean() for found in strengths().values())
-    rows = [row for contacts in CONTACTS for row in (*_checks(contacts), *_other_estimates(contacts))]
+    rows = [row for contacts in CONTACTS for row in _checks(contacts)]
     return Claim(
         "Area ratio and shear strength from areas and friction forces",
         [*rows, *_regressions(), *_full_contact()],
@@ -111,30 +109,6 @@ def _chi_squares(contacts: int) -> list[float]:
     first = (areas - ratio * before) ** 2 / (sheared_sd**2 + (ratio * area_sd) ** 2)
     second = (force - strength * areas) ** 2 / (force_sd**2 + (strength * sheared_sd) ** 2)
     return [float(each.sum(axis=1).mean()) for each in (first, second)]
-
-
-def _other_estimates(contacts: int) -> Iterator[Row]:
-    """Compare with a fit of each line, with weights at measured values and with plain least squares."""
-    data, case = measured(contacts), _case(contacts)
-    errors, _, _ = results(contacts)
-    lines = {"B": (0, RATIO, ERRORS.of_area), "σ": (1, STRENGTH, ERRORS.of_friction_force)}
-    alone = {}
-    for name, (first, _, deviation) in lines.items():
-        factor, variance, _ = proportional(data[:, first : first + 2], (ERRORS.of_area, deviation))
-        alone[name] = Errors(factor[:, 0], np.sqrt(variance[:, 0, 0]))
-        ratio = float(errors[name].error.std() / factor.std())
-        yield reported(f"{case}: scatter of {name} over that of the fit of its line alone", ratio, OTHER)
-    (ratio, ratio_sd), (strength, strength_sd) = alone.values()
-    independent = np.hypot(ratio * strength_sd, strength * ratio_sd)
-    over = float(independent.mean() / (ratio * strength).std())
-    yield reported(f"{case}: uncertainty of σB from those of two separate fits over its scatter", over, OTHER)
-    for name, (first, true, deviation) in lines.items():
-        x, y = data[:, first], data[:, first + 1]
-        weight = 1.0 / (deviation(y) ** 2 + (true * ERRORS.of_area(x)) ** 2)
-        for what, w in (("weights at measured values", weight), ("plain least squares", np.ones_like(x))):
-            slope = (w * x * y).sum(axis=1) / (w * x * x).sum(axis=1)
-            bias = float((slope.mean() - true) / errors[name].sd.mean())
-            yield reported(f"{case}: {what}, bias of {name} over its uncertainty", bias, OTHER)
 
 
 def _regressions() -> Iterator[Row]:

@@ -9,9 +9,7 @@ import numpy as np
 
 import metafem as mf
 from metafem._validate import FloatArray
-from metafem.drawing import QUIET
-from validation.check import Claim, Picture, Row, below, near
-from validation.figures import panels
+from validation.check import Claim, Row, below, near
 from validation.methods.caps import Caps, areas
 from validation.sources import second_method
 
@@ -77,7 +75,7 @@ def claim() -> Claim:
     """Each asperity may have its own cap. The areas of independent asperities are the sums of the closed
     forms of their caps. With interaction, order 3 agrees with resolved contacts as it does for equal caps.
     """
-    return Claim("Caps of different shapes on one surface", list(_rows()), {"Mixed caps": Picture(_figure)})
+    return Claim("Caps of different shapes on one surface", list(_rows()))
 
 
 def _rows() -> Iterator[Row]:
@@ -91,21 +89,3 @@ def _rows() -> Iterator[Row]:
         yield below(f"order 3: relative error of A0 at {load:g} N", each, WANTED, RESOLVED)
     name = f"order 3: relative error of the load at an approach of {APPROACH:g} mm"
     yield below(name, load_error(), WANTED_LOAD, RESOLVED)
-
-
-@panels(6.0, 3.4)
-def _figure(ax):
-    """Real contact area of nine caps of powers 1.5 to 4 over the load. Points: resolved contacts. The caps
-    together have an exponent between those of the flattest and the most pointed cap alone (dotted).
-    """
-    load = np.geomspace(LOADS[0], LOADS[-1], 30)
-    model = mf.Interacting(contact=mf.Elastic())
-    ax.loglog(load, mf.friction_law(surface(), model, load=load).area, label="order 3")
-    ax.loglog(LOADS, laws()[2], "ko", ms=4, label="resolved contacts")
-    for shape in (SHAPES[0], SHAPES[2]):
-        same = surface().replaced(cap=mf.Power(*shape))
-        area = mf.friction_law(same, model, load=load).area
-        ax.loglog(load, area, ":", color=QUIET, label=f"all of power {shape[0]:g}")
-    ax.set_xlabel("load [N]")
-    ax.set_ylabel("A0 [mm²]")
-    ax.legend(frameon=False)

@@ -5,15 +5,13 @@ from __future__ import annotations
 from itertools import groupby
 
 from metafem.drawing import MEASURED, QUIET, new_figure
-from validation.cost.measured import Point, models, peers
+from validation.cost.measured import PEER, Point, models, peers
 from validation.numbers import powers
 from validation.scenes.costs import AUTOMATIC, MODELS, ORDER_3, RESOLVED, SCENES, reference
 
 # The scenes: 64 asperities from sparse to crowded, merged contacts, and more asperities.
 SHOWN = ("sparse", "paper", "dense", "merged", "several", "many")
 ROWS, COLUMNS = 2, 3
-
-PEER = "tamaas"
 
 # Colour and marker of each line; all can be told apart in grey, on white and on black.
 STYLES = {

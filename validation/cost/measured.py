@@ -1,4 +1,4 @@
-"""Seconds and errors of every model, and of the other codes that are installed, on the four scenes."""
+"""Seconds and errors of every model, and of tamaas, on the scenes."""
 
 from __future__ import annotations
 
@@ -11,9 +11,11 @@ import numpy as np
 
 import metafem as mf
 from metafem.models.model import Model
-from validation.cost.peers import Answer, Grid, installed
+from validation.cost.peers import Answer, Grid, installed, solve_with_tamaas
 from validation.cost.times import renewed, timed
-from validation.scenes.costs import AUTOMATIC, MODELS, SCENES, reference, scattered
+from validation.scenes.costs import MODELS, SCENES, reference, scattered
+
+PEER = "tamaas"
 
 # Relative errors of A0 at which times are compared with those of other codes. With the last one the grid of
 # another code is not refined any further.
@@ -31,29 +33,21 @@ RESOLVING = 0.1
 
 @dataclass(frozen=True)
 class Point:
-    """A model or another code with one setting on a scene: three times [s] and two relative errors.
+    """A model or another code with one setting on a scene: two times [s] and two relative errors.
 
-    cold: one load of a new surface; at_separation: one given separation of a new surface; per_load: each load
-    of a curve, nan where it is not measured. The errors are those of A0 at the load of the scene, and of P at
+    cold: one load of a new surface; per_load: each load of a curve, nan where it is not measured. The errors are those of A0 at the load of the scene, and of P at
     the separation of the reference; nan where they are not measured. cell: of the grid of another code [mm].
-    solved: the model that was solved; estimate: that of `Automatic` of the error of A0.
+    solved: the model that was solved.
     """
 
     line: str
     setting: str
     cold: float
-    at_separation: float
     per_load: float
     area_error: float
     load_error: float
     cell: float = 0.0
     solved: Model | None = None
-    estimate: float = math.nan
-
-    @property
-    def code(self) -> str:
-        """The line without the way in which its area is read."""
-        return self.line.partition(",")[0]
 
 
 @cache
@@ -69,8 +63,8 @@ def models(scene: str) -> tuple[Point, ...]:
 
 @cache
 def peers(scene: str) -> tuple[Point, ...]:
-    """Measure the other codes that are installed on finer and finer grids."""
-    return tuple(point for code in installed() for point in _refined(scene, code))
+    """Measure tamaas, if it is installed, on finer and finer grids."""
+    return tuple(_refined(scene)) if installed() else ()
 
 
 def fastest_within(found: tuple[Point, ...], line: str, error: float) -> Point | None:
@@ -96,11 +90,9 @@ def _measured(scene: str, line: str, setting: str, model: Model) -> Point:
     known, exact = SCENES[scene], reference(scene)
     surface, load = known.surface, known.newtons
     cold, found = timed(lambda run: mf.equilibrium(renewed(surface, run), model, load=load))
-    at_separation = load_error = per_load = math.nan
+    load_error = per_load = math.nan
     if known.finest or line in MODELS:
-        at_separation, other = timed(
-            lambda run: mf.equilibrium(renewed(surface, run), model, separation=exact.separation)
-        )
+        other = mf.equilibrium(surface, model, separation=exact.separation)
         load_error = abs(other.load / load - 1.0)
     solved = found.model
     resolved = isinstance(solved, mf.BoundaryElements)
@@ -113,13 +105,11 @@ def _measured(scene: str, line: str, setting: str, model: Model) -> Point:
         # the reference is the state of order 3, whose own estimates stand for its errors
         area_error = max(area_error, exact.area_uncertainty)
         load_error = max(load_error, exact.load_uncertainty)
-    times = (cold, at_separation, per_load)
-    estimate = float(found.model_error) if line == AUTOMATIC else math.nan
-    return Point(line, setting, *times, area_error, load_error, solved=solved, estimate=estimate)
+    return Point(line, setting, cold, per_load, area_error, load_error, solved=solved)
 
 
-def _refined(scene: str, code: str) -> list[Point]:
-    """Measure a code until its own area is within the error, or for too long.
+def _refined(scene: str) -> list[Point]:
+    """Measure tamaas until its own area is within the error, or for too long.
 
     The time is that of its solver alone. The area by second moments, which this project computes from its
     pressures, is a line of its own with the same times. Merged contacts have no such moments.
@@ -129,15 +119,15 @@ def _refined(scene: str, code: str) -> list[Point]:
     for cell in known.peer_cells:
         grid = Grid(known.surface, cell)
         answers: list[Answer] = []
-        timed(lambda _, grid=grid, to=answers: to.append(installed()[code](grid, known.newtons)))
+        timed(lambda _, grid=grid, to=answers: to.append(solve_with_tamaas(grid, known.newtons)))
         seconds, answer = statistics.median(each.seconds for each in answers), answers[-1]
         # linear in the separation: the change is a few micrometres at most
         load_error = abs(exact.stiffness * (answer.separation - exact.separation))
-        readings = {code: answer.area, f"{code}, second moments": answer.moments}
+        readings = {PEER: answer.area, f"{PEER}, second moments": answer.moments}
         errors = {line: abs(area / exact.area - 1.0) for line, area in readings.items()}
         for line, error in [*errors.items()][: 1 if known.merged else 2]:
             setting = f"{1e3 * cell:g} µm"
-            found.append(Point(line, setting, seconds, seconds, math.nan, error, load_error, cell))
-        if errors[code] <= PEER_ERRORS[-1] or seconds > PATIENCE:
+            found.append(Point(line, setting, seconds, math.nan, error, load_error, cell))
+        if errors[PEER] <= PEER_ERRORS[-1] or seconds > PATIENCE:
             break
     return found

@@ -1,7 +1,6 @@
-"""Other public codes on the same surfaces: contact on a regular grid, solved by conjugate gradients.
+"""Another public code on the same surfaces: contact on a regular grid, solved by conjugate gradients.
 
-tamaas (extra ``[peers]``) and ContactMechanics are measured where they are installed; metafem imports
-neither.
+tamaas (extra ``[peers]``) is measured where it is installed; metafem does not import it.
 """
 
 from __future__ import annotations
@@ -9,7 +8,6 @@ from __future__ import annotations
 import importlib.util
 import math
 import os
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -19,10 +17,9 @@ import numpy as np
 import metafem as mf
 from validation.timing import took
 
-# The tolerances of their solvers, on their own measures, with which they are fast: with a hundredth of them
-# the areas on the surface of Fig. 4, red, change by less than 0.2 %.
+# The tolerance of its solver, on its own measure, with which it is fast: with a hundredth of it the areas on
+# the surface of Fig. 4, red, change by less than 0.2 %.
 TAMAAS_TOLERANCE = 1e-4
-PENETRATION = 1e-6  # ContactMechanics [mm]
 
 # Threads of tamaas: all processor cores. metafem's solver of interacting asperities starts none.
 THREADS = os.cpu_count() or 1
@@ -156,28 +153,6 @@ def _solved_by_tamaas(grid: Grid, model: Any, load: float, tolerance: float) -> 
     return took(lambda: solver.solve(load / (grid.side * grid.cell) ** 2))[0]
 
 
-def solve_with_contact_mechanics(grid: Grid, load: float, *, tolerance: float = PENETRATION) -> Answer:
-    """Answer of ContactMechanics under a load [N], without periodic images."""
-    from ContactMechanics import FreeFFTElasticHalfSpace
-    from ContactMechanics.Systems import NonSmoothContactSystem
-    from SurfaceTopography import Topography
-
-    width, count = (grid.side * grid.cell,) * 2, (grid.side,) * 2
-    half_space = FreeFFTElasticHalfSpace(count, grid.surface.material.composite_modulus, width)
-    profile = grid.caps[0]
-    system = NonSmoothContactSystem(substrate=half_space, surface=Topography(profile, width))
-    seconds, found = took(lambda: system.minimize_proxy(external_force=load, pentol=tolerance))
-    force = np.asarray(found.jac)[: grid.side, : grid.side]
-    area = float((force > 0.0).sum()) * grid.cell**2
-    return Answer(seconds, float(force.sum()), area, grid.moments(force), -float(found.offset))
-
-
-PEERS: dict[str, Callable[..., Answer]] = {
-    "tamaas": solve_with_tamaas,
-    "ContactMechanics": solve_with_contact_mechanics,
-}
-
-
-def installed() -> dict[str, Callable[..., Answer]]:
-    """Return the solvers of the codes that are installed here."""
-    return {name: solve for name, solve in PEERS.items() if importlib.util.find_spec(name) is not None}
+def installed() -> bool:
+    """Whether tamaas is installed here."""
+    return importlib.util.find_spec("tamaas") is not None

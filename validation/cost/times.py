@@ -21,39 +21,22 @@ REPEATS, ENOUGH, LEAST = 50, 0.3, 3
 # A run longer than this is not repeated [s].
 LONG = 1.0
 
-# Entries of the dense matrix that are in memory at a time [80 MB]: far more than a processor's cache holds.
-FLOOR_ENTRIES = 10_000_000
 
-
-def timed(work: Callable[[int], Any], long: float = LONG) -> tuple[float, Any]:
-    """Median seconds of several runs, and the last answer; the work is told the number of the run."""
-    times, answer = repeated(work, long)
-    return statistics.median(times), answer
-
-
-def repeated(work: Callable[[int], Any], long: float = LONG) -> tuple[list[float], Any]:
-    """Seconds of several runs, one if it is longer than `long`, and the last answer."""
+def timed(work: Callable[[int], Any]) -> tuple[float, Any]:
+    """Median seconds of several runs, one if it is long, and the last answer; the work is told the run."""
     times: list[float] = []
     while len(times) < LEAST or (len(times) < REPEATS and sum(times) < ENOUGH):
         seconds, answer = took(partial(work, len(times)))
         times.append(seconds)
-        if times[0] > long:
+        if times[0] > LONG:
             break
-    return times, answer
+    return statistics.median(times), answer
 
 
 def renewed(surface: mf.Surface, run: int) -> mf.Surface:
     """Return the surface with sites moved by parts in 10⁹, for which nothing is kept from other calls."""
     moved = surface.position * (1.0 + 1e-9 * (run + 1))
     return mf.Surface(moved, surface.height, surface.radius, surface.material, surface.friction)
-
-
-def floor(count: int) -> float:
-    """Seconds in which numpy reads a dense matrix of all pairs once and sums its rows."""
-    rows = min(count, FLOOR_ENTRIES // count)
-    part = np.ones((rows, count))
-    seconds, _ = timed(lambda _: part.sum(axis=1))
-    return seconds * count / rows
 
 
 def machine(*packages: str) -> str:

@@ -8,19 +8,17 @@ from collections.abc import Iterator
 import metafem as mf
 from metafem.models.interacting.model import TOLERANCE as RESIDUAL
 from validation.check import Claim, Picture, Row, below, reported
-from validation.cost.ladder_picture import PEER, ladder_picture
-from validation.cost.measured import PEER_ERRORS, Point, fastest_within, models, peers
+from validation.cost.ladder_picture import ladder_picture
+from validation.cost.measured import PEER, PEER_ERRORS, Point, fastest_within, models, peers
 from validation.cost.peers import (
     BEFORE,
-    PEERS,
-    PENETRATION,
     TAMAAS_TOLERANCE,
     THREADS,
     Grid,
     installed,
     next_load_with_tamaas,
 )
-from validation.cost.times import floor, machine, rounded
+from validation.cost.times import machine, rounded
 from validation.scenes.costs import AUTOMATIC, ORDER_3, RESOLVED, SCENES, reference
 from validation.scenes.models import AREA_ERROR, LOAD_ERROR
 from validation.sources import second_method
@@ -34,13 +32,8 @@ TABLE_SCENE = "paper"
 # What stands for the errors of order 3 on a scene without a reference of its own.
 OWN = "the model's own estimate; nothing independent"
 
-PAIRS = "time to read all pairs once"
-
 RUN = "both measured in the same run"
-SOLVED_BY = {
-    PEER: f"tolerance {TAMAAS_TOLERANCE:g} of tamaas, threads: {THREADS}",
-    "ContactMechanics": f"penetration of {PENETRATION:g} mm",
-}
+SOLVED_BY = f"tolerance {TAMAAS_TOLERANCE:g} of tamaas, threads: {THREADS}"
 WARM = f"tamaas from the pressures of {BEFORE:g} of the load, order 3 from its load before"
 EXTRAPOLATED = "resolved contacts extrapolated from three cells"
 MERGED = "resolved contacts extrapolated from seven to thirteen cells"
@@ -59,7 +52,7 @@ def measure() -> Claim:
     """
     rows: list[Row] = [row for scene in SCENES for row in _errors(scene)]
     figures = {"seconds against error": Picture(ladder_picture)}
-    values = {"conditions": _conditions(), "machine": machine(*installed())}
+    values = {"conditions": _conditions(), "machine": machine(*[PEER] * installed())}
     return Claim("Seconds against error", [*_ratios(), *rows], figures, values)
 
 
@@ -86,7 +79,6 @@ def _errors(scene: str) -> Iterator[Row]:
     for each in found:
         if each is order_3 or (scene == TABLE_SCENE and each.setting in SHOWN):
             yield from _results(scene, each)
-    yield reported(f"{title}: {PAIRS} [s]", rounded(floor(known.surface.count)), TIMES)
 
 
 def _results(scene: str, point: Point) -> list[Row]:
@@ -114,12 +106,11 @@ def _named(point: Point) -> str:
 
 
 def _ratios() -> list[Row]:
-    """Report the times of other codes over those of metafem on the surface of the paper, at equal error."""
+    """Report the times of tamaas over those of metafem on the surface of the paper, at equal error."""
     every = peers(TABLE_SCENE)
     return [
         row
-        for code in installed()
-        for line in (code, f"{code}, second moments")
+        for line in (PEER, f"{PEER}, second moments")
         for error in PEER_ERRORS
         if (point := fastest_within(every, line, error))
         for row in _compared(point, error)
@@ -131,13 +122,13 @@ def _compared(point: Point, error: float) -> Iterator[Row]:
     found = models(TABLE_SCENE)
     name = f"{SCENES[TABLE_SCENE].title}: A0 to {100.0 * error:g} %, time of {point.line} over that of"
     grid = f"cells of {1e3 * point.cell:g} µm, error {100.0 * point.area_error:.2g} %"
-    method = f"{RUN}; {grid}, {SOLVED_BY[point.code]}"
+    method = f"{RUN}; {grid}, {SOLVED_BY}"
     for line in (ORDER_3, RESOLVED):
         if known := fastest_within(found, line, error):
             words = f"{name} {_named(known)}, one load of a new surface"
             yield reported(words, rounded(point.cold / known.cold, down=True), method)
     order_3 = fastest_within(found, ORDER_3, error)
-    if order_3 and point.code == PEER:
+    if order_3:
         grid = Grid(SCENES[TABLE_SCENE].surface, point.cell)
         seconds = next_load_with_tamaas(grid, SCENES[TABLE_SCENE].newtons)
         words = f"{name} {ORDER_3}, each load of a curve"
@@ -145,22 +136,15 @@ def _compared(point: Point, error: float) -> Iterator[Row]:
 
 
 def _conditions() -> str:
-    """Return what holds for the other codes that are installed."""
-    absent = [name for name in PEERS if name not in installed()]
-    missing = f" Not installed, and therefore absent: {', '.join(absent)}." if absent else ""
-    areas = {
-        PEER: " The area that tamaas reports is that of its cells in contact, corrected for the length of "
-        "their edges.",
-        "ContactMechanics": " The area of ContactMechanics is that of its cells in contact.",
-    }
-    codes = "".join(words for name, words in areas.items() if name in installed())
-    if codes:
-        codes += (
-            " A second line for each shows the area that this project computes from the second moments of "
-            "the same pressures. The time of another code is that of its solver alone, at a tolerance "
-            "with which it is fast: a tolerance a hundred times smaller changes the area by less than 0.2 %. "
-            f"tamaas uses {THREADS} thread{'s' if THREADS > 1 else ''}, and order 3, whose residual is at "
-            f"most {RESIDUAL:g}, one. Times are compared where both have at most the same error of A0: one "
-            "load of a new surface with one of a new surface, and the next load of a curve with the next one."
-        )
-    return f"{codes}{missing}"
+    """Return what holds for tamaas."""
+    if not installed():
+        return " tamaas is not installed, and therefore absent."
+    return (
+        " The area that tamaas reports is that of its cells in contact, corrected for the length of their "
+        "edges; a second line shows the area that this project computes from the second moments of the same "
+        "pressures. The time is that of its solver alone, at a tolerance with which it is fast: a tolerance "
+        "a hundred times smaller changes the area by less than 0.2 %. "
+        f"tamaas uses {THREADS} thread{'s' if THREADS > 1 else ''}, and order 3, whose residual is at "
+        f"most {RESIDUAL:g}, one. Times are compared where both have at most the same error of A0: one "
+        "load of a new surface with one of a new surface, and the next load of a curve with the next one."
+    )

@@ -101,7 +101,7 @@ def claim() -> Claim:
     elliptic contacts of least energy, a method without a grid. {absent}
     """
     title = "Interaction to third order against independent methods"
-    if "tamaas" not in installed():
+    if not installed():
         absent = reported(COUNT, 0, ABSENT)
         return Claim(title, [absent, *_pairs()], values={"absent": f"Here {ABSENT}."})
     count = reported(COUNT, len(scenes()), "two to nine asperities")

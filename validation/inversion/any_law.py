@@ -85,7 +85,6 @@ def claim() -> Claim:
         checks,
         {
             "friction over load, designed to be constant": Picture(_ratio),
-            "laws on height steps": Picture(_stepped),
         },
     )
 
@@ -116,22 +115,5 @@ def _ratio(ax):
     for end in (low, high):
         ax.axvline(end, color="grey", lw=0.8, ls=":")
     ax.set_ylim(0.8 * SLOPE, 1.2 * SLOPE)
-    ax.set_xlabel("rescaled load  P/E* [mm²]")
-    ax.set_ylabel("A0 E*/P")
-
-
-@panels(8.0, 3.4)
-def _stepped(ax):
-    """Rescaled friction over rescaled load of four surfaces whose heights are multiples of 6 µm, and their
-    targets (dots). Each line must pass through its dots.
-    """
-    for i, (name, target) in enumerate(STEPPED.items()):
-        design, wanted = stepped(name), target.curve()
-        load = np.linspace(0.7 * wanted.load[0], 1.1 * wanted.load[-1], 200)
-        ax.plot(load, mf.Independent().curve(design.surface, load).area / load, color=f"C{i}", label=name)
-        area = wanted.law(mf.Independent().curve(design.surface, wanted.load).area)
-        ax.plot(
-            wanted.load, area / wanted.load, "o", ms=2.5, color="black", label="targets" if i == 0 else None
-        )
     ax.set_xlabel("rescaled load  P/E* [mm²]")
     ax.set_ylabel("A0 E*/P")

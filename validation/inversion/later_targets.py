@@ -14,7 +14,7 @@ import numpy as np
 
 import metafem as mf
 from metafem._validate import FloatArray
-from metafem.drawing import ACHIEVED, QUIET, TARGET
+from metafem.drawing import QUIET
 from metafem.reference.single_contacts import hertz, power_law
 from validation.check import REQUIRED, Claim, Picture, Row, above, below, near, reported
 from validation.figures import panels
@@ -108,7 +108,6 @@ def claim() -> Claim:
         [*_powers(), *_bilinear(), *_caps(), *_network()],
         {
             "powers of the load": Picture(_laws),
-            "which powers can be reached": Picture(_misfits),
         },
     )
 
@@ -196,23 +195,3 @@ def _laws(ax):
     ax.set_xlabel("rescaled load  P/E* [mm²]")
     ax.set_ylabel("rescaled friction  F/(σB) [mm²]")
     ax.figure.legend(frameon=False, fontsize=8, loc="outside right upper", title="exponent")
-
-
-@panels(6.4, 3.2)
-def _misfits(ax):
-    """Misfit of the nearest surface over the exponent of its target. Below 1 % a target counts as reached.
-    The misfit grows before the bound by the last slope (dotted, right), beyond which no surface of 64 equal
-    spheres follows the law exactly. Targets below 2/3 (dotted, left), the exponent of a fixed number of
-    spheres, are refused.
-    """
-    exponents = np.linspace(2.0 / 3.0, 1.65, 24).tolist()
-    misfit = [100.0 * designed(each).misfit for each in exponents]
-    ax.semilogy(exponents, misfit, "o-", ms=3, color=ACHIEVED, label="nearest surface")
-    ax.axhline(100.0 * REACHED, color=QUIET, lw=0.8, ls="--", label="counts as reached")
-    ax.axvspan(2.0 / 3.0, 1.35, color=QUIET, alpha=0.2, lw=0, label="range of Fu et al.")
-    for bound in (2.0 / 3.0, bounds()[1]):
-        ax.axvline(bound, color=TARGET, lw=1.0, ls=":")
-    ax.set_xlabel("exponent of the target")
-    ax.set_ylabel("misfit [%]")
-    ax.set_yticks([0.03, 0.1, 0.3, 1.0, 3.0], ["0.03", "0.1", "0.3", "1", "3"])
-    ax.set_yticks([], minor=True)

@@ -7,8 +7,6 @@ from functools import cache
 import numpy as np
 
 import metafem as mf
-from metafem.inversion.bounds import Bounds
-from metafem.inversion.tools.radii import Radii
 from metafem.reference.height_densities import slope, smallest_slope
 from metafem.reference.single_contacts import hertz
 from validation.check import LINE_REQUIRED, REQUIRED, Claim, Picture, Row, above, below, near
@@ -16,13 +14,12 @@ from validation.figures import panels
 from validation.inversion.later_targets import area_at, largest_exponent
 from validation.paper.surfaces import friction_of_slope, template
 from validation.scenes.models import MODELS
-from validation.sources import closed_form, known_input, second_method, self_consistency
+from validation.sources import closed_form, known_input, self_consistency
 
 # Two tool radii, or any radius between them [mm]; loads and heights of the power laws.
 TOOLS = [0.2, 0.8]
 CHOICES = {"two tools": TOOLS, "any radius between": mf.RadiusRange(0.2, 0.8, step=None)}
 RANGE, LIMITS = (0.1, 0.4), mf.Limits(0.27, offset=0.05)
-BOUNDS = Bounds(mf.Hertz(), Radii.given(TOOLS), 64, RANGE[1])
 
 
 # Below 2/3 and above what one radius reaches within 1 %.
@@ -55,10 +52,9 @@ def claim() -> Claim:
     ]
     return Claim(
         "A radius for each asperity",
-        [*checks, *_largest(), *_least(), *_coefficients()],
+        [*checks, *_largest(), *_coefficients()],
         {
             "laws with a small and a large exponent": Picture(_exponents),
-            "radii and heights of these surfaces": Picture(_surface),
         },
     )
 
@@ -72,29 +68,6 @@ def _largest() -> list[Row]:
     return [
         above("largest exponent within 1 % with two tools", reached, largest_exponent(), one),
         below("largest exponent with two tools against its bound", reached, bound, ends),
-    ]
-
-
-def _of_random() -> float:
-    """Return the least exponent of 200,000 surfaces of twelve contacts of random radii of contact."""
-    rng = np.random.default_rng(0)
-    R = rng.choice(TOOLS, (200_000, 12))
-    a = (
-        R
-        * rng.uniform(0.05, 1.0, (200_000, 1))
-        * np.where(TOOLS[0] == R, rng.uniform(0.5, 2.0, (200_000, 1)), 1.0)
-    )
-    found = 2.0 / 3.0 * R.sum(axis=1) * (a**3 / R).sum(axis=1) / ((a**2).sum(axis=1) * a.sum(axis=1))
-    return float(found.min())
-
-
-def _least() -> list[Row]:
-    """Exponents of random contacts of two radii are above the least exponent, and approach it."""
-    least, found = BOUNDS.least_exponent, _of_random()
-    source = second_method(_of_random, "smallest exponent of 200,000 random surfaces")
-    return [
-        below("least exponent of two radii, at most that of any surface", least, found, source),
-        near("least exponent of two radii", least, found, 1e-3, source),
     ]
 
 
@@ -158,19 +131,3 @@ def _exponents(*axes):
         ax.set_title(f"exponent {exponent:g}", fontsize=10)
         ax.set_xlabel("rescaled load  P/E* [mm²]")
         ax.set_ylabel(f"A0/P^{known:.3g}, relative to its first value")
-
-
-@panels(8.0, 3.0)
-def _surface(ax):
-    """Radius of each cap and its depth below the tallest. A small exponent needs large caps that touch first
-    among small ones of nearly the same height; a large one needs small caps first and large ones later.
-    """
-    for exponent, marker in zip(EXPONENTS, "ox", strict=True):
-        for choice in CHOICES:
-            surface = designed(exponent, choice, "independent").surface
-            depth = 1e3 * (surface.height.max() - surface.height)
-            ax.semilogy(depth, surface.radius, marker, ms=4, label=f"{exponent:g}, {choice}")
-    ax.set_xlabel("depth below the tallest asperity [µm]")
-    ax.set_ylabel("radius [mm]")
-    ax.set_yticks([0.2, 0.4, 0.8], ["0.2", "0.4", "0.8"])
-    ax.set_yticks([], minor=True)

@@ -25,14 +25,3 @@ def slope_scatter(
     weight /= weight.sum()
     mean = (slopes @ weight)[..., None]
     return np.asarray(np.sqrt((slopes - mean) ** 2 @ weight) / slopes[..., steps])
-
-
-def tilt_variance(position: ArrayLike, gradient: ArrayLike, largest: float, steps: int) -> float:
-    """Variance of a linear function of the heights, with a gradient (n,), over uniform tilts about both axes.
-
-    Both angles are the middles of equal steps of [-largest, largest] [rad].
-    """
-    angle = largest * ((np.arange(steps) + 0.5) / steps * 2.0 - 1.0)
-    x, y = np.asarray(gradient, dtype=float) @ np.asarray(position, dtype=float)
-    change = x * np.tan(angle)[:, None] + y * np.tan(angle)
-    return float((change**2).mean() - change.mean() ** 2)

@@ -14,7 +14,7 @@ import metafem as mf
 from metafem.drawing import ACHIEVED, QUIET, TARGET
 from metafem.report.study_figures import misalignment_figure
 from validation.check import Claim, Difference, Picture, Reason, Row, below, near, reported
-from validation.methods.tilts import slope_scatter, tilt_variance
+from validation.methods.tilts import slope_scatter
 from validation.paper.pictures import INKS, inked
 from validation.paper.surfaces import RADIUS, fig4, template
 from validation.published import paper
@@ -35,8 +35,8 @@ STEP, LARGEST = 0.0025, 0.1
 QUANTILES = (0.05, 0.5, 0.95)
 OTHERS, STEPS, LOADS = 300, 20, 20
 
-# The same for the placement of the design, and steps of the angle of the variance of a linear function.
-FINE, COVARIANCE_STEPS = 400, 1000
+# The same for the placement of the design.
+FINE = 400
 
 # Relative error of the scatter by the steps of the angle.
 STEP_ERROR = 1e-2
@@ -160,15 +160,10 @@ def _tilt() -> list[Row]:
     flat, angle = template("fig4_blue"), float(np.radians(LARGEST))
     change = 1e3 * float(np.ptp(flat.tilted(angle, angle).height - flat.height))
     height = fig4("blue").surface.height
-    gradient, tilted = np.linspace(1.0, 2.0, flat.count), mf.Tolerances(angle=angle)
-    variance = float(tilted.linear_covariance(flat, gradient[None])[0, 0])
-    drawn = tilt_variance(flat.position, gradient, angle, COVARIANCE_STEPS)
     doubled = float((height + (height + 0.0)).max() / height.max())
     label = f"largest change of a height at {LARGEST:g}°"
     return [
         near(f"{label} [µm]", change, 37.0, 0.5, printed(WHERE.text, label)),
-        near(f"variance of a linear function of the heights by tilts up to {LARGEST:g}° [mm²]", variance,
-             drawn, 1e-5 * drawn, second_method(tilt_variance, "squares of the tilts at fine steps")),
         Difference(
             "tallest height at φ = 0 by the printed formula, over the height of the list",
             doubled,

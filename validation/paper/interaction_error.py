@@ -16,7 +16,6 @@ from validation.check import Claim, Difference, Picture, Reason, Result, Row, be
 from validation.figures import panels
 from validation.methods.contact_equations import coupled, influence
 from validation.methods.independent import areas
-from validation.paper.pictures import INKS
 from validation.paper.surfaces import LOADS, RADIUS, surfaces
 from validation.published import paper
 from validation.sources import printed, second_method
@@ -135,7 +134,7 @@ def claim() -> Claim:
         name = f"Fig. 5 red, {substrate}: largest difference of orders 1 and 3"
         words = "largest difference of the relative changes of A0 over 20 loads, Table S2 row by row"
         rows.append(reported(name, np.abs(orders[0] - orders[1]).max(), words))
-    figures = {"Assignments to sites": Picture(_assignments), "Change over the load": Picture(_laws)}
+    figures = {"Assignments to sites": Picture(_assignments)}
     return Claim("Elastic interaction changes A0(P)", rows, figures, percent)
 
 
@@ -242,19 +241,3 @@ def _assignments(ax):
     ax.axhline(2.3, color="grey", lw=0.8, ls="--", label="2.3 %, stated by the paper")
     ax.set_xticks(range(len(surfaces())), list(surfaces()))
     ax.set_ylabel("rms change of A0 [%]")
-
-
-@panels(8.0, 3.4)
-def _laws(ax):
-    """Relative change of A0 [%] by interaction on a half-space over the rescaled load P/E* [mm²], for the
-    sites of the designs. The dashed lines are ± 2.3 %, the paper's bound for the rms. The change is largest
-    where the plane reaches a new level of heights, most clearly on Fig. 3.
-    """
-    for name in surfaces():
-        ax.plot(LOADS, 100.0 * changes(name, "half-space, order 3")["designed"], color=INKS[name], label=name)
-    ax.set_xlabel("rescaled load  P/E* [mm²]")
-    for sign in (-1.0, 1.0):
-        ax.axhline(2.3 * sign, color="grey", lw=0.8, ls="--")
-    ax.set_ylabel("change of A0, half-space [%]")
-    ax.set_xlim(left=0.0)
-    ax.legend(frameon=False, ncols=5, loc="lower center", bbox_to_anchor=(0.5, 1.0))

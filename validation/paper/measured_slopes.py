@@ -30,7 +30,7 @@ FloatArray = NDArray[np.float64]
 ENERGY = paper()["sample"]["adhesion_energy_mJ_per_m2"] * 1e-6
 
 ADHESION = "w = 9 mJ/m²"
-LAWS: dict[str, mf.Contact] = {"Hertz": mf.Hertz(), "spheres": mf.SphericalCap(), ADHESION: mf.JKR(ENERGY)}
+LAWS: dict[str, mf.Contact] = {"Hertz": mf.Hertz(), "spheres": mf.Elastic(), ADHESION: mf.JKR(ENERGY)}
 
 PRINTED, REFITTED, BOTH = "σ as printed", "σ refitted", "E* and σ refitted"
 CASES = (

@@ -56,7 +56,6 @@ def claim() -> Claim:
     ]
     figures = {
         "crowded contacts": Picture(_crowded_figure),
-        "layers": Picture(_layer_figure),
     }
     values = {
         "overlap": OVERLAP, "wide": TOO_WIDE, "bound": 100.0 * BOUND, "compared": COMPARED,
@@ -151,22 +150,3 @@ def _crowded_figure(left, right):
         right.semilogy(points.WIDTHS, size, mark, ls="-", ms=5, label=f"spread {spread:g}")
     right.axhline(1e2 * points.TOLERANCE, color=QUIET, lw=1.0, label="tolerance")
     right.set(xlabel="a/L", ylabel="error of Automatic [%]")
-
-
-@panels(6.4, 3.8)
-def _layer_figure(ax):
-    """Error of A0 by order 3 for one contact on a bonded layer of thickness t (lines) and of Automatic (open
-    circles). The error of order 3 grows as (a/t)⁵, most for an incompressible layer. Errors below 0.001 % are
-    shown as 0.001 %. Lines end where order 3 refuses, because the contact is wider than the layer is thick.
-    """
-    for i, ratio in enumerate(points.RATIOS):
-        found = [points.on_layer(width, ratio) for width in points.LAYERS]
-        solved = [(p.ratio, p.third) for p in found if not p.refusal]
-        ax.loglog(
-            [x for x, _ in solved], [_percent(y) for _, y in solved], "o-", color=f"C{i}", ms=4,
-            label=f"order 3, ν = {ratio:g}",
-        )  # fmt: skip
-        chosen = [_percent(point.automatic) for point in found]
-        ax.loglog([point.ratio for point in found], chosen, "o", mfc="none", color=f"C{i}", ms=8)
-    ax.axhline(1e2 * points.TOLERANCE, color=QUIET, lw=1.0, label="tolerance of Automatic")
-    ax.set(xlabel="contact radius over thickness  a/t", ylabel="error of A0 [%]")
