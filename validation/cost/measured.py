@@ -35,9 +35,9 @@ RESOLVING = 0.1
 class Point:
     """A model or another code with one setting on a scene: two times [s] and two relative errors.
 
-    cold: one load of a new surface; per_load: each load of a curve, nan where it is not measured. The errors are those of A0 at the load of the scene, and of P at
-    the separation of the reference; nan where they are not measured. cell: of the grid of another code [mm].
-    solved: the model that was solved.
+    cold: one load of a new surface; per_load: each load of a curve, nan where it is not measured. The errors
+    are those of A0 at the load of the scene, and of P at the separation of the reference; nan where they are
+    not measured. cell: of the grid of another code [mm]. solved: the model that was solved.
     """
 
     line: str

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -53,39 +51,12 @@ SHARES = (0.5, 0.1, 0.15, 0.15, 0.1)
 POINTS, MOST_POINTS, SAMPLES = 0.5, 5, (6, 30)
 
 
-@dataclass(frozen=True)
-class RealTarget:
-    """A target, what it is designed with, and the heights of a surface that meets it."""
-
-    model_name: str
-    law_name: str
-    target: Target
-    template: mf.Surface
-    model: Model
-    limits: mf.Limits
-    surface: mf.Surface
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """What became of the design of a target: its misfit [-], inf if it is refused, and its time [s]."""
-
-    model: str
-    law: str
-    target: str
-    misfit: float
-    seconds: float
-    reason: str = ""
-
-
-def real_target(seed: int) -> RealTarget:
-    """Return the target of a seed."""
+def real_target(seed: int) -> tuple[Target, mf.Surface, Model, mf.Limits]:
+    """Return the target of a seed, and what it is designed with."""
     rng = np.random.default_rng(seed)
-    law_name = str(rng.choice(list(LAWS), p=SHARES))
-    law = LAWS[law_name](rng)
+    law = LAWS[str(rng.choice(list(LAWS), p=SHARES))](rng)
     names = [name for name in MODELS if law.largest_order > 1 or "3" not in name]
-    model_name = str(rng.choice(names))
-    model = MODELS[model_name](law)
+    model = MODELS[str(rng.choice(names))](law)
     side = int(rng.integers(2, 1 + (ADHESIVE_SIDE if model.couples and law.adhesive else SIDE)))
     depth = _depths(rng, side**2)
     sites = np.sort(rng.choice(side**2, len(depth), replace=False))
@@ -100,25 +71,19 @@ def real_target(seed: int) -> RealTarget:
     load = _loads(rng, count, last, points)
     curve = model.curve(part, load).checked()
     top = CLEARANCE * max(float(curve.approach[-1]), float(np.ptp(depth)))
-    surface = part.replaced(height=top - depth)
     span = float(min(top, rng.choice([1.0, 1.5, 3.0]) * np.ptp(depth))) or top
     limits = mf.Limits(span, offset=top - span)
     target = _target(rng, points, model, curve.load, curve.area)
     template = lattice.replaced(height=np.full(lattice.count, top))
-    return RealTarget(model_name, law_name, target, template, model, limits, surface)
+    return target, template, model, limits
 
 
-def outcome(scene: RealTarget) -> Outcome:
-    """Design a target and return what became of it."""
-    start = time.perf_counter()
-    kind = type(scene.target).__name__
+def misfit(seed: int) -> float:
+    """Design the target of a seed and return its misfit, inf if it is refused."""
     try:
-        design = mf.design(scene.target, scene.template, scene.model, scene.limits)
-        misfit, reason = design.misfit, ""
-    except mf.Infeasible as error:
-        misfit, reason = np.inf, str(error)
-    seconds = time.perf_counter() - start
-    return Outcome(scene.model_name, scene.law_name, kind, misfit, seconds, reason)
+        return mf.design(*real_target(seed)).misfit
+    except mf.Infeasible:
+        return np.inf
 
 
 def _depths(rng: np.random.Generator, sites: int) -> FloatArray:

@@ -134,13 +134,13 @@ def thin(width: float, poisson_ratio: float) -> tuple[str, str]:
 def claim() -> Claim:
     """All models give the same areas in other units, with heights that are equal or differ by less than can
     be made, with one asperity and over twelve decades of load. On layers thinner than the contacts order 3
-    refuses and says what to use; Automatic resolves these contacts. {refused}
+    refuses and says what to use; Automatic resolves these contacts.
     """
     ends = {f"a/t = {w:g}, ν = {r:g}": thin(w, r) for w in THIN for r in RATIOS}
     thinner = sum(first.startswith("refused") for first, _ in ends.values())
     rows = [*_checks(ends), reported("thin layers that order 3 refuses", thinner, f"of {len(ends)} layers")]
     figures = {"twelve decades of load": Picture(_decades_figure)}
-    return Claim("Extreme inputs", rows, figures, {"refused": _refused(ends)})
+    return Claim("Extreme inputs", rows, figures)
 
 
 def _checks(ends: dict[str, tuple[str, str]]) -> Iterator[Check]:
@@ -162,15 +162,6 @@ def _checks(ends: dict[str, tuple[str, str]]) -> Iterator[Check]:
                         ROUNDING, RECOMPUTED)  # fmt: skip
     refused = sum(second.startswith("refused") for _, second in ends.values())
     yield near("layers thinner than the contacts that Automatic refuses", refused, 0, 0, SAID)
-
-
-def _refused(ends: dict[str, tuple[str, str]]) -> str:
-    """Say which thin layers are refused, with the words of one refusal."""
-    refused = {name: first for name, (first, _) in ends.items() if first.startswith("refused")}
-    if not refused:
-        return ""
-    words = next(iter(refused.values())).removeprefix("refused: ")
-    return f"Refused are those with {'; '.join(refused)}. The words for the first: “{words}”."
 
 
 @panels(6.4, 3.8)
