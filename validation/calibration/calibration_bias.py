@@ -117,7 +117,7 @@ def claim() -> Claim:
     return Claim(
         "Bias of E* by what the calibration leaves out",
         [*_interaction(), *_sphere(), *_large_strain()],
-        {"bias of E* by effect": Picture(_biases), "loads over Hertz's": Picture(_figure)},
+        {"bias of E* by effect": Picture(_biases)},
     )
 
 
@@ -178,27 +178,6 @@ def _large_strain() -> Iterator[Row]:
     yield near("large strain, cap 0.2 mm high: bias of E* by its table, a/R up to 0.43", found, *anew)
     name = "large strain: largest bias of E*, a/R up to 0.5, over the published uncertainty"
     yield reported(name, max(shifts) / PUBLISHED, STATED)
-
-
-@panels(6.4, 3.6)
-def _figure(ax):
-    """Load of one cap over that of Hertz's law at the same contact radius. A constant ratio is absorbed by
-    E*; only its change along the curve is a bias. The sphere at small strain rises, large strain takes it
-    back; the points of five interacting caps on the block lie on 1.
-    """
-    a = np.linspace(RADII[0], RADII[-1], 200)
-    alone = mf.Hertz().load(a, RADIUS)
-    ax.plot(a / RADIUS, mf.SphericalCap().load(a, RADIUS) / alone, label="sphere at small strain")
-    for height in deep_caps():
-        over = soft_cap(height).load(a, RADIUS) / alone
-        ax.plot(a / RADIUS, over, label=f"large strain, {height:g} mm high")
-    load, area = data(MODELS["interaction on the block with free sides"])
-    radii = np.sqrt(area / (5.0 * math.pi))
-    alone = 5.0 * MODULUS * mf.Hertz().load(radii, RADIUS)
-    ax.plot(radii / RADIUS, load / alone, "k.", ms=4.0, label="five caps on the block")
-    ax.set_xlabel("contact radius over R")
-    ax.set_ylabel("load over Hertz's")
-    ax.set_ylim(0.93, 1.2)
 
 
 @panels(7.4, 3.6)

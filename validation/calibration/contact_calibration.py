@@ -23,7 +23,6 @@ from validation.scenes.repeated_estimates import (
     COVERED,
     NOMINAL,
     Errors,
-    bias_and_coverage,
     histograms,
     judged,
 )
@@ -80,7 +79,7 @@ def claim() -> Claim:
     return Claim(
         "E* and adhesion energy from loads and areas",
         [*rows, *_regressions()],
-        {"errors over their stated uncertainty": Picture(_figure), "bias and coverage": Picture(_biases)},
+        {"errors over their stated uncertainty": Picture(_figure)},
         values,
     )
 
@@ -157,20 +156,3 @@ def _figure(*axes):
     histograms(axes, found, np.linspace(-5.0, 8.0, 66))
     for ax, (name, _) in zip(axes, TRUE, strict=True):
         ax.set_title(name, fontsize="medium")
-
-
-def _biases():
-    """Left, the mean error in units of the stated uncertainty. Right, the share of 68 % intervals that hold
-    the true value. The grey bands are allowed. Circles, the fit, must lie in them; squares, the paper's
-    straight line, need not.
-    """
-    found = {
-        label: {
-            f"{_case(contacts, energy)}: {name}": results(contacts, energy)[1][f"{method}, {name}"]
-            for contacts in CONTACTS
-            for energy in ENERGIES
-            for name in ("E*", "√w")
-        }
-        for method, label in METHODS.items()
-    }
-    return bias_and_coverage(found, 2.6)

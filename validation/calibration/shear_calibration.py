@@ -17,7 +17,7 @@ from validation.check import Claim, Picture, Row, below, near, reported
 from validation.figures import panels
 from validation.paper.surfaces import template
 from validation.published import paper, table
-from validation.scenes.repeated_estimates import Errors, bias_and_coverage, histograms, judged
+from validation.scenes.repeated_estimates import Errors, histograms, judged
 from validation.scenes.sheared_contacts import ERRORS, RATIO, STRENGTH, sheared
 from validation.sources import known_input, second_method
 
@@ -68,7 +68,6 @@ def claim() -> Claim:
     """
     figures = {
         "errors over their stated uncertainty": Picture(_figure),
-        "bias and coverage": Picture(_biases),
     }
     known, calibrated = (found.sd.mean() for found in strengths().values())
     rows = [row for contacts in CONTACTS for row in _checks(contacts)]
@@ -178,16 +177,3 @@ def _figure(*axes):
     histograms(axes, (results(1)[0], strengths()), np.linspace(-4.0, 4.0, 41))
     for ax, title in zip(axes, ("shear tests", "fully contacting surface"), strict=True):
         ax.set_title(title, fontsize="medium")
-
-
-def _biases():
-    """Left, the mean error in units of the stated uncertainty. Right, the share of 68 % intervals that hold
-    the true value. All points must lie in the grey bands.
-    """
-    found = {
-        f"{_case(contacts)}: {name}": error
-        for contacts in CONTACTS
-        for name, error in results(contacts)[0].items()
-    }
-    full = {f"full contact, {what}: σ": error for what, error in strengths().items()}
-    return bias_and_coverage({"": found | full})

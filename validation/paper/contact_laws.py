@@ -75,7 +75,7 @@ def changes(surface: str, name: str) -> np.ndarray:
     force = found.material.composite_modulus * LOADS
     chosen = model(name, found.material)
     before = mf.friction_law(found, load=force)
-    most = float(chosen.contact.largest_indentation(found.radius[0]))
+    most = float(chosen.contact.bound(found).largest_indentation(found.radius[0]))
     within = found.height.max() - before.separation < (1.0 - MARGIN) * most
     change = np.full(len(LOADS), np.nan)
     change[within] = mf.friction_law(found, chosen, load=force[within]).area / before.area[within] - 1.0

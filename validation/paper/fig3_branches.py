@@ -72,13 +72,13 @@ def inset() -> mf.ContactState:
 def claim() -> Claim:
     """The surface of Fig. 3 has three levels of heights. The law of its first level alone, and that of its
     first two, are the dashed lines of the figure. The paper prints no numbers for them, and shows the
-    contacts at 0.92 N as a photograph: the sites of the heights in it are not printed, so that the picture
+    contacts at 0.92 N as a photograph: the sites of the heights in it are not printed, so that the inset
     below has the counts and sizes of the contacts, at sites chosen by this design.
     """
     return Claim(
         "Fig. 3: continued branches, and contacts at 0.92 N",
         [*_continuations(), *_contacts()],
-        {"branches": Picture(_branches), "contacts at 0.92 N": Picture(_inset)},
+        {"branches": Picture(_branches)},
     )
 
 
@@ -156,43 +156,17 @@ def _branches(ax):
     ax.set_xlim(right=LAST)
     ax.legend(frameon=False, loc="lower right", fontsize=8)
     small = ax.inset_axes((0.04, 0.42, 0.36, 0.56))
-    _draw_contacts(small, np.ones(found.surface.count, dtype=bool))
+    _draw_contacts(small)
     small.set(xticks=[], yticks=[])
 
 
-@panels(8.0, 3.8, columns=2)
-def _inset(left, right):
-    """The same contacts, left, and nine of them magnified, right. The higher a level, the larger its
-    contacts; the smallest of each colour is the adjustment asperity.
-    """
-    found = levels()
-    _draw_contacts(left, np.ones(found.surface.count, dtype=bool))
-    for i, colour in enumerate(LEVELS):
-        left.plot([], [], "o", color=colour, label=f"level {i + 1}")
-    left.legend(frameon=False, ncols=3, loc="lower center", bbox_to_anchor=(0.5, 1.0), fontsize=8)
-    nine = (np.abs(found.surface.position - _middle()) < 2.0).all(axis=1)
-    _draw_contacts(right, nine)
-    right.set_title("nine contacts", fontsize=9)
-    for ax in (left, right):
-        ax.set(xlabel="x [mm]", ylabel="y [mm]")
-
-
-def _middle() -> np.ndarray:
-    """Return the site, not at the edge, whose 3 by 3 neighbourhood is full and has most levels."""
-    found = levels()
-    position = found.surface.position
-    inner = position[(np.abs(position) < 5.0).all(axis=1)]
-    near_by = [(np.abs(position - each) < 2.0).all(axis=1) for each in inner]
-    return inner[np.argmax([(mask.sum() == 9) * len(set(found.number[mask])) for mask in near_by])]
-
-
-def _draw_contacts(ax, shown: np.ndarray) -> None:
+def _draw_contacts(ax) -> None:
     """Draw contacts to scale in the colours of their levels, with a bar of 1.5 mm."""
     found, diameter = levels(), 2.0 * np.sqrt(inset().asperity_area / np.pi)
     for i, colour in enumerate(LEVELS):
-        on = (found.number == i) & shown
+        on = found.number == i
         circles(ax, found.surface.position[on], diameter[on]).set_facecolor(colour)
-    low, high = found.surface.position[shown].min(axis=0), found.surface.position[shown].max(axis=0)
+    low, high = found.surface.position.min(axis=0), found.surface.position.max(axis=0)
     ax.set(xlim=(low[0] - 0.9, high[0] + 0.9), ylim=(low[1] - 1.3, high[1] + 0.9), aspect="equal")
     pitch = paper()["sample"]["lattice_pitch_mm"]
     ax.plot([low[0], low[0] + pitch], 2 * [low[1] - 0.85], color="black", lw=2.5)

@@ -9,7 +9,6 @@ import numpy as np
 
 from metafem._validate import FloatArray
 from metafem.calibration.bounded_interval import WIDTH
-from metafem.drawing import ACHIEVED, MEASURED_BESIDE, QUIET, TARGET, new_figure
 from validation.check import Check, below, near
 from validation.sources import known_input
 
@@ -19,8 +18,6 @@ COVERED = known_input("nominal 68 % of the intervals; 66 to 70 % is allowed")
 
 # Coverage that the intervals state, and how far it may be off: three standard errors of 5,000 trials.
 NOMINAL, ALLOWED = 0.68, 0.02
-
-INKS = (ACHIEVED, MEASURED_BESIDE, TARGET)
 
 
 class Errors(NamedTuple):
@@ -58,24 +55,3 @@ def histograms(axes: Sequence[Any], found: Sequence[Mapping[str, Errors]], edges
         ax.set_xlabel("error over the stated uncertainty")
         ax.legend(frameon=False, fontsize="small")
     axes[0].set_ylabel("density")
-
-
-def bias_and_coverage(found: Mapping[str, Mapping[str, Errors]], limit: float = 1.0) -> Any:
-    """Draw bias, up to a limit, and coverage of estimates, by method and by estimate."""
-    figure = new_figure(8.0, 1.2 + 0.28 * len(next(iter(found.values()))))
-    bias, coverage = figure.subplots(1, 2, sharey=True)
-    for (method, estimates), ink, marker in zip(found.items(), INKS, "os^", strict=False):
-        place = -np.arange(len(estimates))
-        shift = [each.bias for each in estimates.values()]
-        bias.plot(shift, place, marker, ms=5, color=ink, label=method)
-        coverage.plot([each.coverage for each in estimates.values()], place, marker, ms=5, color=ink)
-    bias.axvspan(-0.2, 0.2, color=QUIET, alpha=0.25, lw=0)
-    coverage.axvspan(NOMINAL - ALLOWED, NOMINAL + ALLOWED, color=QUIET, alpha=0.25, lw=0)
-    bias.set_yticks(place, list(estimates), fontsize=8)
-    bias.set_xlim(-limit, limit)
-    coverage.set_xlim(0.0, 1.0)
-    bias.set_xlabel("bias over the stated uncertainty")
-    coverage.set_xlabel("68 % intervals that hold the true value")
-    if len(found) > 1:
-        figure.legend(frameon=False, fontsize=8, loc="outside lower center", ncols=len(found))
-    return figure
