@@ -2,27 +2,21 @@
 
 from __future__ import annotations
 
-import asyncio
-import json
 import re
 from collections.abc import Callable, Mapping
 from functools import partial
-from hashlib import sha256
 from html import escape
 from typing import Any
 
 from nicegui import background_tasks, ui
 
-from metafem.errors import MetafemError
 from metafem.explorer.answer import Answer
 from metafem.explorer.certainty import band
 from metafem.explorer.certainty.figures import Standing, figures
-from metafem.explorer.certainty.long_studies import STUDIES, Found, run
 from metafem.explorer.certainty.places import part_warnings, remarks, warnings_by_place
 from metafem.explorer.certainty.table import chip, figure_table, note_list
 from metafem.explorer.control import Control, Panel
 from metafem.explorer.queue import Queue
-from metafem.explorer.widget import Widget
 
 # An answer and what is computed for it: nothing, because newer answers follow in a drag; then the figures;
 # and then random surfaces within the tolerances. Each follows when the page rests after the one before.
@@ -44,6 +38,16 @@ COMPUTED = (
 NO_DESIGN = "No surface has been found yet, so there is nothing to judge."
 NOT_CURRENT = "These are the figures of the last surface that was found, not of the target law that is shown."
 
+# Commands that answer further questions about the design, in seconds to minutes, and their questions.
+STUDIES = {
+    "metafem study manufacturing surface": "How accurate must the heights be?",
+    "metafem study misalignment surface": "How level must the plane be?",
+    "metafem study uncertainty surface": "Which input matters most?",
+    "metafem study fidelity surface": "What do the model, the block and point contacts leave out?",
+    "metafem report surface --checks": "Do the finite elements meet closed forms? The report shows it all.",
+}
+FOLDER = "These commands read the folder of “metafem design spec.toml -o surface”."
+
 # Order of the rows: figures that need attention come first.
 ORDER = (Standing.WARNING, Standing.REMARK, Standing.UNKNOWN, Standing.GOOD)
 
@@ -61,27 +65,6 @@ def figure_data(answer: Answer) -> dict[str, Any]:
 def at_once(answer: Answer) -> bool:
     """Return whether the figures of an answer can be computed within some tens of milliseconds."""
     return answer.design is not None and answer.design.surface.count <= band.MOST_COUPLED
-
-
-def study_data(answer: Answer) -> dict[str, Any]:
-    """Return a hash of what determines the design, and for each study why it cannot run, "" if it can."""
-    design, state = answer.design, answer.state
-    reason = "It needs a surface: correct the specification or the target first."
-    hindered = {
-        name: reason if design is None or not answer.current else study.hindered(design)
-        for name, study in STUDIES.items()
-    }
-    shown = json.dumps((state.text, sorted(state.tables.items())))
-    return {"shown": sha256(shown.encode()).hexdigest(), "hindered": hindered}
-
-
-def found_data(found: Found, shown: str) -> dict[str, Any]:
-    """Return the result of a study as data, with the hash of the state that was studied."""
-    return {**vars(found), "notes": [note.to_json() for note in found.notes], "of": shown}
-
-
-class SureStudies(Widget, component="sure_studies.js"):
-    """The long studies; emits ``ready``, ``start`` and ``stop`` with the name of a study."""
 
 
 class PlaceWarnings(Panel):
@@ -104,12 +87,12 @@ class PlaceWarnings(Panel):
 
 
 class Certainty(Panel):
-    """The figures and studies of one page, and its warnings; they follow the newest answer after a pause."""
+    """The figures of one page, and its warnings; they follow the newest answer after a pause."""
 
     def __init__(self, page: Control) -> None:
         super().__init__(page)
         self.answer: Answer | None = None
-        self.open = self.ready = False
+        self.open = False
         self.queue: Queue[Request, Callable[[], object]] = Queue(
             self._judged,
             lambda show: show(),
@@ -120,31 +103,26 @@ class Certainty(Panel):
         page.client.on_delete(self.queue.stop)
 
     def create(self) -> Certainty:
-        """Create the table of the figures and the list of long studies, when their tab is first opened."""
+        """Create the table of the figures and the commands of studies, when their tab is first opened."""
         with ui.element("div").classes("certainty"):
             with ui.element("section").classes("sure-figures").props('aria-label="How sure"'):
                 self.table = ui.html(f"<p role='status'>{COMPUTED}</p>", sanitize=False)
                 with ui.element("details").props("open"):
                     self.count = ui.html("", sanitize=False, tag="summary")
                     self.notes = ui.html("", sanitize=False)
-            self.studies = SureStudies(
-                {"studies": [{"key": key, **study.words} for key, study in STUDIES.items()]},
-                ready=self._opened,
-                start=self._start,
-                stop=lambda name: self.page.tasks.stop(str(name)),
-            )
+            with ui.element("section").props('aria-label="Studies"'):
+                ui.label(FOLDER).classes("quiet small")
+                for command, question in STUDIES.items():
+                    ui.label(question)
+                    ui.html(f"<pre>{command}</pre>", sanitize=False)
+        if self.answer is not None:
+            self.queue.put((self.answer, FIGURES))
         return self
 
     def show(self, answer: Answer, _: object) -> None:
         """Follow a new answer."""
         self.answer = answer
         self.queue.put((answer, NOTHING))
-
-    def _opened(self, _: object) -> None:
-        """Show the figures: the browser has created their elements."""
-        self.ready = True
-        if self.answer is not None:
-            self.queue.put((self.answer, FIGURES))
 
     def _next(self, request: Request) -> Request | None:
         """Return the request that follows when the page rests; random surfaces are drawn once."""
@@ -163,40 +141,12 @@ class Certainty(Panel):
             return lambda: background_tasks.create(self.page.renew())
         if wanted != FIGURES:
             return lambda: None
-        seen = self.open and self.ready
-        places = (warnings_by_place if seen or at_once(answer) else part_warnings)(answer)
-        data = (figure_data(answer), study_data(answer)) if seen else None
+        places = (warnings_by_place if self.open or at_once(answer) else part_warnings)(answer)
+        data = figure_data(answer) if self.open else None
         return partial(self._show, places, data)
 
-    def _show(self, places: Mapping[str, list[str]], data: tuple[Any, Any] | None) -> None:
+    def _show(self, places: Mapping[str, list[str]], data: dict[str, Any] | None) -> None:
         self.page.warn(places)
         if data is not None:
-            self.table.content = figure_table(data[0])
-            self.count.content, self.notes.content = data[0]["notes"]
-            self.studies.call("follow", data[1])
-
-    async def _start(self, name: Any) -> None:
-        answer = self.answer
-        if name not in STUDIES or answer is None:
-            return
-        self._tell(name, running=True, step="starting a process", done=None, error="")
-        found = await asyncio.to_thread(study_data, answer)
-        if reason := found["hindered"][name]:
-            self._tell(name, running=False, step="", error=reason)
-            return
-        given = name, answer.design, band.tolerances_of(answer)
-        end: dict[str, Any] = {"step": "Stopped before its end."}
-        try:
-            task = self.page.tasks.start(
-                name, run, given, lambda step, done: self._tell(name, step=step, done=done)
-            )
-            end = {"found": found_data(await task, found["shown"]), "step": ""}
-        except MetafemError as error:
-            end = {"error": str(error), "step": ""}
-        finally:
-            if not self.page.tasks.running(name):  # otherwise it was started again
-                self._tell(name, running=False, **end)
-
-    def _tell(self, name: str, **change: Any) -> None:
-        """Send changed data of a study to the browser."""
-        self.studies.call("change", name, change)
+            self.table.content = figure_table(data)
+            self.count.content, self.notes.content = data["notes"]

@@ -1,24 +1,18 @@
-"""How sure a design is: figures, the band of made surfaces, warnings at their places, and the studies."""
+"""How sure a design is: figures, the band of made surfaces, and warnings at their places."""
 
 import json
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
 import metafem as mf
+from metafem.cli import main
 from metafem.explorer.answer import Answer, answered
 from metafem.explorer.certainty import band
 from metafem.explorer.certainty.figures import Standing, figures
-from metafem.explorer.certainty.long_studies import STUDIES, Found
-from metafem.explorer.certainty.panel import (
-    NO_DESIGN,
-    NOT_CURRENT,
-    at_once,
-    figure_data,
-    found_data,
-    study_data,
-)
+from metafem.explorer.certainty.panel import NO_DESIGN, NOT_CURRENT, STUDIES, at_once, figure_data
 from metafem.explorer.certainty.places import remarks, warnings_by_place
 from metafem.explorer.certainty.table import figure_table, note_list
 from metafem.explorer.queue import Dropped
@@ -192,17 +186,14 @@ def test_the_panel_has_the_figures_what_needs_attention_first():
     assert (data["words"], at_once(answer)) == ("", True)
     old = replace(answer, problems={"limits.max_height": "is missing"})
     assert figure_data(old)["words"] == NOT_CURRENT
-    assert all(study_data(old)["hindered"].values())
     assert figure_data(Answer(1, answer.state))["words"] == NO_DESIGN
     assert not at_once(Answer(1, answer.state))
-    shown = study_data(answer)
-    assert shown["hindered"] == dict.fromkeys(STUDIES, "")
-    found = found_data(Found("title", ("a",), (("1",),), (Note("n"),), "Good."), shown["shown"])
-    assert found["of"] == study_data(replace(answer, state=replace(answer.state, newtons=False)))["shown"]
-    assert found["notes"] == [{"level": "warning", "text": "n"}]
-    for changed in ({"text": TEXT + "\n"}, {"tables": {"law.csv": "1,2\n"}}):
-        other = replace(answer, state=replace(answer.state, **changed))
-        assert study_data(other)["shown"] != shown["shown"]
+
+
+def test_the_commands_of_studies_are_those_of_the_program():
+    for command in STUDIES:
+        program, *words = command.split()
+        assert (program, CliRunner().invoke(main, [*words, "--help"]).exit_code) == ("metafem", 0)
 
 
 def test_tables_and_notes_are_no_markup():

@@ -13,7 +13,6 @@ import pytest
 
 from metafem.errors import InvalidInput
 from metafem.explorer.answer import Answer, answered, specification_of
-from metafem.explorer.certainty.long_studies import run
 from metafem.explorer.last_run import HOST, token_and_port
 from metafem.explorer.law.dropped import MOST, as_target, read_points
 from metafem.explorer.law.nearest import reachable, with_nearest
@@ -75,16 +74,6 @@ def sites(action, numbers, height="", design=demo):
 
 def part(**typed):
     return lambda: new_part(FIRST | typed)
-
-
-def hindered(name, **changes):
-    """Start a study of a design whose surface, or whose block, is changed."""
-    design = demo().design
-    bare = {key: value for key, value in changes.items() if key == "block"}
-    changed = replace(
-        design, surface=design.surface.replaced(**changes), template=design.template.replaced(**bare)
-    )
-    return run(name, changed, None)
 
 
 def in_use():
@@ -159,8 +148,6 @@ FILES = [
     (sites("pin", [64]), "sites", "select"),
     (sites("pin", [True]), "sites", "select"),
     (lambda: typed_height("-3"), "height", "-3"),
-    (lambda: hindered("block", block=None), "Block", "needs"),
-    (lambda: hindered("draws", height=[0.1] * 58), "summits", "height"),
     (lambda: loaded(State(TEXT), [SPECIFIED, Given("b.toml", SAMPLED)]), "specifications", "several"),
     (lambda: loaded(State(TEXT), [SPECIFIED, Given("wanted.csv", why="is bad")]), "wanted.csv", "is bad"),
     (lambda: loaded(State(TEXT), [Given("law.csv", TITLES)]), "law.csv", "table"),
