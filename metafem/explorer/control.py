@@ -15,7 +15,6 @@ from nicegui import ui
 from metafem.errors import InvalidInput
 from metafem.explorer.answer import Answer, answered
 from metafem.explorer.browser import Browser, record_of
-from metafem.explorer.certainty.background import Tasks
 from metafem.explorer.queue import LOG, PATIENCE, Queue, in_words
 from metafem.explorer.session import Session, State
 from metafem.explorer.text.document import loses_comments
@@ -92,9 +91,7 @@ class Control:
             self._work, self._show, self._failed, patience=patience, better=whole_of
         )
         self.browser = Browser(self._restored, self.open_link)
-        self.tasks = Tasks()
         self.client = ui.context.client
-        self.client.on_delete(self.tasks.stop_all)
         self.client.on_delete(self.queue.stop)
         self.client.on_exception(self.wrong)
 

@@ -87,13 +87,14 @@ def law_picture(design: Design) -> bytes:
     return (svg(law_figure(design), design.target.title) + "\n").encode("utf-8")
 
 
-def made_files(state: State) -> dict[str, bytes]:
-    """Return all files of the result folder of a state, by file name, as ``metafem design`` writes them."""
-    specification = specification_of(state)
+def made_files(answer: Answer) -> dict[str, bytes]:
+    """Return all files of the result folder of an answer, by name, as ``metafem design`` writes them."""
+    design, specification = answer.design, answer.specification
+    assert design is not None
+    assert specification is not None
     with TemporaryDirectory() as parent:
         folder = Path(parent, "surface")
         with result_folder(folder, specification) as fresh:
-            design = specification.design()
             report = page(design, specification.hardness)
             write_all(design, fresh, specification, {"report.html": report})
         return {path.name: path.read_bytes() for path in sorted(folder.iterdir())}

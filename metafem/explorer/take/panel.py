@@ -45,25 +45,19 @@ COPIED = (
 # Message if the state has no full design.
 NOTHING = "there is no design; change the target or a field first"
 
-# Name of the background computation.
-TASK = "files"
-
 
 class Taking(Panel):
     """The buttons that download the files of the newest answer, and the command that repeats the design."""
 
     def __init__(self, page: Control) -> None:
         super().__init__(page)
-        self.tasks, self.answer, self.problem = page.tasks, page.answer, ""
-        self.made: tuple[State, dict[str, bytes]] | None = None  # all files of a state
+        self.answer, self.problem = page.answer, ""
+        self.made: tuple[State, asyncio.Task[dict[str, bytes]]] | None = None  # all files of a state
         self.told: State | None = None  # the state that the message is about
         self.offered: dict[str, tuple[ui.button, ui.label]] = {}
         self.above = ui.label().classes("warn").props('role="status"')
         self.above.set_visibility(False)
-        with ui.row().classes("row"):
-            self.label = ui.label().props('role="status"')
-            self.stop = ui.button("Stop", on_click=lambda: self.tasks.stop(TASK)).props("flat dense no-caps")
-        self.stop.set_visibility(False)
+        self.label = ui.label().props('role="status"')
         with ui.element("div").classes("cards"):
             self._cards()
 
@@ -106,10 +100,10 @@ class Taking(Panel):
         return ui.button(on_click=partial(self.say, said), **look).on("click", js_handler=copied)
 
     def show(self, answer: Answer, _: object) -> None:
-        """Offer the files of an answer; a message about another design goes, except about running work."""
+        """Offer the files of an answer; a message about another design goes."""
         self.answer = answer
         self.command.text = files.command_of(answer.state)
-        if self.told is not None and not self.stop.visible and not self.told.designs_the_same(answer.state):
+        if self.told is not None and not self.told.designs_the_same(answer.state):
             self.told, self.label.text = None, ""
         self._offer()
 
@@ -145,7 +139,7 @@ class Taking(Panel):
             raise MetafemError(NOTHING)
         if name in QUICK:
             return name, await asyncio.to_thread(self._quick, name, answer, answer.design)
-        found = await self._made(answer.state)
+        found = await self._made(answer)
         return name, found[name] if name != ARCHIVE else await asyncio.to_thread(files.archive, found)
 
     def _quick(self, name: str, answer: Answer, design: Design) -> bytes:
@@ -156,24 +150,16 @@ class Taking(Panel):
             raise MetafemError(answer.no_part)
         return files.tables_of(answer)[name]
 
-    async def _made(self, state: State) -> dict[str, bytes]:
-        """Return all files of a state, which a background process writes once."""
-        if self.made is None or not self.made[0].designs_the_same(state):
-            told = "The files are being written"
-            task = self.tasks.start(
-                TASK, files.made_files, (state,), lambda step, done: self.say(f"{told}: {step}.")
-            )
-            self.stop.set_visibility(True)
-            self.say(f"{told}.")
-            try:
-                self.made = state, await task
-            except asyncio.CancelledError:
-                if not self.tasks.running(TASK):  # otherwise they are being written again
-                    self.say("The files were not written: they were stopped.")
-                raise
-            finally:
-                self.stop.set_visibility(self.tasks.running(TASK))
-        return self.made[1]
+    async def _made(self, answer: Answer) -> dict[str, bytes]:
+        """Return all files of an answer; those of one state are written once."""
+        if self.made is None or not self.made[0].designs_the_same(answer.state):
+            self.say("The files are being written.")
+            self.made = answer.state, asyncio.create_task(asyncio.to_thread(files.made_files, answer))
+        try:
+            return await self.made[1]
+        except Exception:
+            self.made = None
+            raise
 
     def say(self, text: str) -> None:
         """Show a message about the current design."""
