@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from metafem.explorer.answer import answered
-from metafem.explorer.certainty.panel import figure_data
+from metafem.explorer.certainty.tables import tables_of
 from metafem.explorer.law.law_data import law_data
 from metafem.explorer.session import State
 from metafem.explorer.surface.contact_data import contact_data, press_data
@@ -58,7 +58,7 @@ def test_a_scene_is_shown_or_refused_in_words(scene):
     law = law_data(answer)
     law.pop("base")  # stays in the server
     shown = [law, site_data(answer)]
-    shown.append(figure_data(answer))
+    shown.append(tables_of(answer))
     if design is not None:
         contacts = contact_data(design, None, sensitive=True)
         assert sum(radius is not None for radius in contacts["radius"]) == design.surface.count
