@@ -6,16 +6,15 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from metafem._validate import FloatArray
-from metafem.errors import Infeasible, InvalidInput, MetafemError
-from metafem.explorer.largest import largest_line
+from metafem.errors import Infeasible, InvalidInput, MetafemError, refuse_if
 from metafem.explorer.session import State
 from metafem.explorer.text.fields import shown
 from metafem.explorer.text.names import on_page
 from metafem.files import Specification, parsed, planned, section_forms, toml_table
-from metafem.inversion import Design, DesignStatus, OperatingPoints, SampledLaw
+from metafem.inversion import Design, OperatingPoints, SampledLaw
 from metafem.inversion.strategies.proportional import steepest_line
 from metafem.inversion.targets.target import Target
 from metafem.inversion.targets.wording import Wording
@@ -57,8 +56,6 @@ class Answer:
         Example values by key, as a field shows them, of those of these messages that have one.
     refusal : str
         Why no surface reaches the target; "" if a surface does.
-    advice : str
-        Which line is met if the design misses a line that is too steep; "" otherwise.
     nearest : tuple of ndarray or None
         Rescaled load and friction [mm^2] of the nearest law that can be designed; None if it is not known.
     nearest_target : Target or None
@@ -79,7 +76,6 @@ class Answer:
     design: Design | None = None
     problems: Mapping[str, str] = field(default_factory=dict)
     refusal: str = ""
-    advice: str = ""
     nearest: tuple[FloatArray, FloatArray] | None = None
     nearest_target: Target | None = None
     draft: bool = False
@@ -146,8 +142,7 @@ def answered(
         answer = replace(answer, specification=specification)
         if stopped:
             return replace(answer, design=None, stopped=True)
-        design = _designed(specification, draft)
-        return _advised(replace(answer, design=design), design)
+        return replace(answer, design=_designed(specification, draft))
     except InvalidInput as error:
         problems, reasons = _problems(error)
         return replace(answer, problems=problems, reasons=reasons, offers=_offers(error))
@@ -155,26 +150,6 @@ def answered(
         return _refused(answer, error)
     except MetafemError as error:
         return replace(answer, problems={"": str(error)}, failed=True, undecided=draft)
-
-
-def _advised(answer: Answer, design: Design) -> Answer:
-    """Return a full answer whose design misses a line with the largest slope that is met."""
-    given = answer.specification
-    missed = design.status is DesignStatus.MISSED and not answer.draft
-    if given is None or not missed:
-        return answer
-    model = _drafted(given)
-    found = largest_line(given, model)
-    if found is None:
-        return answer
-    target: Any = design.target
-    line, loads = found
-    slopes = line.wording.slopes
-    advice = (
-        f"{slopes(target.slope)} is not met. The largest over the loads that are reached, {loads}, is "
-        f"{slopes(line.slope)}{', without interaction' * (given.model.couples and not model.couples)}"
-    )
-    return replace(answer, advice=advice, nearest_target=line)
 
 
 def _refused(answer: Answer, error: Infeasible) -> Answer:

@@ -14,10 +14,6 @@ from metafem.explorer.text.marks import Handle
 from metafem.explorer.text.shape import Follows, Shape
 from metafem.inversion import OperatingPoints
 
-# Labels of the shaded band. Its bounds are proven for independent asperities.
-INDEPENDENT = "possible at one load"
-COUPLED = "possible at one load for independent asperities"
-
 # Text after the refusal of a draft if no bound proves the refusal.
 SEARCHED = "A longer search follows."
 
@@ -39,14 +35,12 @@ def law_data(answer: Answer) -> dict[str, Any]:
         **units.axes(),
         "achieved": None if law is None else own.curve(law.rescaled_load, law.rescaled_friction),
         "model": "" if law is None else law.model.name + ", draft" * answer.simplified,
-        "reach": COUPLED if law is not None and law.model.couples else INDEPENDENT,
         "wanted": None if shape is None else _wanted(shape, units),
         "marked": marked,
         "crowd": f"{many:,} points, too many to drag" if many else "",
         "nearest": None if answer.nearest is None else units.curve(*answer.nearest) | {"marked": marked},
         # label of the button that adopts the nearest law
-        "offer": offer(answer) if answer.advice or answer.nearest is not None else "",
-        "advice": answer.advice,
+        "offer": "" if answer.nearest is None else offer(answer),
         "refusal": f"{answer.refused} {SEARCHED}" if answer.undecided else answer.refused,
         "undecided": answer.undecided,
         # None if the text has problems, because its handles are then unknown

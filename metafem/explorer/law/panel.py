@@ -11,13 +11,11 @@ from typing import Any
 
 from metafem.errors import InvalidInput
 from metafem.explorer.answer import Answer, specification_of
-from metafem.explorer.certainty.band import Band
 from metafem.explorer.control import Control, Panel
 from metafem.explorer.law.dropped import as_target, measured_of, read_points
 from metafem.explorer.law.further import Further, tools_data
-from metafem.explorer.law.law_data import band_data, law_data, pinned_data
+from metafem.explorer.law.law_data import law_data, pinned_data
 from metafem.explorer.law.nearest import reachable, with_nearest, with_point
-from metafem.explorer.law.reach import reach_of
 from metafem.explorer.law.shown import Units
 from metafem.explorer.session import State
 from metafem.explorer.text.handles import RESOLUTION, moved, removed, scene_of
@@ -42,7 +40,6 @@ class LawPanel(Panel):
         super().__init__(page)
         names = [name for name in dir(type(self)) if name.startswith("on_")]
         self.plot = LawPlot(**{name[3:]: partial(self._handle, getattr(self, name)) for name in names})
-        self.reach: tuple[Band | None, Units] | None = None  # the band that is shown, and its units
         self.further = Further(partial(self.plot.call, "more"))
         # number of the plot for each change of the page by a drag, and for the newest one that is answered
         self.requests: dict[int, int] = {}
@@ -54,7 +51,6 @@ class LawPanel(Panel):
 
     def prepare(self, answer: Answer) -> dict[str, Any]:
         """Return the data of an answer that the plot draws."""
-        specification = answer.specification
         data = law_data(answer)
         units = Units.of(answer.template, answer.state.newtons)
         data["tools"], data["pinned"] = tools_data(answer), pinned_data(self.pinned, units)
@@ -63,10 +59,6 @@ class LawPanel(Panel):
         except InvalidInput as error:
             points, data["problem"] = None, str(error)
         data["measured"] = None if points is None else points.data(units, answer.design)
-        if specification is not None:
-            reach = reach_of(specification)  # the same object while the band is the same
-            if self.reach is None or reach is not self.reach[0] or units != self.reach[1]:
-                data["band"], data["reached"] = reach and band_data(reach, units), (reach, units)
         return data
 
     def show(self, answer: Answer, data: dict[str, Any]) -> None:
@@ -79,7 +71,6 @@ class LawPanel(Panel):
             self.stuck = answer.refusal != "" and not answer.undecided
         if answer.nearest_target is not None:
             self.refused = answer
-        self.reach = data.pop("reached", self.reach)
         self.plot.call("draw", data | {"request": self.request})
         if "problem" in data:
             self.say(data["problem"], wrong=True)

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.explorer.answer import _advised, answered
-from metafem.explorer.largest import largest_line
+from metafem.explorer.answer import answered
 from metafem.explorer.law.law_data import law_data
 from metafem.explorer.law.nearest import offer, reachable, with_nearest
 from metafem.explorer.session import State
@@ -165,29 +164,6 @@ def test_a_law_that_lower_limits_refuse_has_one_that_can_be_reached(kind):
     low = answered(State(text), 2, first)
     assert low.refusal
     assert to(reachable(low)).current
-
-
-def test_a_line_that_is_too_steep_has_the_largest_that_is_met():
-    specification = parsed(line(slope=40.0))
-    steepest = largest_line(specification, Independent())[0].slope
-    assert largest_line(parsed(line(slope=400.0)), Independent())[0].slope == pytest.approx(
-        steepest, rel=0.03
-    )
-    assert to(line(slope=1.1 * steepest)).design.misfit > 0.1
-    ranged = {"slope": 7.0, "load_range": ["0.1 mm^2", "0.4 mm^2"]}
-    assert largest_line(parsed(line(**ranged)), Independent()) is None
-    missed = to(line(friction_coefficient=20.0))
-    assert not missed.refusal
-    words = offer(missed).removeprefix("Use ")
-    assert words.startswith(missed.nearest_target.wording.name())
-    assert missed.advice.endswith(f"is {words}")
-    assert law_data(missed)["advice"] == missed.advice
-    used = to(with_nearest(missed))
-    assert used.design.status is not mf.DesignStatus.MISSED
-    assert used.advice == ""
-    coupled = replace(missed.specification, model=mf.Interacting(contact=mf.JKR(9e-6)))
-    assert "without interaction" in _advised(replace(missed, specification=coupled), missed.design).advice
-    assert not to(line(friction_coefficient=20.0), draft=True).advice
 
 
 def test_a_coefficient_over_loads_is_the_ratio_of_the_law():

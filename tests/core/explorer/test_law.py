@@ -10,8 +10,7 @@ import metafem as mf
 from metafem.explorer.answer import answered
 from metafem.explorer.law.dropped import as_target, better_titles, measured_of, read_points
 from metafem.explorer.law.further import NO_FORCES, Further, other_law, own_name, tools_data
-from metafem.explorer.law.law_data import band_data, law_data, pinned_data
-from metafem.explorer.law.reach import reach_of
+from metafem.explorer.law.law_data import law_data, pinned_data
 from metafem.explorer.law.shown import Units, numbers
 from metafem.explorer.session import State
 from metafem.explorer.text.document import Document
@@ -92,27 +91,6 @@ def test_slopes_are_drawn_along_their_branches_and_open_laws_at_their_level():
     wanted, law = law_data(answer)["wanted"], answer.design.law
     assert np.polyfit(np.log(wanted["x"]), np.log(wanted["y"]), 1)[0] == pytest.approx(1.1, rel=1e-4)
     np.testing.assert_allclose(wanted["y"], np.interp(wanted["x"], law.rescaled_load, law.area), rtol=0.03)
-
-
-def test_the_reach_is_that_of_equal_asperities_and_is_computed_once(answer):
-    band = load, low, high = reach_of(answer.specification)
-    single = np.pi * 0.526 * (0.75 * load / np.sqrt(0.526)) ** (2 / 3)
-    np.testing.assert_allclose(low, single, rtol=1e-9)
-    np.testing.assert_allclose(high, 64 ** (1 / 3) * single, rtol=1e-9)
-    # it ends where 64 summits of the largest height are pressed to the base plane
-    assert load[-1] == pytest.approx(64 * 4 / 3 * np.sqrt(0.526) * 0.27**1.5)
-    assert load[0] == pytest.approx(1e-4 * load[-1])
-    assert reach_of(answered(State(TEXT.replace('"0.84', '"0.85')), 1).specification) is band
-    assert reach_of(answered(State(TEXT.replace('"270 um"', '"280 um"')), 1).specification) is not band
-    _, low, high = reach_of(answered(State(TEXT + "\n[sites]\nempty = [0, 1, 2, 3]\n"), 1).specification)
-    np.testing.assert_allclose(high / low, 60 ** (1 / 3), rtol=1e-9)
-    adhesive = TEXT + '\n[contact]\nkind = "jkr"\nadhesion_energy = "9 mJ/m^2"\n'
-    assert reach_of(answered(State(adhesive), 1).specification) is None
-    shown = band_data(band, Units(2.0, 3.0, True), name="a")
-    assert (shown["x"][-1], shown["high"][-1]) == tuple(numbers([2.0 * load[-1], 3.0 * band[2][-1]]))
-    coupled = answered(State(TEXT.replace('kind = "independent"', 'kind = "half-space"')), 1)
-    assert law_data(answer)["reach"] == "possible at one load"
-    assert law_data(coupled)["reach"] != "possible at one load"
 
 
 def test_a_further_law_is_that_of_the_same_surface(answer):

@@ -6,7 +6,7 @@ import { MARGIN } from "./view.js";
 const [BETWEEN_X, BETWEEN_Y] = [85, 48];
 
 // What is drawn, from the back to the front, by the first words of its keys.
-const LAYERS = ["band", "tolerance", "other", "pinned", "nearest", "wanted", "achieved", "measured"];
+const LAYERS = ["tolerance", "other", "pinned", "nearest", "wanted", "achieved", "measured"];
 
 // Returns [class of the key, words, further words, curve] of all that an answer shows.
 export function entries(data) {
@@ -20,7 +20,6 @@ export function entries(data) {
   add(data.pinned, "pinned", "pinned law");
   add(data.measured && { ...data.measured, loose: true }, "measured", data.measured?.name);
   add(data.nearest, "nearest", "nearest law that can be designed");
-  add(data.band, "band", data.reach, "What the surfaces within the limits can have at one load. A law inside is refused where no single surface meets all of its loads.");
   // the errors of the part are told where the pointer rests
   add(data.tolerance, "tolerance", data.tolerance?.name.split(",")[0], data.tolerance?.name);
   (data.others ?? []).forEach((each, i) => add(each, `other other-${i}`, each.name));

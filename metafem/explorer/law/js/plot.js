@@ -27,7 +27,6 @@ const SAME = 1000;
 export class Plot {
   view = new View();
   data = null;
-  band = null;
   beside = { tolerance: null, others: [] };
   requests = new Requests((request) => this.emit("drag", { ...request, part: this.view.part }));
   closed = new AbortController();
@@ -178,16 +177,15 @@ export class Plot {
     return closed;
   }
 
-  // Draws an answer. An answer without a band has the one of the answer before.
+  // Draws an answer.
   draw(data) {
     const { handles } = this;
-    this.band = data.band === undefined ? this.band : data.band;
     if (data.state !== this.data?.state) this.cursor.chosen = new Chosen();
     const unknown = data.handles === null; // the text has problems: the last target law stays
     const last = this.data?.x.unit === data.x.unit ? this.data : { ...data, handles: [] };
     const { wanted, marked, handles: own } = unknown ? last : data;
     // the tolerance band and further laws stay until those of this answer come
-    this.data = { ...data, ...this.beside, wanted, marked, band: this.band, handles: own };
+    this.data = { ...data, ...this.beside, wanted, marked, handles: own };
     const shown = (name) => this.beside.others.some((each) => each.name.startsWith(`${name},`));
     this.data.pending = data.achieved ? data.tools.models.filter(({ name, on }) => on && !shown(name)).map(({ name }) => name) : [];
     const closed = data.request < this.requests.received ? null : this.take(data.request, data);
@@ -259,13 +257,12 @@ export class Plot {
   }
 
   drawRefusal() {
-    const { element, data: { refusal, advice, offer, nearest } } = this;
+    const { element, data: { refusal, offer, nearest } } = this;
     const held = Boolean(this.handles.drag);
-    const reason = refusal || advice;
-    if (reason !== element.refusal || held) element.away = false; // another reason has not been read
-    if (reason && offer) element.offer = offer; // after a drag the target is back, and the last offer stays
-    if (reason && !held) element.offered = false; // the box has it
-    Object.assign(element, { held, refusal: reason, nearest: nearest !== null, usable: offer !== "" });
+    if (refusal !== element.refusal || held) element.away = false; // another reason has not been read
+    if (refusal && offer) element.offer = offer; // after a drag the target is back, and the last offer stays
+    if (refusal && !held) element.offered = false; // the box has it
+    Object.assign(element, { held, refusal, nearest: nearest !== null, usable: offer !== "" });
   }
 
   // A place in words; without the friction where it is null.
