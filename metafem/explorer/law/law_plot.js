@@ -9,7 +9,7 @@ const [HINT, WELCOME] = ["metafem-hint", "Drag the points of the target law: the
 const ACTS = {
   achieved: [["Pin", "pin", { on: true }]],
   pinned: [["Unpin", "pin", { on: false }]],
-  measured: [["Use as target", "measured", { action: "use" }], ["Remove", "measured", { action: "remove" }]],
+  measured: [["Remove", "measured", {}]],
 };
 
 export default {
@@ -28,7 +28,7 @@ export default {
         <button type="button" class="act law-beside" aria-haspopup="dialog">Other models
           <q-menu class="law-models" role="dialog" aria-label="Other models" anchor="bottom right" self="top right" transition-duration="0">
             <label v-for="{ name, on } in tools.models" :key="name"><input type="checkbox" :name="name" :checked="on" @change="$emit('model', { name, on: $event.target.checked })"> {{ name }}</label></q-menu></button>
-        <button type="button" class="act law-choose" title="Show a CSV table of a measured law; it can also be dropped onto the plot. Its first line names the columns with their units: load_N,friction_force_N or load_mN,area_mm2, optionally with load_sd_N and friction_force_sd_N." @click="$refs.file.click()">Measured points…</button>
+        <button type="button" class="act law-choose" title="Show a CSV table of a measured law; it can also be dropped onto the plot. Its first line names the columns with their units: load_N,friction_force_N or load_mN,area_mm2." @click="$refs.file.click()">Measured points…</button>
         <input ref="file" type="file" accept=".csv,.tsv,.txt,text/csv" hidden @change="choose">
       </div>
       <div class="law-stage" ref="stage">
@@ -84,9 +84,9 @@ export default {
     },
     async read(files) {
       this.dropping = false;
-      const { measured } = await import("metafem-law/measured.js");
-      const { wrong, ...table } = await measured(files);
-      if (wrong) this.say(wrong, true);
+      const { textsOf } = await import("metafem-workshop/files.js");
+      const [table, ...others] = await textsOf(files);
+      if (table.why || others.length) this.say(others.length ? "Drop one file: a table with columns such as load_N,friction_force_N." : `${table.name} ${table.why}.`, true);
       else this.$emit("dropped", table);
     },
   },

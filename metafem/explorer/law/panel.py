@@ -12,7 +12,7 @@ from typing import Any
 from metafem.errors import InvalidInput
 from metafem.explorer.answer import Answer, specification_of
 from metafem.explorer.control import Control, Panel
-from metafem.explorer.law.dropped import as_target, measured_of, read_points
+from metafem.explorer.law.dropped import measured_of, read_points
 from metafem.explorer.law.further import Further, tools_data
 from metafem.explorer.law.law_data import law_data, pinned_data
 from metafem.explorer.law.nearest import reachable, with_nearest, with_point
@@ -58,7 +58,7 @@ class LawPanel(Panel):
             points = measured_of(answer)
         except InvalidInput as error:
             points, data["problem"] = None, str(error)
-        data["measured"] = None if points is None else points.data(units, answer.design)
+        data["measured"] = None if points is None else points.data(units)
         return data
 
     def show(self, answer: Answer, data: dict[str, Any]) -> None:
@@ -152,20 +152,14 @@ class LawPanel(Panel):
         design = self.page.answer.design
         if design is None:
             raise InvalidInput("measured points can be shown once the specification has a design")
-        name, text, left = (str(event[key]) for key in ("name", "text", "left"))
-        template = design.template
+        name, text, template = str(event["name"]), str(event["text"]), design.template
         found = await asyncio.to_thread(read_points, name, text, template.material, template.friction)
         await self.page.alter(measured=text, measured_name=name)
-        told = [f"{len(found.load)} points of {name} are shown.", *[left] * bool(left), *found.remarks]
-        self.say(" ".join(told))
+        self.say(f"{len(found.load)} points of {name} are shown.")
 
     async def on_measured(self, event: Event) -> None:
-        """Use the measured points as the target, or remove them."""
-        answer = self.page.answer
-        if event["action"] == "remove":
-            await self.page.alter(measured="", measured_name="")
-        else:
-            await self.page.make(lambda state: as_target(replace(answer, state=state)))
+        """Remove the measured points."""
+        await self.page.alter(measured="", measured_name="")
 
     def _units(self) -> Units:
         return Units.of(self.page.answer.template, self.page.state.newtons)

@@ -8,7 +8,7 @@ import pytest
 
 import metafem as mf
 from metafem.explorer.answer import answered
-from metafem.explorer.law.dropped import as_target, better_titles, measured_of, read_points
+from metafem.explorer.law.dropped import measured_of, read_points
 from metafem.explorer.law.further import NO_FORCES, Further, other_law, own_name, tools_data
 from metafem.explorer.law.law_data import law_data, pinned_data
 from metafem.explorer.law.shown import Units, numbers
@@ -135,42 +135,17 @@ def test_the_plot_gets_the_newest_band_and_laws(answer):
     assert pinned_data(None, Units()) is None
 
 
-def test_measured_points_are_rescaled_compared_and_become_a_target(answer):
+def test_measured_points_are_rescaled(answer):
     found = read_points("m.csv", FORCES, *PAIR)
     np.testing.assert_allclose(found.load, np.array([0.1, 0.2, 0.4]) / 1.36)
     np.testing.assert_allclose(found.friction, np.array([0.12, 0.26, 0.53]) / STRESS)
-    assert (found.load_sd, found.friction_sd) == (None, None)
-    assert found.data(Units(1.36, STRESS, True), None)["x"] == [0.1, 0.2, 0.4]
-    law = answer.design.law
-    pairs = zip(law.rescaled_load.tolist(), (1.1 * law.area).tolist(), strict=True)
-    rows = "\n".join(
-        ["rescaled_load_mm2,rescaled_friction_mm2", *(f"{x!r},{y!r}" for x, y in pairs), "50,60"]
-    )
-    rescaled = read_points("m.csv", rows, PAIR[0], None)
-    error, near = rescaled.difference(answer.design)
-    assert (near, error) == (100, pytest.approx(1.0 / 11.0))
-    measured = {"measured": FORCES + "400,550\n0,0\n", "measured_name": "m.csv"}
-    text = as_target(answered(State(TEXT, newtons=False, **measured), 1))
-    target = answered(State(text), 2).specification.target
-    np.testing.assert_allclose(target.rescaled_load, found.load)
-    # two values at one load are replaced by their mean
-    assert target.rescaled_friction[-1] == pytest.approx(0.54 / STRESS)
-    assert ' N"' in as_target(answered(State(TEXT, **measured), 1))
+    assert found.data(Units(1.36, STRESS, True))["x"] == [0.1, 0.2, 0.4]
+    rows = "rescaled_load_mm2,rescaled_friction_mm2\n0.1,0.2\n50,60\n"
+    assert read_points("m.csv", rows, PAIR[0], None).load.tolist() == [0.1, 50.0]
     points = measured_of(answered(State(TEXT, measured=FORCES, measured_name="m.csv"), 2, answer))
     changed = State(TEXT.replace("0.84", "0.85"), measured=FORCES, measured_name="m.csv")
     assert measured_of(answered(changed, 3)) is points
     assert measured_of(answer) is None
-
-    for text in (
-        "Load [mN],Friction force [mN],Friction force SD [mN]\n200,260,1\n100,120,2\n",
-        "P [mN];F [mN];friction_force_sd_mN\n200;260;1\n100;120;2\n",
-    ):
+    for text in ("Load [mN],Friction force [mN]\n200,260\n100,120\n", "P [mN];F [mN]\n200;260\n100;120\n"):
         found = read_points("m.csv", text, *PAIR)
         np.testing.assert_allclose(found.load, np.array([0.1, 0.2]) / 1.36)
-        np.testing.assert_allclose(found.friction_sd, np.array([0.002, 0.001]) / STRESS)
-        assert found.remarks == ()
-    unread = read_points("m.csv", "load_N,friction_force_N,colour\n0.1,0.2,red\n", *PAIR)
-    assert "colour" in unread.remarks[0]
-    assert better_titles(["P [mN]", "contact area (mm²)", "load_N", "temperature", ""]) == {
-        "P [mN]": "load_mN", "contact area (mm²)": "area_mm²",
-    }  # fmt: skip

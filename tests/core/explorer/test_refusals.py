@@ -5,7 +5,6 @@ import json
 import math
 import socket
 import zlib
-from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -14,7 +13,7 @@ import pytest
 from metafem.errors import InvalidInput
 from metafem.explorer.answer import Answer, answered, specification_of
 from metafem.explorer.last_run import HOST, token_and_port
-from metafem.explorer.law.dropped import MOST, as_target, read_points
+from metafem.explorer.law.dropped import read_points
 from metafem.explorer.law.nearest import reachable, with_nearest
 from metafem.explorer.session import Session, State
 from metafem.explorer.start import explore, first_state
@@ -126,18 +125,9 @@ STATES = [
 ]
 LAWS = [
     (points("\0"), "m.csv", "null"),
-    (points("load_N,friction_N\n0.1,0.12\n"), "m.csv", "friction_force_N instead of friction_N"),
+    (points("load_N,friction_N\n0.1,0.12\n"), "m.csv", "friction_N"),
     (points(TITLES + "0.1,many\n"), "m.csv", "many"),
     (points(TITLES + "0.1,0.2\n", None), "friction", "[friction]"),
-    (points(TITLES + "".join(f"{i},{i}\n" for i in range(1, MOST + 2))), "m.csv", f"{MOST + 1:,}"),
-    (lambda: as_target(demo()), "measured points", "target"),
-    (
-        lambda: as_target(
-            replace(demo(), state=State(TEXT, measured=TITLES + "0,0\n0,1\n", measured_name="m"))
-        ),
-        "m ",
-        "above 0",
-    ),
     (lambda: with_nearest(demo()), "nearest law", "known"),
     (lambda: reachable(Answer(1, State(TEXT))), "law", "known"),
 ]

@@ -81,15 +81,8 @@ function drawn(view, kind, curve) {
   return [line, ...marks];
 }
 
-// Points with bars of their errors.
-function points(view, kind, { x, y, x_sd: across, y_sd: up }) {
+function points(view, kind, { x, y }) {
   const group = made("g", { class: kind });
-  x.forEach((each, i) => {
-    const [px, py, dx, dy] = [view.px(each), view.py(y[i]), across?.[i] ?? 0, up?.[i] ?? 0];
-    const point = made("g", {}, group);
-    if (dx) made("line", { x1: view.px(each - dx), x2: view.px(each + dx), y1: py, y2: py }, point);
-    if (dy) made("line", { x1: px, x2: px, y1: view.py(y[i] - dy), y2: view.py(y[i] + dy) }, point);
-    made("rect", { x: px - 3, y: py - 3, width: 6, height: 6 }, point);
-  });
+  x.forEach((each, i) => made("rect", { x: view.px(each) - 3, y: view.py(y[i]) - 3, width: 6, height: 6 }, group));
   return group;
 }
