@@ -11,7 +11,6 @@ from metafem.explorer.law.nearest import offer
 from metafem.explorer.law.shown import EDITED, Units, numbers
 from metafem.explorer.text.handles import scene_of
 from metafem.explorer.text.marks import Handle
-from metafem.explorer.text.shape import Follows, Shape
 from metafem.inversion import OperatingPoints
 
 # Text after the refusal of a draft if no bound proves the refusal.
@@ -24,7 +23,7 @@ def law_data(answer: Answer) -> dict[str, Any]:
     own = Units.of_design(answer, answer.state.newtons)
     given = answer.specification
     scene = None if given is None else scene_of(answer.state.text, given, answer.design)
-    target, shape, many = (scene.target, scene.shape(), scene.crowd) if scene else (None, None, 0)
+    target, many = (scene.target, scene.crowd) if scene else (None, 0)
     marked = isinstance(target, OperatingPoints) and not many
     law = None if answer.design is None else answer.design.law
     return {
@@ -35,7 +34,7 @@ def law_data(answer: Answer) -> dict[str, Any]:
         **units.axes(),
         "achieved": None if law is None else own.curve(law.rescaled_load, law.rescaled_friction),
         "model": "" if law is None else law.model.name + ", draft" * answer.simplified,
-        "wanted": None if shape is None else _wanted(shape, units),
+        "wanted": None if scene is None else units.curve(*scene.curve()),
         "marked": marked,
         "crowd": f"{many:,} points, too many to drag" if many else "",
         "nearest": None if answer.nearest is None else units.curve(*answer.nearest) | {"marked": marked},
@@ -69,19 +68,3 @@ def _handle(handle: Handle, units: Units) -> dict[str, Any]:
     """Return a handle at its place in the units of the axes."""
     x, y = numbers([units.load * handle.load, units.friction * handle.friction], EDITED)
     return {**vars(handle), "x": x, "y": y}
-
-
-def _wanted(shape: Shape, units: Units) -> dict[str, Any]:
-    """Return the target law, and how its corners and handles follow a move of each handle."""
-    follows = {id: _follows(each, units) for id, each in shape.follows.items()}
-    return units.curve(shape.load, shape.friction) | {"follows": follows}
-
-
-def _follows(follows: Follows, units: Units) -> dict[str, Any]:
-    """Return the factors by which corners and handles follow a move of a handle, in the units of the axes."""
-    across = units.friction / units.load
-    rows = [
-        [key, *numbers([shift.x, shift.across * across, shift.y], EDITED)] for key, shift in follows.items()
-    ]
-    corners = [row for row in rows if isinstance(row[0], int)]
-    return {"corners": corners, "handles": [row for row in rows if row not in corners]}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -9,11 +10,48 @@ import numpy as np
 
 from metafem._validate import FloatArray
 from metafem.explorer.text.marks import Handle, Numbers, Scene
-from metafem.explorer.text.shape import Branch, Point, Shape, shape_of
 
 # Estimate of the largest rescaled load of a surface before there is a design, as a fraction of
 # "number of sites x largest height x radius". It is near the largest loads of the paper's surfaces.
 BEFORE_ANY_DESIGN = 0.1
+
+# Smallest load difference between pointer and pivot at which a branch is turned through the pointer, as a
+# fraction of the load difference between handle and pivot. Closer to the pivot, a small move would change the
+# slope far too much.
+NEAREST = 0.2
+
+
+@dataclass(frozen=True)
+class Branch:
+    """A straight branch of a target as the plot draws it.
+
+    Attributes
+    ----------
+    slope : float
+    at, friction : float
+        Rescaled load and friction of the handle [mm^2].
+    pivot : float
+        Rescaled load of the point about which the handle turns the branch [mm^2].
+    low, high : float
+        Rescaled loads between which the branch is drawn [mm^2].
+    """
+
+    slope: float
+    at: float
+    friction: float
+    pivot: float
+    low: float
+    high: float
+
+    def friction_at(self, load: float) -> float:
+        """Return the rescaled friction of the branch at a rescaled load [mm^2]."""
+        return self.friction + self.slope * (load - self.at)
+
+    def slope_through(self, load: float, friction: float) -> float:
+        """Return the slope of the branch after its handle has moved to a load and friction [mm^2]."""
+        near = (load - self.pivot) / (self.at - self.pivot) < NEAREST
+        run = (self.at if near else load) - self.pivot
+        return (friction - self.friction_at(self.pivot)) / run
 
 
 class LineHandles(Scene):
@@ -32,7 +70,7 @@ class LineHandles(Scene):
             label = f"{words}, branch {i + 1}" if len(self.branches) > 1 else words
             carried = words.replace("friction coefficient", "μ =").replace("slope ", "slope = ")
             found.append(Handle(f"slope-{i}", branch.at, branch.friction, "y", label, carried))
-        for id, load, label, _ in self.path:
+        for id, load, label in self.path:
             ranged = bool(self.target.branches)
             friction = self._friction(load) if ranged else self.branches[0].friction_at(load)
             found.append(Handle(id, load, friction, "x", label))
@@ -53,9 +91,17 @@ class LineHandles(Scene):
             return {"load_range": None}
         return super().removed(id)
 
-    def shape(self) -> Shape:
+    def curve(self) -> tuple[FloatArray, FloatArray]:
         """Return the curve of the branches, with the intercepts that are closest to the last design."""
-        return shape_of(self.branches, {id: Point(branch, load) for id, load, _, branch in self.path})
+        corners: list[tuple[float, float]] = []
+        for branch in self.branches:
+            if not corners or branch.low > corners[-1][0]:
+                if corners and not self.target.branches:
+                    corners.append((np.nan, np.nan))  # branches without a load range need not meet
+                corners.append((branch.low, branch.friction_at(branch.low)))
+            corners.append((branch.high, branch.friction_at(branch.high)))
+        load, friction = np.array(corners).T
+        return load, friction
 
     @property
     def slopes(self) -> tuple[float, ...]:
@@ -76,14 +122,12 @@ class LineHandles(Scene):
                 pivot = target.lines[i][1] if i else 0.0
                 at, friction = self._of_density(i, slope)
                 low, high = self._fits[i][0].load_range if self._fits else (pivot, 2.0 * at - pivot)
-            centred = bool(target.branches)
-            joined = i > 0 and (not centred or low == found[-1].high)
-            found.append(Branch(slope, at, friction, pivot, low, high, joined, centred))
+            found.append(Branch(slope, at, friction, pivot, low, high))
         return found
 
     @property
-    def path(self) -> list[tuple[str, float, str, int]]:
-        """Handle id, rescaled load [mm^2], label and branch of all crossovers and range ends, by load."""
+    def path(self) -> list[tuple[str, float, str]]:
+        """Handle id, rescaled load [mm^2] and label of all crossovers and range ends, by load."""
         target = self.target
         crossover = getattr(target, "crossover_load", None)
         pairs = getattr(target, "crossover_loads", () if crossover is None else ((crossover, crossover),))
@@ -91,15 +135,15 @@ class LineHandles(Scene):
         for i, (end, start) in enumerate(pairs):
             words = "crossover load" if len(pairs) == 1 else f"crossover load {i + 1}"
             if end == start:
-                found.append((f"crossover-{i}", end, words, i))
+                found.append((f"crossover-{i}", end, words))
             else:
-                found.append((f"crossover-{i}-end", end, f"{words}, end of branch {i + 1}", i))
-                found.append((f"crossover-{i}-start", start, f"{words}, start of branch {i + 2}", i + 1))
+                found.append((f"crossover-{i}-end", end, f"{words}, end of branch {i + 1}"))
+                found.append((f"crossover-{i}-start", start, f"{words}, start of branch {i + 2}"))
         if target.load_range is None:
             return found
         low, high = target.load_range
         first, last = "smallest load of the range", "largest load of the range"
-        return [("range-low", low, first, 0), *found, ("range-high", high, last, len(pairs))]
+        return [("range-low", low, first), *found, ("range-high", high, last)]
 
     @property
     def _fits(self) -> Any:

@@ -13,7 +13,6 @@ import numpy as np
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 from metafem.explorer.text.document import Document
-from metafem.explorer.text.shape import Shape
 from metafem.explorer.text.written import EXACT, between, rounded, stated
 from metafem.files import Specification
 from metafem.inversion import Design
@@ -118,8 +117,8 @@ class Scene:
         """Return the handles; a target with too many points has none."""
         return ()
 
-    def shape(self) -> Shape:
-        """Return the curve of the target, and the points that follow each handle."""
+    def curve(self) -> tuple[FloatArray, FloatArray]:
+        """Return rescaled load and friction of the target [mm^2], nan in gaps."""
         raise NotImplementedError
 
     def moved(self, handle: Handle, load: float, friction: float, resolution: float) -> tuple[Numbers, float]:

@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 
+from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 from metafem.explorer.text.marks import COLUMNS, Handle, Numbers, Scene, members
-from metafem.explorer.text.shape import Follows, Shape, Shift
 from metafem.explorer.text.written import between
 
 # Largest number of points that have handles. With more points, the marks would overlap on the plot, and
@@ -41,11 +41,9 @@ class PointHandles(Scene):
             for i, (load, friction) in enumerate(zip(loads, frictions, strict=True))
         )
 
-    def shape(self) -> Shape:
-        """Return the curve of straight lines from each point to the next."""
-        shift = Shift(1.0, 0.0, 1.0)
-        follows: dict[str, Follows] = {each.id: {i: shift} for i, each in enumerate(self.handles())}
-        return Shape(self.target.rescaled_load, self.target.rescaled_friction, follows)
+    def curve(self) -> tuple[FloatArray, FloatArray]:
+        """Return the points."""
+        return self.target.rescaled_load, self.target.rescaled_friction
 
     def moved(self, handle: Handle, load: float, friction: float, resolution: float) -> tuple[Numbers, float]:
         """Return the points with one point moved, and the resolution of its values."""
@@ -96,8 +94,8 @@ def _index(id: str) -> int:
 class BandCurves(Scene):
     """The two curves of a band, without handles; the values are edited in the text."""
 
-    def shape(self) -> Shape:
+    def curve(self) -> tuple[FloatArray, FloatArray]:
         """Return the two curves, with a gap between them."""
         target = self.target
         load, gap = target.rescaled_load, [math.nan]
-        return Shape(np.concatenate([load, gap, load]), np.concatenate([target.lowest, gap, target.highest]))
+        return np.concatenate([load, gap, load]), np.concatenate([target.lowest, gap, target.highest])

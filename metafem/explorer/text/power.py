@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from functools import cached_property
 
+from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 from metafem.explorer.text.marks import Handle, Numbers, Scene
-from metafem.explorer.text.shape import Shape
 from metafem.explorer.text.written import rounded
 
 
@@ -28,10 +28,10 @@ class PowerHandles(Scene):
         found.append(("range-high", high, "x", "largest load of the range"))
         return tuple(Handle(id, load, self._friction(load), *rest) for id, load, *rest in found)
 
-    def shape(self) -> Shape:
-        """Return the curve. It is not straight, so it moves only with the answers and follows no handle."""
+    def curve(self) -> tuple[FloatArray, FloatArray]:
+        """Return the curve."""
         load = self.target.curve().load
-        return Shape(load, self._prefactor * load**self.target.exponent)
+        return load, self._prefactor * load**self.target.exponent
 
     def moved(self, handle: Handle, load: float, friction: float, resolution: float) -> tuple[Numbers, float]:
         """Return the numbers that change when a handle has moved, and their resolution."""

@@ -1,4 +1,4 @@
-"""Handles of target laws: where they are, where they go, what follows them, and what the text is then."""
+"""Handles of target laws: where they are, where they go, and what the text is then."""
 
 import math
 import tomllib
@@ -83,83 +83,35 @@ def units(value):
     return value.lstrip("0123456789.e+-") if isinstance(value, str) else float
 
 
-SHAPED = {
-    "linear": TARGETS["linear"],
-    "line": TARGETS["line"],
-    "bilinear": TARGETS["bilinear"],
-    "lines": 'kind = "bilinear"\nslopes = [7.0, 12.0]\ncrossover_load = "0.04 mm^2"\n'
-    'load_range = ["0.02 mm^2", "0.13 mm^2"]',
-    "joined": 'kind = "multilinear"\nslopes = [9.5, 8.0, 7.0]\nload_range = ["0.03 mm^2", "0.26 mm^2"]\n'
-    'crossover_loads = ["0.07 mm^2", "0.16 mm^2"]',
-    "parted": 'kind = "multilinear"\nslopes = [9.5, 8.0, 7.0]\nload_range = ["0.03 mm^2", "0.26 mm^2"]\n'
-    'crossover_loads = ["0.07 mm^2", ["0.15 mm^2", "0.18 mm^2"]]',
-}
+@pytest.mark.parametrize("name", ["line", "lines", "multilinear", "bilinear"])
+def test_branches_have_their_slopes_between_their_loads(name):
+    load, friction = scene(name).curve()
+    slopes = np.diff(friction) / np.diff(load)
+    wanted = np.atleast_1d(getattr(scene(name).target, "slopes", getattr(scene(name).target, "slope", None)))
+    for slope in wanted:
+        assert np.isclose(slopes, slope, rtol=1e-9).any()
+    ends = [each.load for each in scene(name).handles() if each.id.startswith("range-")]
+    assert not ends or (load[0], load[-1]) == pytest.approx(ends)
 
 
-def followed(shape, found, id, by):
-    """Return corners (k, 2) and places of handles that follow a move of a handle, as the browser has them."""
-    corners = np.stack([shape.load, shape.friction], axis=1)
-    before = {each.id: np.array([each.load, each.friction]) for each in found}
-    places = before | {id: before[id] + by}
-    for key, shift in shape.follows[id].items():
-        move = np.array([shift.x * by[0], shift.across * by[0] + shift.y * by[1]])
-        if isinstance(key, int):
-            corners[key] += move
-        else:
-            places[key] = before[key] + move
-    return corners, places
-
-
-@pytest.mark.parametrize("name", SHAPED)
-def test_what_follows_a_handle_at_once_is_what_the_text_says_then(name):
-    text = text_of(SHAPED[name])
-    specification = parsed(text)
-    ranged = specification.target.last_load is not None  # else the lines are those of the design
-    at = scene_of(text, specification, None if ranged else specification.design())
-    found, shape = at.handles(), at.shape()
-    for handle in found:
-        by = np.array([0.001 * handle.load, 0.0] if handle.moves == "x" else [0.0, 0.01 * handle.friction])
-        corners, places = followed(shape, found, handle.id, by)
-        new = moved(at, handle.id, handle.load + by[0], handle.friction + by[1], FINE)
-        then = scene_of(new, parsed(new), at.design)
-        target = then.shape()
-        if name in ("line", "lines"):  # whose intercepts are known
-            np.testing.assert_allclose(corners.T, [target.load, target.friction], rtol=1e-9)
-            for each in then.handles():
-                np.testing.assert_allclose(places[each.id], [each.load, each.friction], rtol=1e-9)
-        elif handle.id != "crossover-1-start":
-            wanted = np.diff(target.friction) / np.diff(target.load)
-            slopes = np.diff(corners[:, 1]) / np.diff(corners[:, 0])
-            bound = np.isfinite(slopes)
-            bound[2:3] &= name != "parted"  # between a pair of loads the law is free
-            np.testing.assert_allclose(slopes[bound], wanted[bound], rtol=1e-9)
-        if ranged:  # else the branches of the next design end elsewhere
-            np.testing.assert_allclose(corners[:, 0], target.load, rtol=1e-9)
-        drawn = corners[np.isfinite(corners[:, 0])]
-        for id, (load, friction) in places.items():
-            if drawn[0, 0] <= load <= drawn[-1, 0] and "crossover" not in id:
-                assert friction == pytest.approx(np.interp(load, *drawn.T), rel=1e-9), (handle.id, id)
-
-
-def test_shapes_of_points_curves_bands_and_lines_without_a_design():
-    at = scene("points")
-    corners, places = followed(at.shape(), at.handles(), "point-1", np.array([0.01, 0.5]))
-    np.testing.assert_allclose(corners[1], [0.346, 2.18])
-    np.testing.assert_allclose([places["point-1"], places["point-0"]], [corners[1], [0.144, 0.84]])
-    at = scene("prefactor")
-    np.testing.assert_allclose(at.shape().friction, 7.0 * at.shape().load ** 0.9)
-    assert at.shape().follows == {}
+def test_curves_of_points_powers_and_lines_without_a_design():
+    load, friction = scene("points").curve()
+    np.testing.assert_allclose([load[0], friction[0]], [0.144, 0.84])
+    load, friction = scene("prefactor").curve()
+    np.testing.assert_allclose(friction, 7.0 * load**0.9)
     text, specification, _ = known("bilinear")
     at = scene_of(text, specification, None)
     first, second, crossover = at.handles()
-    load, friction = at.shape().load, at.shape().friction
-    np.testing.assert_allclose(np.diff(friction) / np.diff(load), [7.15, 12.52])
+    load, friction = at.curve()
+    slopes = np.diff(friction) / np.diff(load)
+    np.testing.assert_allclose(slopes[np.isfinite(slopes)], [7.15, 12.52])
+    load = load[np.isfinite(load)]
     assert load[1] == crossover.load == 0.038
     np.testing.assert_allclose((load[:-1] + load[1:]) / 2.0, [first.load, second.load])
     (slope,) = scene_of(*known("linear")[:2], None).handles()
     assert (slope.load, slope.carried) == (pytest.approx(0.05 * 64 * 0.12 * 0.526), "slope = 6.87")
     assert scene("coefficient").handles()[0].carried == "μ = 1.55"
-    assert all("shape" in vars(each) for each in MARKS.values())
+    assert all("curve" in vars(each) for each in MARKS.values())
 
 
 def test_slopes_and_exponents_turn_about_their_pivots():
@@ -247,5 +199,5 @@ def test_tables_optional_values_and_crowds():
         table = {"wanted.csv": f"rescaled_load_mm2,rescaled_friction_mm2\n{rows}".encode()}
         at = scene_of(text_of("table"), parsed(text_of("table"), table), None)
         many = count > MOST
-        assert len(at.handles()) == len(at.shape().follows) == (0 if many else count)
+        assert len(at.handles()) == (0 if many else count)
         assert at.crowd == (count if many else 0)

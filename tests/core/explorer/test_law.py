@@ -44,11 +44,6 @@ def test_curves_are_the_laws_in_rescaled_units_and_in_newtons(answer):
     assert (handle["id"], handle["x"], handle["y"]) == (
         "point-1", pytest.approx(0.336 * 1.36), pytest.approx(1.68 * STRESS),
     )  # fmt: skip
-    assert forces["wanted"]["follows"]["point-1"] == {"corners": [[1, 1.0, 0.0, 1.0]], "handles": []}
-    bent = {"slopes": [7.0, 12.0], "crossover_load": "0.1 mm^2", "load_range": ["0.05 mm^2", "0.3 mm^2"]}
-    follows = law_data(answered(State(Document(TEXT).with_kind("target", "bilinear", bent)), 9, answer))
-    moved = {key: row for key, *row in follows["wanted"]["follows"]["range-low"]["corners"]}
-    assert moved[0] == pytest.approx([1.0, 7.0 * STRESS / 1.36, 0.0])
 
 
 def test_the_last_law_keeps_the_newtons_of_its_own_material(answer):

@@ -42,7 +42,6 @@ export class Handles {
       view[axis].grow(handle[axis]);
     }
     if ([...handle.moves].every((axis) => handle[axis] === drag.place[axis])) return;
-    plot.carry();
     plot.point(handle);
     drag.move({ x: handle.x, y: handle.y });
     plot.paint();
@@ -83,7 +82,6 @@ export class Handles {
     const { plot } = this;
     const handle = this.of(drag.id);
     if (handle && drag === this.drag) Object.assign(handle, drag.place);
-    plot.carry();
     plot.paint();
     if (!handle) return;
     const where = drag.reached ? "to the last place that a surface reaches" : "to where it was";

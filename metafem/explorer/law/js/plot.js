@@ -1,7 +1,7 @@
 // The law: draws answers, and turns what hands and keys do into events.
 import { Chosen, hear, remember } from "metafem-page/linked.js";
 import { Cursor } from "./cursor.js";
-import { followed, Requests } from "./drag.js";
+import { Requests } from "./drag.js";
 import { Handles } from "./handles.js";
 import { entries, Picture } from "./picture.js";
 import { made, told } from "./svg.js";
@@ -192,7 +192,6 @@ export class Plot {
     // a problem may be one of a step that is held; else a move would change a text that is not understood
     handles.inactive = unknown && !handles.drag;
     if (!unknown || !handles.drag) handles.take(own);
-    this.carry();
     if (closed) handles.tell(closed); // a slope is known with its answer
     else if (!handles.drag && this.said !== undefined && this.said !== data.state) this.point(handles.focused); // what was said belongs to an earlier text
     if (handles.drag) this.offer = data.offer !== "";
@@ -237,8 +236,7 @@ export class Plot {
   paint() {
     const { data, view, handles } = this;
     if (!data) return;
-    const shown = { ...data, wanted: followed(data, handles.held).wanted };
-    this.picture.draw(view, shown, entries(shown));
+    this.picture.draw(view, data, entries(data));
     handles.draw(view, data.refusal !== "" || Boolean(handles.drag?.refusal));
     this.cursor.draw();
     this.drawRefusal();
@@ -248,12 +246,6 @@ export class Plot {
   show() {
     if (!this.handles.drag) this.element.legend = entries(this.data).map((each) => each.slice(0, 3));
     this.paint();
-  }
-
-  // Handles that are on the curve stay on it.
-  carry() {
-    const { places } = followed(this.data, this.handles.held);
-    for (const [id, place] of Object.entries(places)) Object.assign(this.handles.of(id) ?? {}, place);
   }
 
   drawRefusal() {
