@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from metafem._validate import FloatArray
-from metafem.errors import Infeasible, InvalidInput, MetafemError
+from metafem.errors import InvalidInput, MetafemError
 from metafem.explorer.answer import specification_of
 from metafem.explorer.session import State
 from metafem.explorer.text.document import Document
@@ -18,14 +17,12 @@ from metafem.explorer.text.marks import NEWTON_KEYS, Numbers, Scene, members
 from metafem.files import Specification
 from metafem.inversion import Design, Limits, Target
 from metafem.inversion.targets.wording import RESCALED, Wording
-from metafem.models import Independent
-from metafem.models.model import contact_of
 
 # Rescaled friction at rescaled loads [mm^2].
 Law = Callable[[FloatArray], FloatArray]
 
-# Numbers of operating points to try, in this order, and the number of samples of a law.
-POINTS, SAMPLES = (4, 3, 2, 1), 8
+# Number of operating points, and of samples of a law.
+POINTS, SAMPLES = 4, 8
 
 # Half-width of a band around the law of the last design, relative to the law.
 HALF_WIDTH = 0.05
@@ -36,20 +33,12 @@ RESTATED = 1e-6
 # First load of the new target if the present target has a single load, as a fraction of that load.
 START = 0.25
 
-# Distance of a value from the bound of the reachable values, in units of the resolution. Rounding moves a
-# value by at most half a unit.
-INSIDE = 4.0
-
-# Largest number of sites for which designs are tried. With more sites, the user would wait too long.
-MOST_TRIED = 256
-
 
 def with_kind(state: State, design: Design | None, kind: str) -> str:
     """Return the text of a state with a target of another kind that is close to the law of the last design.
 
-    The values keep their units. With up to 256 sites, several targets are tried, each also with its nearest
-    reachable values. The result is the first target that independent asperities reach, or the first of all if
-    they reach none. Without a design, or if the text has problems, the values are the examples of the manual.
+    The values keep their units. Without a design, or if the text has problems, the values are the examples of
+    the manual.
 
     Raises
     ------
@@ -80,30 +69,14 @@ def with_kind(state: State, design: Design | None, kind: str) -> str:
 def near_design(state: State, specification: Specification, design: Design, kind: str = "") -> str:
     """Return the text with a target of a kind, default: its own, that is close to the law of a design."""
     scene = Scene(Document(state.text), specification, design)
-    target, kind, first = scene.target, kind or scene.kind, ""
+    target, kind = scene.target, kind or scene.kind
     law, low, high = _present(design, specification.limits)
-
-    def written(numbers: Numbers) -> str:
-        return scene.document.with_kind("target", kind, scene.stated(numbers, RESOLUTION))
-
-    for numbers in KINDS[kind][1](law, low, high):
-        if kind == "linear" and target.wording.per_slope:  # a friction coefficient is F/P at these loads
-            numbers = {**numbers, "load_range": [low, high]}
-        if "rescaled_friction" in numbers:
-            numbers = _with_bends(numbers, law, target)
-        found = written(numbers)
-        first = first or found
-        nearest = None
-        if specification.template.count <= MOST_TRIED:
-            nearest = _nearest(replace(state, text=found))
-        if nearest is None:
-            return found
-        inside = {name: _beyond(numbers[name], getattr(nearest, name, None)) for name in numbers}
-        if all(value is not None for value in inside.values()):
-            found = written(inside)
-            if _nearest(replace(state, text=found)) is None:
-                return found
-    return first
+    numbers = KINDS[kind][1](law, low, high)
+    if kind == "linear" and target.wording.per_slope:  # a friction coefficient is F/P at these loads
+        numbers["load_range"] = [low, high]
+    if "rescaled_friction" in numbers:
+        numbers = _with_bends(numbers, law, target)
+    return scene.document.with_kind("target", kind, scene.stated(numbers, RESOLUTION))
 
 
 def restated(text: str, specification: Specification, newtons: bool) -> dict[str, Any]:
@@ -148,43 +121,39 @@ def _with_bends(numbers: Numbers, law: Law, target: Target) -> Numbers:
     return _along(law, load)
 
 
-def _points(law: Law, low: float, high: float) -> list[Numbers]:
-    return [_along(law, np.linspace(high, low, count)[::-1]) for count in POINTS]
+def _points(law: Law, low: float, high: float) -> Numbers:
+    return _along(law, np.linspace(low, high, POINTS))
 
 
-def _sampled(law: Law, low: float, high: float) -> list[Numbers]:
-    return [_along(law, np.geomspace(low, high, SAMPLES))]
+def _sampled(law: Law, low: float, high: float) -> Numbers:
+    return _along(law, np.geomspace(low, high, SAMPLES))
 
 
-def _band(law: Law, low: float, high: float) -> list[Numbers]:
+def _band(law: Law, low: float, high: float) -> Numbers:
     load = np.geomspace(low, high, SAMPLES)
     lowest, highest = ((factor * law(load)).tolist() for factor in (1.0 - HALF_WIDTH, 1.0 + HALF_WIDTH))
-    return [{"rescaled_load": load.tolist(), "lowest": lowest, "highest": highest}]
+    return {"rescaled_load": load.tolist(), "lowest": lowest, "highest": highest}
 
 
-def _linear(law: Law, low: float, high: float) -> list[Numbers]:
-    return [{"slope": _slope(law, low, high)}]
+def _linear(law: Law, low: float, high: float) -> Numbers:
+    return {"slope": _slope(law, low, high)}
 
 
-def _bilinear(law: Law, low: float, high: float) -> list[Numbers]:
-    found, whole = [], _slope(law, low, high)
-    for share in (0.5, 0.25):
-        middle = low + share * (high - low)
-        found.append(([_slope(law, low, middle), _slope(law, middle, high)], middle))
-    found += [([whole, ratio * whole], 0.5 * (low + high)) for ratio in (4.0 / 3.0, 1.2, 1.1)]
-    return [{"slopes": slopes, "crossover_load": middle} for slopes, middle in found]
+def _bilinear(law: Law, low: float, high: float) -> Numbers:
+    middle = 0.5 * (low + high)
+    return {"slopes": [_slope(law, low, middle), _slope(law, middle, high)], "crossover_load": middle}
 
 
-def _power(law: Law, low: float, high: float) -> list[Numbers]:
+def _power(law: Law, low: float, high: float) -> Numbers:
     load = np.geomspace(low, high, SAMPLES)
     exponent = float(np.polyfit(np.log(load), np.log(law(load)), 1)[0])
-    return [{"exponent": exponent, "load_range": [low, high]}]
+    return {"exponent": exponent, "load_range": [low, high]}
 
 
-def _multilinear(law: Law, low: float, high: float) -> list[Numbers]:
-    halves, whole = _bilinear(law, low, high)[0], _slope(law, low, high)
+def _multilinear(law: Law, low: float, high: float) -> Numbers:
+    halves = _bilinear(law, low, high)
     ends = {"crossover_loads": [halves["crossover_load"]], "load_range": [low, high]}
-    return [{"slopes": slopes, **ends} for slopes in (halves["slopes"], [whole, whole])]
+    return {"slopes": halves["slopes"], **ends}
 
 
 def _slope(law: Law, low: float, high: float) -> float:
@@ -193,32 +162,8 @@ def _slope(law: Law, low: float, high: float) -> float:
     return float(np.polyfit(load, law(load), 1)[0])
 
 
-def _nearest(state: State) -> Any:
-    """Return None if independent asperities reach the target of a state, otherwise the nearest target.
-
-    If no nearest target is known, an empty tuple is returned.
-    """
-    try:
-        specification = specification_of(state)
-        model = Independent(contact_of(specification.model))
-        replace(specification, layout=None, robust=None).design(model)
-    except Infeasible as error:
-        return error.nearest or ()
-    except InvalidInput:
-        return ()
-    return None
-
-
-def _beyond(wanted: Any, nearest: Any) -> Any:
-    """Return the numbers `nearest`, moved slightly further from `wanted`; None if their shapes differ."""
-    if nearest is None or np.shape(nearest) != np.shape(wanted):
-        return None
-    near = np.asarray(nearest, dtype=np.float64)
-    return (near * (1.0 + INSIDE * RESOLUTION * np.sign(near - np.asarray(wanted)))).tolist()
-
-
-# Name of each kind on the page, and targets of the kind near a law between two loads, the best first.
-KINDS: Mapping[str, tuple[str, Callable[[Law, float, float], list[Numbers]]]] = {
+# Name of each kind on the page, and the target of the kind near a law between two loads.
+KINDS: Mapping[str, tuple[str, Callable[[Law, float, float], Numbers]]] = {
     "operating-points": ("operating points", _points),
     "linear": ("straight line (linear)", _linear),
     "bilinear": ("two branches (bilinear)", _bilinear),
