@@ -1,25 +1,28 @@
 """The command metafem: it parses options, calls the package and prints the results."""
 
 import os
+import signal
+import sys
 from typing import Any
-
-from metafem.cli.signals import report_stop, stopped_by_signals
 
 __all__ = ["main", "run"]
 
 
 def run() -> None:
-    """Run the metafem command; signals can stop it even while its modules are imported.
+    """Run the metafem command; Ctrl-C and SIGTERM end it with the exit codes 130 and 143.
 
     BLAS uses one thread by default, because the dense systems of a design are small. More threads only wait
     for each other, which takes up to ten times as long on a busy machine, and the last digit of a result can
     depend on their number. OPENBLAS_NUM_THREADS sets another number.
     """
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # numpy's import reads this variable
-    with stopped_by_signals(last=True):
-        with report_stop("nothing was written"):
-            from metafem.cli.commands import main
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # files that are being written are removed
+    try:
+        from metafem.cli.commands import main
+
         main(prog_name="metafem")
+    except KeyboardInterrupt:
+        sys.exit(130)
 
 
 def __getattr__(name: str) -> Any:

@@ -47,7 +47,7 @@ def demo(name: str, model: str | None, contact: str | None, force: bool, as_json
     never replaced.
     """
     path, folder, text = Path(f"{name}.toml"), Path(name), mf.files.demo_text(name)
-    mf.files.check_free(folder, force)
+    mf.files.refuse_existing(folder, force, folder=True)
     same = path.is_file() and path.read_bytes() == text.encode("utf-8")
     remedy = f"run it by `metafem design {path} -o FOLDER`, or rename it"
     refuse_if(path.exists() and not same, f"{path} exists and differs from the demo's; {remedy}")
@@ -93,18 +93,18 @@ def design(
     format that `metafem compare` reads, and its error bars are used. If a target is refused, the nearest law
     is written next to the result folder DIR, as DIR-nearest.csv.
     """
-    mf.files.check_free(output, force)
+    mf.files.refuse_existing(output, force, folder=True)
     ahead.start()  # the report needs them after everything else
     with progress(), doing("designing"):
         specification = mf.read_spec(spec)
         if chord_error is not None:
             specification = specification.with_chord_error(chord_error)
         chosen = mf.files.chosen_model(specification.model, model, contact)
-        with mf.files.result_folder(output, specification, force=force) as fresh:
+        with mf.files.staged(output, force, folder=True) as fresh:
             try:
                 result = specification.design(chosen)
             except Infeasible as error:
-                raise _refusal(error, output) from None
+                raise _refusal(error, output, force) from None
             text = mf.report.page(result, specification.hardness)
             part = mf.files.write_all(result, fresh, specification, {"report.html": text})
     notes = mf.report.all_notes(result, specification.hardness) + mf.files.part_notes(part)
@@ -116,7 +116,7 @@ def design(
         sys.exit(NOT_ACHIEVED)
 
 
-def _refusal(error: Infeasible, folder: Path) -> Ended:
+def _refusal(error: Infeasible, folder: Path, force: bool) -> Ended:
     """Return the error for a refused target, after its nearest law is written next to the result folder."""
     if error.nearest is None:
         return Ended("Infeasible", str(error))
@@ -126,12 +126,12 @@ def _refusal(error: Infeasible, folder: Path) -> Ended:
         path = Path(f"{folder.absolute()}-nearest.csv")
         rows = zip(*(column.tolist() for column in law), strict=True)
         lines = [
-            mf.files.MARKS["nearest law"].decode(),
+            "# The nearest law that was found, by metafem.",
             "rescaled_load_mm2,rescaled_friction_mm2",
             *(f"{x!r},{y!r}" for x, y in rows),
         ]
         try:
-            mf.files.write_text(path, "\n".join(lines) + "\n", force=True, kind="nearest law")
+            mf.files.write_text(path, "\n".join(lines) + "\n", force=force)
             words += f"; the nearest law is written to {path.name}; design it as a sampled target with "
             words += f'file = "{path.name}"'
             nearest["file"] = str(path)

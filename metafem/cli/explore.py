@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from pathlib import Path
 
 import click
 
 from metafem.cli.group import Name, main
-from metafem.cli.signals import Stopped
-
-# Exit code after Ctrl-C, 128 + SIGINT. Ctrl-C is the usual end of this command.
-STOPPED_BY_CTRL_C = 130
 
 
 @main.command(short_help="Draw a law and see the surface, in the browser.")
@@ -28,9 +25,6 @@ def explore(path: Path | None, port: int | None, no_browser: bool) -> None:
     """
     from metafem.explorer import explore as start
 
-    try:
+    with suppress(KeyboardInterrupt):
         start(path, port=port, show=not no_browser)
-    except Stopped as stop:
-        if stop.code != STOPPED_BY_CTRL_C:
-            raise
-        click.echo("The explorer has ended. An open page keeps what it shows.")
+    click.echo("The explorer has ended. An open page keeps what it shows.")

@@ -12,7 +12,6 @@ import click
 import metafem as mf
 from metafem._given import Names
 from metafem.cli.output import printing, show_error
-from metafem.cli.signals import report_stop, stopped_by_signals
 from metafem.errors import InvalidInput, MetafemError, named
 from metafem.files.specification.models import MODELS
 
@@ -30,8 +29,8 @@ ARGUMENTS = Names({"force=True": "--force", "workers=2": "--workers 2"})
 # Key in the context of a command; its value holds the units in which quantities were written.
 UNITS = "metafem.units"
 
-# Exit codes for a target that is not achieved, and for invalid input.
-NOT_ACHIEVED, BAD_INPUT = 1, 2
+# Exit codes for a target that is not achieved, for invalid input, and after Ctrl-C.
+NOT_ACHIEVED, BAD_INPUT, STOPPED = 1, 2, 130
 
 
 class Ended(click.ClickException):
@@ -107,12 +106,15 @@ class Commands(click.Group):
         """Parse the arguments, run the command and exit; with --json, an error is printed as JSON too."""
         given = sys.argv[1:] if args is None else args
         extra["standalone_mode"] = False  # the exit code is set here
-        with stopped_by_signals(), report_stop("no unfinished file is left"), printing():
+        with printing():
             try:
                 code = super().main(args, *rest, **extra)
             except click.ClickException as error:
                 show_error(error, "--json" in given)
                 code = BAD_INPUT if getattr(error, "kind", "") == "InvalidInput" else error.exit_code
+            except click.Abort:
+                click.echo("stopped; no unfinished file is left", err=True)
+                code = STOPPED
             sys.exit(code if isinstance(code, int) else 0)
 
     def invoke(self, ctx: click.Context) -> Any:
@@ -157,7 +159,7 @@ json_option = click.option(
     is_flag=True,
     help="Print only data, as JSON; an error is an object with type and message.",
 )
-force_option = click.option("--force", is_flag=True, help="Replace the unchanged files that metafem wrote.")
+force_option = click.option("--force", is_flag=True, help="Replace existing files.")
 
 
 @click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})

@@ -120,7 +120,7 @@ def predict(
     if output is not None:
         several = f"--output holds one law, and {len(pairs)} are compared; choose one of them"
         refuse_if(len(pairs) > 1, several)
-        mf.files.refuse_existing(output, force, "law")
+        mf.files.refuse_existing(output, force)
     models = []
     for kind, words in pairs:
         chosen = mf.files.chosen_model(used, kind, words)
@@ -137,7 +137,7 @@ def predict(
             laws.append(mf.friction_law(surface, each, load=loads))
         slides = [None if onset is None else mf.onset(surface, each, load=onset) for each in models]
     if output is not None:
-        mf.files.write_text(output, mf.files.law_table(laws[0]), force=force, kind="law")
+        mf.files.write_text(output, mf.files.law_table(laws[0]), force=force)
     if as_json:
         data = [_law_data(law) for law in laws]
         for part, sliding in zip(data, slides, strict=True):

@@ -18,10 +18,10 @@ from metafem.cli.terminal import loaded, print_json
 def report(folder: Path, as_json: bool) -> None:
     """Write or replace report.html in a result folder, with the results of the studies in the folder."""
     with progress():
-        path, still = folder / "report.html", mf.files.same_design(folder)
+        path = folder / "report.html"
         studies = mf.files.stored_studies(folder)
         text = mf.report.page(loaded(folder), mf.files.stored_hardness(folder), studies=studies)
-        mf.files.write_text(path, text, force=True, still=still)
+        mf.files.write_text(path, text, force=True)
     if as_json:
         print_json({"report": str(path)})
     else:

@@ -19,9 +19,6 @@ if TYPE_CHECKING:
     from metafem.inversion import Design
     from metafem.notes import Note
 
-# Key in the context of a command; its value holds the notes on changed result folders.
-FOLDERS = "metafem.folders"
-
 # Least number of characters per line if the output is not a terminal, so that tables are not wrapped.
 WIDE = 160
 
@@ -100,16 +97,11 @@ def notes_data(notes: Iterable[Note]) -> list[dict[str, Any]]:
 
 
 def loaded(folder: Path) -> Design:
-    """Return the design in a result folder; changes in the folder are printed on stderr, stored for JSON."""
+    """Return the design in a result folder."""
     with doing("reading the design"):
-        design, notes = mf.files.load_compared(folder)
-    for note in notes:
-        click.echo(f"warning: {note}", err=True)
-    click.get_current_context().meta.setdefault(FOLDERS, []).extend(notes)
-    return design
+        return mf.load(folder)
 
 
 def print_json(data: Mapping[str, Any]) -> None:
-    """Print the data of a command as JSON; notes on changed folders come first among its notes."""
-    notes = notes_data(click.get_current_context().meta.get(FOLDERS, ()))
-    click.echo(json.dumps({**data, "notes": [*notes, *data.get("notes", ())]} if notes else data))
+    """Print the data of a command as JSON."""
+    click.echo(json.dumps(data))

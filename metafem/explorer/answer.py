@@ -9,7 +9,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from metafem._validate import FloatArray
-from metafem.errors import Infeasible, InvalidInput, MetafemError, refuse_if
+from metafem.errors import Infeasible, InvalidInput, MetafemError
 from metafem.explorer.session import State
 from metafem.explorer.text.fields import shown
 from metafem.explorer.text.names import on_page

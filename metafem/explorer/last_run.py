@@ -9,8 +9,6 @@ import socket
 from contextlib import suppress
 from pathlib import Path
 
-from filelock import FileLock
-
 from metafem._caches import cache_folder
 from metafem.errors import InvalidInput
 
@@ -20,35 +18,18 @@ HOST = "127.0.0.1"
 TOKEN_BYTES = 16
 
 
-# The lock of this run, which the process holds until its end.
-_HELD: list[FileLock] = []
-
-
 def token_and_port(wanted: int | None) -> tuple[str, int]:
     """Return token and port for this run, and save both for the next run.
 
     The port is `wanted` or, if this is None, the port of the last run or any free port. Token and port are
     saved in the cache folder in a file that only the user can read; if that is impossible, each run has new
-    ones. Of several simultaneous runs, only the first reuses the port of the last run and saves its own port.
-    A run with `wanted` always saves its port.
+    ones. While another run has the port of the last run, a run without `wanted` does not save its own port.
     """
     token, last = _kept()
-    first = wanted is not None or _is_first()
-    port = _free(wanted) if wanted is not None else _first_free(last if first else 0)
+    port = _free(wanted) if wanted is not None else _first_free(last)
     with suppress(OSError):
-        _keep(token, port if first else last)
+        _keep(token, port if wanted is not None or last == 0 else last)
     return token, port
-
-
-def _is_first() -> bool:
-    """Acquire the lock and return True; return False if another run holds it or its file is unusable."""
-    with suppress(OSError):  # another run holds the lock, or the file cannot be created
-        cache_folder().mkdir(parents=True, exist_ok=True)
-        lock = FileLock(cache_folder() / "explorer.lock")
-        lock.acquire(timeout=0.0)
-        _HELD.append(lock)
-        return True
-    return False
 
 
 def _kept() -> tuple[str, int]:

@@ -1,6 +1,5 @@
-from .atomic import MARKS as MARKS
-from .atomic import check_free as check_free
 from .atomic import refuse_existing as refuse_existing
+from .atomic import staged as staged
 from .atomic import write_text as write_text
 from .measurement.block import block_text as block_text
 from .measurement.calibrated import CalibratedParameters as CalibratedParameters
@@ -25,10 +24,7 @@ from .part.plan import PartOptions as PartOptions
 from .part.plan import part_notes as part_notes
 from .part.plan import planned as planned
 from .result.folder import load as load
-from .result.folder import load_compared as load_compared
-from .result.folder import result_folder as result_folder
 from .result.folder import result_tables as result_tables
-from .result.folder import same_design as same_design
 from .result.folder import save as save
 from .result.folder import stored_hardness as stored_hardness
 from .result.folder import write_all as write_all

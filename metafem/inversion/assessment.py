@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from enum import Enum
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +10,7 @@ import numpy as np
 
 from metafem._validate import FloatArray, IntArray
 from metafem._values import percent
-from metafem.inversion.candidate import LEVELS, Branch, Candidate
+from metafem.inversion.candidate import Branch, Candidate
 from metafem.inversion.problem import Problem
 from metafem.inversion.search.target_law import TargetLaw
 from metafem.models.model import contact_of
@@ -94,29 +93,6 @@ def assess(problem: Problem, candidate: Candidate, surface: Surface) -> dict[str
         parameters["step_loss"] = misfit - candidate.unrounded
     status = status_of(candidate, misfit)
     return {"law": law, "fits": fits, "misfit": misfit, "status": status, "parameters": parameters}
-
-
-def reassessed(design: Design) -> Design:
-    """Return a design with its law, fits, misfit and status recomputed from its heights.
-
-    Notes of the inversion are omitted, and so are its parameters that do not apply to changed heights.
-    """
-    surface, status = design.surface, design.status
-    candidate = Candidate(
-        surface.height,
-        surface.radius,
-        {name: value for name, value in design.parameters.items() if name not in (*LEVELS, "step_loss")},
-        design.target_law,
-        tuple(branch for branch, _ in design.fits),
-        design.density,
-        moved=status is DesignStatus.REFINED,
-        robust=status is DesignStatus.ROBUST,
-        cap=surface.cap,
-    )
-    template, model, limits = design.template, design.law.model, design.limits
-    problem = Problem.checked(design.target, template, model, limits, tools=design.tools)
-    found = assess(problem, candidate, surface)
-    return replace(design, **found, notes=found["law"].notes)
 
 
 def empty_sites_words(design: Design) -> str:

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 ENERGY = 1e-6
 
 # Kind of each written file, by its extension.
-KINDS = {".toml": "sections", ".json": "calibration"}
+SUFFIXES = (".toml", ".json")
 
 COLUMNS = ("quantity", "value", "68 % interval", "unit", "± standard deviation", "of the bootstrap")
 
@@ -121,8 +121,8 @@ def calibrate(
 
     for path in output:
         suffix = path.suffix.lower()
-        refuse_if(suffix not in KINDS, f"--output {path} must end with .toml or .json")
-        mf.files.refuse_existing(path, force, KINDS[suffix])
+        refuse_if(suffix not in SUFFIXES, f"--output {path} must end with .toml or .json")
+        mf.files.refuse_existing(path, force)
     if figure is not None:
         mf.files.refuse_figure(figure, force)
     sources = [str(path) for path in (*data, options["full_contact"]) if path is not None]
@@ -146,7 +146,7 @@ def calibrate(
         }
         for path in output:
             suffix = path.suffix.lower()
-            mf.files.write_text(path, texts[suffix], force=force, kind=KINDS[suffix])
+            mf.files.write_text(path, texts[suffix], force=force)
         if figure is not None:
             drawn = calibration_figure(contact, shear, strength)
             mf.files.write_figure(figure, drawn, "calibration", force=force)

@@ -83,7 +83,6 @@ def compare(
     from metafem.studies.summaries.measurements import answers, features, sentences
 
     priors = _priors(given, explain)
-    still = mf.files.same_design(folder)
     with progress(), given_deviations(sd, PARAMETERS) as errors:
         design = loaded(folder)
         pair = pair_of(design.surface, given, errors)
@@ -94,9 +93,9 @@ def compare(
         dataset = measured(comparisons, design.law.model)
         why = explained(mf.calibration.explain(laws[0], design, priors)) if explain else None
         # all files are written at the end, so that a stopped run leaves none that a repeated run would refuse
-        mf.files.write_study(dataset, path, force=force, still=still)
+        mf.files.write_study(dataset, path, force=force)
         if why is not None and explained_path is not None:
-            mf.files.write_study(why, explained_path, force=force, still=still)
+            mf.files.write_study(why, explained_path, force=force)
     points, reasons = answers(dataset), () if why is None else sentences(why)
     if as_json:
         data = {"file": str(path), "answers": points, **mf.files.study_data(dataset)}

@@ -108,7 +108,7 @@ def images(
     Example: metafem images pictures --pixel "5.3 um" --forces forces.csv -o contacts.csv --picture found.png
     """
     if output is not None:
-        mf.files.refuse_existing(output, force, "contacts")
+        mf.files.refuse_existing(output, force)
     if picture is not None:
         mf.files.refuse_figure(picture, force)
     else:
@@ -118,7 +118,7 @@ def images(
         found = _measured(source, options)
         if output is not None:
             text = mf.files.contacts_table(found.tracked.table)
-            mf.files.write_text(output, text, force=force, kind="contacts")
+            mf.files.write_text(output, text, force=force)
         if picture is not None:
             with doing("drawing the picture"):
                 mf.files.write_figure(picture, *_figure(found, options["picture_of"]), force=force)

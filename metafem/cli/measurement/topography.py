@@ -78,7 +78,7 @@ def topography(
     Example: metafem topography part.x3p --design linear -o made.csv --picture made.svg
     """
     if output is not None:
-        mf.files.refuse_existing(output, force, "heights")
+        mf.files.refuse_existing(output, force)
     if picture is not None:
         mf.files.refuse_figure(picture, force)
     with progress():
@@ -95,7 +95,7 @@ def topography(
             mf.files.write_figure(picture, figure, "made surface", force=force)
     if output is not None:
         text = mf.files.made_table(made, design.sites)
-        mf.files.write_text(output, text, force=force, kind="heights")
+        mf.files.write_text(output, text, force=force)
     written = [path for path in (output, picture) if path is not None]
     if as_json:
         data = made_data(design, made, law)

@@ -101,10 +101,7 @@ run_options = with_options(
 
 
 def study_arguments(design: Design, options: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the arguments of a study that the options of the law, of the draws and of the run state.
-
-    The value of `kept` in `options` is the folder of the batches.
-    """
+    """Return the arguments of a study that the options of the law, of the draws and of the run state."""
     model = mf.files.chosen_model(design.law.model, options["model"], options["contact"])
     mf.files.refuse_missing_block(model, design.surface, "design the folder again with a section [block]")
     given = options["load_range"]
@@ -113,5 +110,5 @@ def study_arguments(design: Design, options: Mapping[str, Any]) -> dict[str, Any
     refuse_if(len(found) == 2, "--draws and --error cannot be given together; give one of them")
     if "error" in found:
         found["draws"] = mf.studies.Draws(error=found.pop("error"))
-    execution = mf.studies.Execution(options["workers"], options["scheduler"], options["kept"])
+    execution = mf.studies.Execution(options["workers"], options["scheduler"])
     return {"model": model, "load_range": loads, "rng": options["seed"], "execution": execution, **found}

@@ -13,7 +13,7 @@ from metafem.drawing import svg
 from metafem.errors import InvalidInput
 from metafem.explorer.answer import Answer, specification_of
 from metafem.explorer.session import State
-from metafem.files import result_folder, result_tables, write_all
+from metafem.files import result_tables, staged, write_all
 from metafem.inversion import Design
 from metafem.report import page
 from metafem.report.figures import law_figure
@@ -94,7 +94,7 @@ def made_files(answer: Answer) -> dict[str, bytes]:
     assert specification is not None
     with TemporaryDirectory() as parent:
         folder = Path(parent, "surface")
-        with result_folder(folder, specification) as fresh:
+        with staged(folder, folder=True) as fresh:
             report = page(design, specification.hardness)
             write_all(design, fresh, specification, {"report.html": report})
         return {path.name: path.read_bytes() for path in sorted(folder.iterdir())}

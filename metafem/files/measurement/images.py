@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from metafem._extras import refuse_missing
 from metafem._given import printable
 from metafem.errors import InvalidInput, refuse_if
-from metafem.files.atomic import is_of_kind
+from metafem.files.measurement.figures import MARK
 from metafem.files.reading import file_label
 from metafem.progress import message
 
@@ -134,8 +134,8 @@ def _in_folder(folder: Path) -> list[Path]:
 
 def _is_drawing(path: Path) -> bool:
     """Return whether metafem wrote the file as a figure, for example in an earlier measurement."""
-    with suppress(OSError):
-        return is_of_kind(path, "figure")
+    with suppress(OSError), path.open("rb") as file:
+        return MARK.encode() in file.read(200)
     return False
 
 

@@ -5,28 +5,22 @@ from __future__ import annotations
 import json
 import os
 import platform
-from collections.abc import Callable, Mapping
-from contextlib import AbstractContextManager
-from dataclasses import replace
+from collections.abc import Mapping
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
 from metafem import _validate as check
-from metafem.contact.by_profile import cap_of
-from metafem.errors import InvalidInput, refuse_if
-from metafem.files.atomic import digest, earlier_result, staged
+from metafem.errors import InvalidInput
+from metafem.files.atomic import staged
 from metafem.files.part.caps import with_alignment
 from metafem.files.part.plan import Part, PartOptions, part_notes, planned
 from metafem.files.reading import damaged, file_label, read_record
-from metafem.files.result.changes import FolderNote, compared
 from metafem.files.result.records import from_record, to_record
 from metafem.files.result.tables import heights_table, law_table, mould_table, write_surface
 from metafem.files.specification.read import Specification
 from metafem.inversion import Design
-from metafem.models.model import contact_of
-from metafem.notes import Note
 from metafem.progress import doing
 
 # Value of the first member of design.json: the kind of file and its version.
@@ -48,9 +42,8 @@ def save(
 
     The files are ``design.json`` (all data that `load` reads, and versions of libraries), ``heights.csv``,
     ``law.csv``, ``mould.csv`` and ``surface.vtu``. A specification adds ``spec.toml`` and the tables that it
-    names. A block adds the solids ``block.stl`` and ``mould.stl``. The folder
-    appears when all files are written. Its hidden file ``.metafem-files`` lists the files with their SHA-256
-    hashes, so that `force` can recognise changed files.
+    names. A block adds the solids ``block.stl`` and ``mould.stl``. The folder appears when all files are
+    written.
 
     Parameters
     ----------
@@ -65,15 +58,13 @@ def save(
         Names and texts of further files, for example ``{"report.html": metafem.report.page(design)}``;
         default: none.
     force : bool
-        Whether to replace an existing result folder. A folder is refused if it contains changed files, or
-        files that metafem did not write. Default: False.
+        Whether to replace an existing result folder with all its files; default: False.
 
     Raises
     ------
     InvalidInput
-        If the folder is refused, if another run is writing it, or if it cannot be written. Also if the part
-        cannot be made, because a summit is outside ``0 < h <= R``, or because caps overlap or leave the
-        block. No unfinished file is left.
+        If the folder exists or cannot be written. Also if the part cannot be made, because a summit is
+        outside ``0 < h <= R``, or because caps overlap or leave the block. No unfinished file is left.
 
     Examples
     --------
@@ -88,15 +79,8 @@ def save(
     True
     """
     check.instance("design", design, Design, "a metafem.Design")
-    with result_folder(folder, specification, force=force) as fresh:
+    with staged(folder, force, folder=True) as fresh:
         write_all(design, fresh, specification, pages, part)
-
-
-def result_folder(
-    folder: str | Path, specification: Specification | None = None, *, force: bool = False
-) -> AbstractContextManager[Path]:
-    """Return the context manager `staged` for the folder of a design, with its specification."""
-    return staged(folder, force, {} if specification is None else specification.files)
 
 
 @doing("writing the files")
@@ -120,14 +104,11 @@ def write_all(
     contents = {name: text.encode("utf-8") for name, text in texts.items()}
     if specification is not None:
         contents |= specification.files
-    try:
-        for name, content in contents.items():
-            (folder / name).write_bytes(content)
-        if made is not None:
-            made.write(folder)
-        write_surface(design, folder / "surface.vtu")
-    except OSError as error:
-        raise InvalidInput(f"{folder} cannot be written: {error.strerror}") from None
+    for name, content in contents.items():
+        (folder / name).write_bytes(content)
+    if made is not None:
+        made.write(folder)
+    write_surface(design, folder / "surface.vtu")
     return made
 
 
@@ -144,8 +125,7 @@ def result_tables(design: Design, part: PartOptions) -> dict[str, str]:
 def load(folder: str | Path) -> Design:
     """Return the design in a result folder; it equals the saved design bit for bit.
 
-    Only ``design.json`` is read. If this file was changed, law, misfit and status are recomputed from its
-    heights. The notes of the design name the files that were changed.
+    Only ``design.json`` is read.
 
     Parameters
     ----------
@@ -171,20 +151,12 @@ def load(folder: str | Path) -> Design:
     ...     load(Path(parent, "result")) == design
     True
     """
-    return load_compared(folder)[0]
-
-
-def load_compared(folder: str | Path) -> tuple[Design, tuple[Note, ...]]:
-    """Return the design in a result folder, and notes on changes in the folder since it was written."""
     path, record = read_result(folder)
     with damaged(path):
         design = from_record(record.get("design"), "design")
-        refuse_if(not isinstance(design, Design), "it holds no design")
-        if "cap" not in record["design"]["surface"]:  # of an earlier version: the contact law had the cap
-            cap = cap_of(contact_of(design.law.model))
-            parts = {name: getattr(design, name).replaced(cap=cap) for name in ("surface", "template")}
-            design = replace(design, **parts)
-    return compared(design, Path(folder))
+        if isinstance(design, Design):
+            return design
+        raise InvalidInput("it holds no design")
 
 
 def stored_hardness(folder: str | Path) -> float | None:
@@ -196,21 +168,6 @@ def stored_hardness(folder: str | Path) -> float | None:
         return None if hardness is None else check.number("specification.hardness", hardness, above=0.0)
 
 
-def same_design(folder: str | Path) -> Callable[[], None]:
-    """Return a function that raises InvalidInput if the design in the folder has been replaced meanwhile."""
-    path = Path(folder).absolute() / "design.json"
-
-    def current() -> str:
-        return digest(path) if path.is_file() else ""
-
-    before = current()
-
-    def still() -> None:
-        refuse_if(current() != before, f"{path} was replaced in the meantime; run the command again")
-
-    return still
-
-
 def read_result(folder: str | Path) -> tuple[Path, dict[str, Any]]:
     """Return the path and the content of design.json in a result folder."""
     if os.path.isfile(folder):
@@ -218,10 +175,6 @@ def read_result(folder: str | Path) -> tuple[Path, dict[str, Any]]:
         raise InvalidInput(f"{file_label(folder)} is a file; name a result folder of metafem{instead}")
     path = Path(folder) / "design.json"
     remedy = "name a result folder of metafem"
-    if earlier := earlier_result(Path(folder).absolute()):
-        remedy = (
-            f"a run was stopped while it replaced the folder, which is complete as {earlier}; rename that"
-        )
     record = read_record(path, f"no such file; {remedy}")
     if not isinstance(record, dict) or record.get("format") != FORMAT:
         raise InvalidInput(f"{file_label(path)} is not a design of this version of metafem ({FORMAT})")
@@ -231,7 +184,6 @@ def read_result(folder: str | Path) -> tuple[Path, dict[str, Any]]:
 def _record(
     design: Design, specification: Specification | None, part: Part | None, options: PartOptions
 ) -> dict[str, Any]:
-    kept = tuple(note for note in design.notes if not isinstance(note, FolderNote))
     return {
         "format": FORMAT,
         "versions": versions(),
@@ -247,7 +199,7 @@ def _record(
         },
         "part": None if part is None else part.record(),
         "notes": [note.text for note in part_notes(part)],
-        "design": to_record(replace(design, notes=kept)),
+        "design": to_record(design),
     }
 
 

@@ -40,16 +40,6 @@ MAKERS: Mapping[str, Callable[..., Any]] = {
     "TabulatedContact": lambda table, material: TabulatedContact(*table, material=material),
     "ModelError": lambda value, **rest: ModelError(math.nan if value is None else value, **rest),
 }
-# Members that earlier versions did not write; they have a default.
-ADDED: Mapping[str, set[str]] = {
-    "FrictionLaw": {"model_error", "cell"},
-    "Surface": {"cap", "cell"},
-    "TargetLaw": {"ends"},
-    "Tolerances": {"exponent_sd", "coefficient_sd"},
-    **{name: {"quantity", "value", "bound", "remedies"} for name in ("Note", "ArgumentNote", "FolderNote")},
-}
-# Members that earlier versions wrote with another name.
-RENAMED: Mapping[str, Mapping[str, str]] = {"Design": {"radii": "tools"}}
 # Types whose modules are imported only when a record contains the type.
 LATE: Mapping[str, str] = {"Block3D": "metafem.fe"}
 ARRAYS = ("float64", "int64")
@@ -125,10 +115,8 @@ def from_record(record: Any, name: str = "record") -> Any:
 def _made(kind: Any, record: dict[str, Any], name: str) -> Any:
     """Return the instance of a class that a record describes; the class checks the members."""
     title = kind.__name__
-    names = RENAMED.get(title, {})
-    record = {names.get(key, key): member for key, member in record.items()}
     given, known = record.keys() - {"type"}, _members(kind).keys()
-    differing = (given ^ known) - ADDED.get(title, set())
+    differing = given ^ known
     if differing:
         words = printable(", ".join(sorted(differing)))
         raise InvalidInput(f"{name}, a {title}, has missing or unknown members: {words}")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -23,21 +23,13 @@ def study_path(folder: str | Path, name: str, force: bool) -> Path:
     """Return the path of a study in a result folder; raise InvalidInput if `write_study` would refuse it."""
     read_result(folder)  # raises an error if this is not a result folder
     path = Path(folder) / f"{name}.nc"
-    refuse_existing(path, force, fixed=True)
+    refuse_existing(path, force)
     return path
 
 
-def write_study(
-    study: Dataset, path: Path, *, force: bool = False, still: Callable[[], None] = lambda: None
-) -> None:
-    """Write a study as NetCDF 4 with h5netcdf; an existing file is refused unless `force` is true.
-
-    `write_file` calls `still` before it renames the file. If the design was replaced in the meantime, `still`
-    raises an error, and the study is not written.
-    """
-    write_file(
-        path, lambda fresh: study.to_netcdf(fresh, engine="h5netcdf"), force=force, still=still, fixed=True
-    )
+def write_study(study: Dataset, path: Path, *, force: bool = False) -> None:
+    """Write a study as NetCDF 4 with h5netcdf; an existing file is refused unless `force` is true."""
+    write_file(path, lambda fresh: study.to_netcdf(fresh, engine="h5netcdf"), force=force)
 
 
 @doing("reading the studies")

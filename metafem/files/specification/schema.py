@@ -70,7 +70,7 @@ def write_schema(path: Path, force: bool = False) -> None:
     """Write the schema unless the file already contains it; `force` replaces another schema of metafem."""
     if path.is_file() and path.read_bytes() == schema_text().encode("utf-8"):
         return
-    write_text(path, schema_text(), force=force, kind="schema")
+    write_text(path, schema_text(), force=force)
 
 
 def place_schema(folder: Path) -> str | None:

@@ -1,6 +1,5 @@
 """Studies of a result folder: what they print and write, and what they refuse."""
 
-import signal
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,18 +8,8 @@ import pytest
 import xarray as xr
 
 import metafem as mf
-from metafem import _caches
 from metafem.files import demo_text, stored_studies
 from metafem.report.sections.exactness import exactness_section
-from metafem.studies.sampling.store import Store
-
-
-@pytest.fixture(autouse=True)
-def stopped_studies(tmp_path_factory, monkeypatch):
-    """Keep the batches of stopped studies out of the user's cache, and return their folder."""
-    folder = tmp_path_factory.mktemp("cache") / "studies"
-    monkeypatch.setattr(_caches, "study_folder", lambda: folder)
-    return folder
 
 
 @pytest.mark.usefixtures("plain_reports")
@@ -53,7 +42,7 @@ ANSWERS = {
 
 
 @pytest.mark.slow
-def test_the_report_holds_the_answers_of_all_studies(run, demo, stopped_studies):
+def test_the_report_holds_the_answers_of_all_studies(run, demo):
     demo("linear")
     answers = []
     for name, options in STUDIES.items():
@@ -64,7 +53,6 @@ def test_the_report_holds_the_answers_of_all_studies(run, demo, stopped_studies)
     report = Path("linear/report.html").read_text("utf-8")
     assert all(answer in report for answer in answers)
     assert "the choice of metafem; the source paper does not print its range" in report
-    assert [*stopped_studies.iterdir()] == []
     with xr.open_dataset("linear/manufacturing.nc", engine="h5netcdf") as kept:
         assert kept.height_sd.values.tolist() == [0.001, 0.003]
         assert kept.attrs["draws"] >= 200
@@ -106,34 +94,6 @@ def test_the_error_of_youngs_modulus_is_that_of_e_star_with_the_poissons_ratio(r
     assert young == pytest.approx(composite, rel=1e-12)  # nu = 0.5: E* = E/0.75
 
 
-@pytest.mark.slow
-def test_a_stopped_study_continues_by_the_same_command(run, demo, stopped_studies, monkeypatch):
-    demo("linear")
-    command = ("study", "manufacturing", "linear", "--height-sd", "3um", "--draws", 8_000, "--json")
-    whole = run(*command).data
-    write = Store.write
-
-    def stopped(store, batch, result):
-        write(store, batch, result)
-        if batch == 1:
-            signal.raise_signal(signal.SIGINT)
-
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    with monkeypatch.context() as patch:
-        patch.setattr(Store, "write", stopped)
-        result = run(*command, "--force")
-    signal.signal(signal.SIGINT, before)
-    assert result.exit_code == 130
-    assert "finished batches are kept in" in result.stderr
-    assert result.stderr.endswith("stopped; the same command continues from the finished batches\n")
-    (kept,) = stopped_studies.iterdir()
-    assert len([*kept.glob("batch-*")]) == 2
-    # where the numbers are computed does not matter
-    again = run(*command, "--force", "--workers", 1).data
-    assert again["data"] == whole["data"]
-    assert [*stopped_studies.iterdir()] == []
-
-
 def test_a_surface_of_one_height_needs_a_range_of_loads(run, demo):
     demo("linear")
     design = mf.load("linear")
@@ -145,7 +105,7 @@ def test_a_surface_of_one_height_needs_a_range_of_loads(run, demo):
 
 
 @pytest.mark.slow
-def test_several_angles_have_the_scatter_of_fine_steps(run, demo, stopped_studies):
+def test_several_angles_have_the_scatter_of_fine_steps(run, demo):
     demo("linear")
     scatter = []
     for angles in ("0.1deg", "0.005deg,0.1deg"):

@@ -70,47 +70,28 @@ def test_the_token_opens_the_page_and_nothing_else_does():
         asked(fails=True, left=False)
 
 
-def ended():
-    """End all runs: their locks are free again."""
-    while last_run._HELD:
-        last_run._HELD.pop().release()
-
-
-def run(wanted=None):
-    """Return token and port of a run after all others have ended, which then ends as well."""
-    ended()
-    found = last_run.token_and_port(wanted)
-    ended()
-    return found
-
-
 def test_the_next_run_has_the_token_and_the_port_of_the_last(tmp_path, monkeypatch):
     folder = tmp_path / "cache"
     monkeypatch.setenv("METAFEM_CACHE_DIR", str(folder))
-    token, port = run()
+    run = last_run.token_and_port
+    token, port = run(None)
     assert len(token) == 32
-    assert run() == (token, port)
+    assert run(None) == (token, port)
     assert (folder / "explorer.json").stat().st_mode & 0o777 == 0o600
-    assert {each.name for each in folder.iterdir()} - {"explorer.lock"} == {"explorer.json"}
-    # of runs at the same time, the first alone keeps its port
-    assert last_run.token_and_port(None) == (token, port)
-    others = [last_run.token_and_port(None) for _ in range(3)]
-    assert {each for each, _ in others} == {token}
-    assert port not in [free for _, free in others]
-    assert run() == (token, port)
+    assert {each.name for each in folder.iterdir()} == {"explorer.json"}
     with socket.socket() as other:  # a port in use is left to its owner
         other.bind((HOST, port))
         other.listen()
-        again, free = run()
+        again, free = run(None)
         assert (again, free != port) == (token, True)
         with pytest.raises(InvalidInput, match=str(port)):
             run(port)
     for text in ("", "{}", '{"token": "", "port": 1}', '{"token": 7, "port": []}'):
         (folder / "explorer.json").write_text(text)
-        assert run() == run()
-        assert len(run()[0]) == 32
+        assert run(None) == run(None)
+        assert len(run(None)[0]) == 32
     monkeypatch.setenv("METAFEM_CACHE_DIR", str(tmp_path / "cache" / "explorer.json"))
-    assert run()[0] != run()[0]  # without a folder
+    assert run(None)[0] != run(None)[0]  # without a folder
 
 
 class Held:

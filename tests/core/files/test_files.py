@@ -9,7 +9,6 @@ import xarray as xr
 import metafem as mf
 from metafem import files
 from metafem.calibration import ContactTable, fit_compression, shear
-from metafem.files.atomic import MARKS
 from metafem.files.measurement.calibrated import calibration_data
 from tests.core.files.specs import small, text
 
@@ -99,17 +98,3 @@ def test_a_file_is_written_read_equal_and_refused_if_damaged(name, tmp_path):
         path.write_bytes(content)
         with pytest.raises(mf.InvalidInput, match=name):
             read(path)
-
-
-def test_each_file_is_known_by_its_first_bytes(tmp_path):
-    spec, design = small()
-    mf.save(design, tmp_path / "out", specification=spec)
-    written = {
-        "law": (tmp_path / "out/law.csv").read_text(), "heights": (tmp_path / "out/heights.csv").read_text(),
-        "contacts": files.contacts_table(CONTACTS), "schema": files.schema_text(),
-        "sections": files.block_text(PRESSED, None, ["a.csv"]),
-        "calibration": json.dumps(calibration_data(PRESSED, SHEARED, [], {})),
-    }  # fmt: skip
-    for kind, content in written.items():
-        assert MARKS[kind] in content[:200].encode()
-    assert MARKS.keys() - written == {"nearest law", "figure"}

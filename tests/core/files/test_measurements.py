@@ -373,7 +373,7 @@ def test_height_maps_are_read_from_arrays(tmp_path):
         assert words in str(error.value), name
 
 
-def test_figures_are_written_and_replaced_only_if_metafem_wrote_them(tmp_path):
+def test_figures_are_written_and_replaced_by_force(tmp_path):
     figure = new_figure(2.0, 1.0)
     for name in ("a.svg", "a.png"):
         for force in (False, True):
@@ -383,6 +383,3 @@ def test_figures_are_written_and_replaced_only_if_metafem_wrote_them(tmp_path):
     assert (tmp_path / "a.svg").read_text("utf-8").startswith("<!-- figure by metafem -->\n<svg")
     with Image.open(tmp_path / "a.png") as image:
         assert image.size == (400, 200)  # 200 pixels per inch
-    (tmp_path / "a.png").write_text("mine")
-    with pytest.raises(mf.InvalidInput, match=r"a\.png was not written by metafem"):
-        files.refuse_figure(tmp_path / "a.png", True)

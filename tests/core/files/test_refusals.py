@@ -339,13 +339,14 @@ def test_a_wrong_table_is_refused_by_its_line_column_and_entry(read, tmp_path):
 
 
 # Records that are not those of a value, with the member and its wrong content.
+SHEAR = {"type": "Friction", "area_ratio": 1.0, "reference": None}
 RECORDS = [
     ({"type": "os.system", "command": "ls"}, "record", "os.system"),
     ({"type": "Status", "name": "FINE"}, "record", "FINE"),
     ({"type": "Friction", "area_ratio": 1.0}, "Friction", "shear_strength"),
     ({"type": "Friction", "area_ratio": 1.0, "shear_strength": 1.0, "way": 2}, "Friction", "way"),
-    ({"type": "Friction", "shear_strength": "much", "area_ratio": 1.0}, "record.shear_strength", "much"),
-    ({"type": "Friction", "shear_strength": -1.0, "area_ratio": 1.0}, "shear_strength", "-1"),
+    ({**SHEAR, "shear_strength": "much"}, "record.shear_strength", "much"),
+    ({**SHEAR, "shear_strength": -1.0}, "shear_strength", "-1"),
     ({"float64": [[1.0], [2.0, 3.0]]}, "record", "float64"), ({"int64": [1.5]}, "record", "int64"),
     ({"float64": [1e999]}, "record", "finite"),
 ]  # fmt: skip

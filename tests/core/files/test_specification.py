@@ -420,7 +420,7 @@ def test_forms_describe_the_values_of_keys():
     assert list(forms["contact.cap"].kinds) == ["hertz", "elastic", "sphere", "power", "profile"]
 
 
-def test_the_schema_describes_every_key_and_is_replaced_only_if_metafem_wrote_it(tmp_path):
+def test_the_schema_describes_every_key_and_is_replaced_by_force(tmp_path):
     found, path = schema(), tmp_path / SCHEMA_FILE
     Draft7Validator.check_schema(found)
     for key in KEYS:
@@ -440,6 +440,3 @@ def test_the_schema_describes_every_key_and_is_replaced_only_if_metafem_wrote_it
         files.write_schema(path)
     files.write_schema(path, force=True)
     assert path.read_text("utf-8") == files.schema_text()
-    path.write_text("{}", "utf-8")
-    with pytest.raises(mf.InvalidInput, match="not written by metafem"):
-        files.write_schema(path, force=True)
