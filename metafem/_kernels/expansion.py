@@ -18,8 +18,8 @@ def apply_pairs(first, second, order, start, table, moments, result):
     columns for the second.
     """
     size = moments.shape[1] * moments.shape[2]
-    source = np.empty(size, moments.dtype)
-    back = np.empty(size, moments.dtype)
+    source = np.empty(size)
+    back = np.empty(size)
     for k in range(first.size):
         i = first[k]
         j = second[k]

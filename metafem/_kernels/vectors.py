@@ -55,8 +55,8 @@ def add_multiple(total, factor, vector):
 
 @compiled
 def shortage(v, z, face):
-    """Return z - v on the face and 0 elsewhere, in single precision."""
-    result = np.empty(v.size, np.float32)
+    """Return z - v on the face and 0 elsewhere."""
+    result = np.empty(v.size)
     for i in range(v.size):
         result[i] = z - v[i] if face[i] else 0.0
     return result

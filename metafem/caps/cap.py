@@ -40,11 +40,6 @@ class Cap(ABC):
         """Distance from the axis at which the profile ends; infinite if it has no end."""
         return math.inf
 
-    @property
-    def parameters(self) -> tuple[str, ...]:
-        """Names of the parameters of the shape, beginning with that of R."""
-        return ("radius",)
-
     @abstractmethod
     def unit_profile(self, rho: FloatArray) -> FloatArray:
         """Return the depth f at distances rho from the axis, for R = 1."""
@@ -52,12 +47,6 @@ class Cap(ABC):
     @abstractmethod
     def summit_radius(self, radius: FloatArray) -> FloatArray:
         """Return the radii of curvature of summits [mm]; raise InvalidInput if a summit has none."""
-
-    def summit_rate(self, by: str, radius: FloatArray) -> FloatArray:
-        """Return the derivatives of the summits' radii of curvature by a parameter: R or the coefficient."""
-        if by != "radius" or not self.scaled:
-            return np.zeros_like(radius)
-        return np.asarray(self.summit_radius(radius) / radius)
 
     def at(self, some: Any) -> Cap:
         """Return the caps of some asperities, given by indices or by a mask: here the cap itself."""

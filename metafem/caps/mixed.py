@@ -67,15 +67,6 @@ class Caps(Value, Cap):
         """Return the radii of curvature of the summits [mm], (..., n)."""
         return self._each(lambda cap, size: cap.summit_radius(size), radius)
 
-    @property
-    def parameters(self) -> tuple[str, ...]:
-        """Names of the parameters that at least one cap has."""
-        return tuple(dict.fromkeys(name for kind in self.kinds for name in kind.parameters))
-
-    def summit_rate(self, by: str, radius: FloatArray) -> FloatArray:
-        """Return the derivatives of the summits' radii of curvature by a parameter."""
-        return self._each(lambda cap, size: cap.summit_rate(by, size), radius)
-
     def tallest(self, radius: FloatArray) -> FloatArray:
         """Return the largest possible heights of caps [mm], (n,)."""
         return self._each(lambda cap, size: cap.tallest(size), radius)

@@ -148,11 +148,6 @@ class Power(Cap):
         check.member(self, "exponent", above=1.0, at_most=STEEPEST)
         check.member(self, "coefficient", above=0.0)
 
-    @property
-    def parameters(self) -> tuple[str, ...]:
-        """Names of the parameters of the shape."""
-        return "radius", "exponent", "coefficient"
-
     def unit_profile(self, rho: FloatArray) -> FloatArray:
         """Return the depth for R = 1."""
         return np.asarray(self.coefficient * rho**self.exponent)
@@ -165,7 +160,3 @@ class Power(Cap):
             )
             raise InvalidInput(words, key="cap", value=repr(self))
         return radius / (2.0 * self.coefficient)
-
-    def summit_rate(self, by: str, radius: FloatArray) -> FloatArray:
-        """Return the derivatives of the summits' radii of curvature by R or by the coefficient."""
-        return np.asarray(self.summit_radius(radius) / (radius if by == "radius" else -self.coefficient))

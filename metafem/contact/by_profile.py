@@ -14,7 +14,7 @@ from metafem.caps import SPHERE, Cap, Caps, Paraboloid, Power, Profile, Sphere
 from metafem.contact.adhesion import JKR
 from metafem.contact.caps import PowerCap, SphericalCap
 from metafem.contact.elastic import PARABOLOID
-from metafem.contact.law import SUMMIT, Contact, ShapeRates, Values, no_rates
+from metafem.contact.law import SUMMIT, Contact, Values
 from metafem.contact.profile import AxisymmetricCap
 from metafem.errors import InvalidInput
 
@@ -70,31 +70,6 @@ class Elastic(Contact):
         found["radius"], found["cap"] = sizes, surface.cap.index
         return found
 
-    def shape_parameters(self, cap: Cap) -> tuple[str, ...]:
-        """Return the parameters that at least one cap has."""
-        return cap.parameters
-
-    def shape_rates(self, by: str, contact_radius: FloatArray, surface: Surface) -> ShapeRates:
-        """Return the derivatives of the law of each cap."""
-        cap, found = surface.cap, no_rates(contact_radius)
-        index = cap.index if isinstance(cap, Caps) else np.zeros(surface.count, dtype=np.int64)
-        for k, kind in enumerate(cap.kinds if isinstance(cap, Caps) else (cap,)):
-            if by not in kind.parameters:
-                continue
-            own = index == k
-            rates = _with_parameters(kind).rates_by(by, contact_radius[..., own], surface.radius[own])
-            for part, values in zip(found, rates, strict=True):
-                part[..., own] = values
-        return found
-
-    def profile_rate(self, by: str, distance: FloatArray, surface: Surface, i: int) -> FloatArray:
-        """Return the derivative of the depth by a parameter of cap i; 0 if it does not have it."""
-        cap = surface.cap.one(i)
-        if by not in cap.parameters:
-            return np.zeros_like(distance)
-        found: FloatArray = _with_parameters(cap).depth_rate(by, distance, float(surface.radius[i]))
-        return found
-
     def _without_caps(self, *arguments: Any) -> NoReturn:
         """Raise InvalidInput: the law needs the caps of a surface."""
         raise InvalidInput("Elastic() has no caps yet: use it in a model, or call bound(surface)")
@@ -116,11 +91,6 @@ def usual_law(surface: Surface) -> Contact:
     except InvalidInput:
         return Elastic()
     return PARABOLOID
-
-
-def _with_parameters(cap: Cap) -> Any:
-    """Return the elastic law of one kind of cap with derivatives by all its parameters."""
-    return PowerCap(cap.exponent, cap.coefficient) if isinstance(cap, Power) else law_of(cap)
 
 
 def cap_of(law: Contact) -> Cap:

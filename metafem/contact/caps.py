@@ -15,7 +15,7 @@ from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.caps import SPHERE, Cap, Power
 from metafem.caps.shapes import STEEPEST, sphere_profile
-from metafem.contact.law import Contact, ShapeRates, Values, rates_by_radius
+from metafem.contact.law import Contact, Values
 
 if TYPE_CHECKING:
     from metafem.surface import Surface
@@ -71,30 +71,6 @@ class ElasticCap(Contact):
     @abstractmethod
     def _closed_radius(self, depth: FloatArray, radius: FloatArray, curvature: FloatArray) -> FloatArray:
         """Return the contact radius [mm] of closed contacts with the indentation depth > 0 [mm]."""
-
-    @abstractmethod
-    def _bends(self, a: FloatArray, radius: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return D''(a) [1/mm] and D'''(a) [1/mm^2]."""
-
-    def shape_parameters(self, cap: Cap) -> tuple[str, ...]:
-        """Return the parameters of the law's own profile, whatever the caps of the surface are."""
-        return ("radius",)
-
-    def shape_rates(self, by: str, contact_radius: FloatArray, surface: Surface) -> ShapeRates:
-        """Return the derivatives by a parameter of the law's own profile."""
-        return self.rates_by(by, contact_radius, surface.radius)
-
-    def rates_by(self, by: str, contact_radius: FloatArray, radius: FloatArray) -> ShapeRates:
-        """Return the derivatives by a parameter at contact radii a > 0 of caps with these R [mm]."""
-        return rates_by_radius(self, contact_radius, radius, *self._bends(contact_radius, radius))
-
-    def profile_rate(self, by: str, distance: FloatArray, surface: Surface, i: int) -> FloatArray:
-        """Return the derivative of the depth by a parameter of the law's own profile."""
-        return self.depth_rate(by, distance, float(surface.radius[i]))
-
-    @abstractmethod
-    def depth_rate(self, by: str, distance: FloatArray, radius: float) -> FloatArray:
-        """Return the derivative of the depth f by a parameter, at distances from the axis [mm]."""
 
     def summits(self, surface: Surface, radius: FloatArray | None = None) -> Any:
         """Return R of all asperities [mm]: the law has a profile of its own."""
@@ -190,42 +166,6 @@ class PowerCap(ElasticCap):
         """Exponent n of the profile [-]."""
         return self.exponent
 
-    def shape_parameters(self, cap: Cap) -> tuple[str, ...]:
-        """Return the parameters of the law's own profile, whatever the caps of the surface are."""
-        return "radius", "exponent", "coefficient"
-
-    def rates_by(self, by: str, contact_radius: FloatArray, radius: FloatArray) -> ShapeRates:
-        """Return the derivatives by R, exponent or coefficient; all but the exponent only scale D."""
-        a, n = contact_radius, self.exponent
-        depth = self._depth(a, radius)
-        if by == "exponent":
-            # d ln D/dn = d ln K/dn + ln(a/R)
-            rate = 0.5 * (digamma(0.5 * n + 1.0) - digamma(0.5 * (n + 1.0))) + np.log(a / radius)
-        else:
-            rate = (1.0 - n) / radius if by == "radius" else 1.0 / self.coefficient
-        own = float(by == "exponent")  # the exponent is also a factor of D' and of the other quantities
-        return ShapeRates(
-            indentation=np.asarray(depth * rate),
-            slope=np.asarray(depth / a * (n * rate + own)),
-            bend=np.asarray(depth / a**2 * (n * (n - 1.0) * rate + own * (2.0 * n - 1.0))),
-            load=np.asarray(2.0 * a * depth * (n / (n + 1.0) * rate + own / (n + 1.0) ** 2)),
-            moment=np.asarray(4.0 / 3.0 * a**3 * depth * (n / (n + 3.0) * rate + 3.0 * own / (n + 3.0) ** 2)),
-        )
-
-    def _bends(self, a: FloatArray, radius: FloatArray) -> tuple[FloatArray, FloatArray]:
-        n = self.exponent
-        bend = (n - 1.0) * self._slope(a, radius) / a
-        return np.asarray(bend), np.asarray((n - 2.0) * bend / a)
-
-    def depth_rate(self, by: str, distance: FloatArray, radius: float) -> FloatArray:
-        """Return the derivative of the depth f by R, exponent or coefficient."""
-        depth = self.depth_at(distance, radius)
-        if by == "exponent":
-            return np.asarray(depth * np.log(np.where(distance > 0.0, distance, radius) / radius))
-        return np.asarray(
-            depth * ((1.0 - self.exponent) / radius if by == "radius" else 1.0 / self.coefficient)
-        )
-
     def _factor(self) -> float:
         """Return c K [-]."""
         n = self.exponent
@@ -292,12 +232,6 @@ class SphericalCap(ElasticCap):
         slope = STEEP / math.sqrt(1.0 - STEEP**2)
         return np.asarray(sphere_profile(inside, size) + slope * (rho - inside))[()]
 
-    def depth_rate(self, by: str, distance: FloatArray, radius: float) -> FloatArray:
-        """Return the derivative of the depth f by R."""
-        inside = np.minimum(distance, STEEP * radius)
-        rest = np.sqrt((radius - inside) * (radius + inside))
-        return np.asarray(-(inside**2) / (rest * (rest + radius)))
-
     def _depth(self, a: FloatArray, radius: FloatArray) -> FloatArray:
         return np.asarray(a * np.arctanh(a / radius))
 
@@ -317,11 +251,6 @@ class SphericalCap(ElasticCap):
         series = 4.0 * x**5 * _polynomial(2 * k / ((2 * k - 1.0) * (2 * k + 3.0)), x**2)
         closed = (x**4 + 3.0) * np.arctanh(x) - x**3 - 3.0 * x
         return np.asarray(radius**4 * np.where(x < SERIES_LIMIT, series, closed) / 3.0)
-
-    def _bends(self, a: FloatArray, radius: FloatArray) -> tuple[FloatArray, FloatArray]:
-        rest = (radius - a) * (radius + a)
-        bend = 2.0 * radius**3 / rest**2
-        return np.asarray(bend), np.asarray(4.0 * a * bend / rest)
 
     def _closed_radius(self, depth: FloatArray, radius: FloatArray, curvature: FloatArray) -> FloatArray:
         # with a = R tanh t, d/R = t tanh t + k R tanh^2 t: quadratic in t for small t, and linear for large t

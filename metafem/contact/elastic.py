@@ -9,11 +9,10 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from metafem._validate import FloatArray
-from metafem.caps.cap import Cap
-from metafem.contact.law import Contact, ShapeRates, Values, rates_by_radius
+from metafem.contact.law import Contact, Values
 
 if TYPE_CHECKING:
-    from metafem.surface import Surface
+    pass
 
 
 @dataclass(frozen=True)
@@ -69,29 +68,6 @@ class Hertz(Contact):
         return np.asarray(
             math.pi * np.greater(contact_radius, 0.0) / (np.divide(1.0, radius) + np.asarray(curvature))
         )
-
-    def shape_parameters(self, cap: Cap) -> tuple[str, ...]:
-        """Return the parameters on which the curvature of the summits depends."""
-        return tuple(name for name in cap.parameters if name != "exponent")
-
-    def shape_rates(self, by: str, contact_radius: FloatArray, surface: Surface) -> ShapeRates:
-        """Return the derivatives through the radii of curvature of the summits."""
-        found = self.rates_by(by="radius", contact_radius=contact_radius, radius=self.summits(surface))
-        return found.times(surface.cap.summit_rate(by, surface.radius))
-
-    def rates_by(self, by: str, contact_radius: FloatArray, radius: FloatArray) -> ShapeRates:
-        """Return the derivatives by the radius of curvature, the only parameter."""
-        return rates_by_radius(self, contact_radius, radius, np.divide(2.0, radius), 0.0)
-
-    def profile_rate(self, by: str, distance: FloatArray, surface: Surface, i: int) -> FloatArray:
-        """Return the derivative of the depth through the radius of curvature of a summit."""
-        radius = np.asarray(self.summits(surface))[i]
-        rate = surface.cap.summit_rate(by, surface.radius)[i]
-        return np.asarray(self.depth_rate("radius", distance, radius) * rate)
-
-    def depth_rate(self, by: str, distance: FloatArray, radius: float) -> FloatArray:
-        """Return the derivative of the depth by the radius of curvature [-]."""
-        return np.asarray(-0.5 * (distance / radius) ** 2)
 
     def indentation_at_load(self, load: Values, radius: Values) -> FloatArray:
         """Return the indentation d = (3/4 P/E* / sqrt(R))^(2/3) [mm] of a contact without neighbours."""

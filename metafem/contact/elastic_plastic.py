@@ -13,17 +13,15 @@ import numpy as np
 from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem._values import percent
-from metafem.caps.cap import Cap
 from metafem.contact.by_indentation import LawByIndentation
-from metafem.contact.elastic import PARABOLOID
 from metafem.contact.flattened import FlattenedContact
-from metafem.contact.law import ShapeRates, Values, material_of, rates_by_radius
+from metafem.contact.law import Values, material_of
 from metafem.errors import InvalidInput
 from metafem.material import Material
 from metafem.notes import Note, information
 
 if TYPE_CHECKING:
-    from metafem.surface import Surface
+    pass
 
 # Lowest ratio of yield strength to E* in the finite-element analyses of both sources: E/Y = 1000, nu = 0.3.
 LEAST_STRAIN = 9e-4
@@ -141,15 +139,6 @@ class ElasticPlastic(LawByIndentation):
                 f"published formulas change {', '.join(sizes)}"
             ),
         )
-
-    def shape_parameters(self, cap: Cap) -> tuple[str, ...]:
-        """Return the parameters on which the curvature of the summits depends."""
-        return PARABOLOID.shape_parameters(cap)
-
-    def shape_rates(self, by: str, contact_radius: FloatArray, surface: Surface) -> ShapeRates:
-        """Return the derivatives through the radii of curvature; those of order 3 are not used."""
-        found = rates_by_radius(self, contact_radius, self.summits(surface), 0.0, 0.0)
-        return found.times(surface.cap.summit_rate(by, surface.radius))
 
     def yield_indentation(self, radius: Values) -> FloatArray:
         """Return the indentation w_c [mm] at which the material below the contact first yields."""

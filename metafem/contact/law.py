@@ -10,7 +10,7 @@ import numpy as np
 from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.caps.cap import Cap, Values
-from metafem.errors import InvalidInput, refuse_if
+from metafem.errors import InvalidInput
 from metafem.material import Material
 from metafem.notes import Note
 
@@ -20,15 +20,11 @@ if TYPE_CHECKING:
 __all__ = [
     "Contact",
     "Contacts",
-    "ShapeRates",
     "Values",
     "area_change",
     "checked_contact",
     "contacts",
     "material_of",
-    "no_rates",
-    "rates_by_radius",
-    "refuse_parameter",
     "sizes_of",
 ]
 
@@ -37,23 +33,6 @@ SUMMIT = np.dtype([("radius", np.float64), ("cap", np.int64)])
 
 # Relative step of the contact radius in the finite difference for D''.
 STEP = 1e-3
-
-# Contact radius over R at which the derivatives of open contacts are computed; these are not used.
-SMALL = 1e-3
-
-
-class ShapeRates(NamedTuple):
-    """Derivatives by R [mm], the exponent or the coefficient of a cap, at a given contact radius a > 0."""
-
-    indentation: FloatArray  # of d = D(a) [mm]
-    slope: FloatArray  # of D'(a) [-]
-    bend: FloatArray  # of D''(a) [1/mm]
-    load: FloatArray  # of P/E* [mm^2]
-    moment: FloatArray  # of the second moment of the pressure over E* [mm^4]
-
-    def times(self, factor: Values) -> ShapeRates:
-        """Return the derivatives by a quantity on which the parameter depends with the slope `factor`."""
-        return ShapeRates(*(factor * part for part in self))
 
 
 @runtime_checkable
@@ -131,21 +110,6 @@ class Contact(Protocol):
     def one(self, i: int) -> Contact:
         """Return the law of asperity i; the law itself if all asperities share it."""
         return self
-
-    def shape_parameters(self, cap: Cap) -> tuple[str, ...]:
-        """Return the parameters of caps for which `shape_rates` returns derivatives; default: none."""
-        return ()
-
-    def shape_rates(self, by: str, contact_radius: FloatArray, surface: Surface) -> ShapeRates:
-        """Return the derivatives by a parameter of the cap of each asperity, at contact radii (..., n) > 0.
-
-        They are zero for asperities whose caps do not have the parameter.
-        """
-        raise InvalidInput(f"{self!r} has no derivatives by the shape of the caps", key="by", value=repr(by))
-
-    def profile_rate(self, by: str, distance: FloatArray, surface: Surface, i: int) -> FloatArray:
-        """Return the derivative of the depth f by a parameter of cap i, at distances from its axis [mm]."""
-        raise InvalidInput(f"{self!r} has no derivatives by the shape of the caps", key="by", value=repr(by))
 
     def breaks(self, radius: float) -> FloatArray:
         """Return the increasing contact radii [mm] between which the law is smooth, or an empty array."""
@@ -253,39 +217,3 @@ def area_change(
     own, before = (law.profile_slope(a, radius) for a in (contact_radius, (1.0 - STEP) * contact_radius))
     bend = np.log(own / before) / -math.log1p(-STEP)
     return np.asarray(-2.0 * (bend - 1.0) * (slope / own) ** 2)
-
-
-def no_rates(contact_radius: FloatArray) -> ShapeRates:
-    """Return the derivatives by a parameter that has no effect."""
-    return ShapeRates(*np.zeros((len(ShapeRates._fields), *np.shape(contact_radius))))
-
-
-def rates_by_radius(
-    law: Contact, contact_radius: FloatArray, radius: FloatArray, bend: Values, third: Values
-) -> ShapeRates:
-    """Return the derivatives by R for a law that is the same for all R when lengths are divided by R.
-
-    bend, third: D'' [1/mm] and D''' [1/mm^2]. From ``D = R u(a/R)``, ``dD/dR = (D - a D')/R``; the load and
-    the second moment scale with the second and fourth power of R.
-    """
-    a, slope = np.asarray(contact_radius), law.profile_slope(contact_radius, radius)
-    load_slope = law.stiffness(a, radius) * slope
-    return ShapeRates(
-        indentation=np.asarray((law.indentation(a, radius) - a * slope) / radius),
-        slope=np.asarray(-a * bend / radius),
-        bend=np.asarray(-(bend + a * third) / radius),
-        load=np.asarray((2.0 * law.load(a, radius) - a * load_slope) / radius),
-        moment=np.asarray((4.0 * law.second_moment(a, radius) - 4.0 / 3.0 * a**4 * slope) / radius),
-    )
-
-
-def refuse_parameter(law: Contact, by: Any, surface: Surface) -> None:
-    """Raise InvalidInput unless A0 has derivatives by the parameter `by` of the contacts of a surface."""
-    known = ("height", *law.shape_parameters(surface.cap))
-    words = " or ".join(map(repr, known))
-    refuse_if(
-        not isinstance(by, str) or by not in known,
-        f"must be {words} for the contacts of {law!r} with the caps {surface.cap!r}",
-        key="by",
-        value=repr(by),
-    )

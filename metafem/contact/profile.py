@@ -14,7 +14,7 @@ from metafem._validate import FloatArray
 from metafem._values import Value
 from metafem.caps import Cap, Profile
 from metafem.contact.caps import ElasticCap, root
-from metafem.contact.law import ShapeRates, Values, no_rates
+from metafem.contact.law import Values
 from metafem.errors import InvalidInput, refuse_if
 
 # Degree of the polynomial that represents the integral of D in each panel of contact radii, panels per octave
@@ -183,17 +183,6 @@ class AxisymmetricCap(Value, ElasticCap):
     def largest_indentation(self, radius: Values) -> FloatArray:
         """Return the indentation [mm] at which the contact reaches the extent of the profile."""
         return np.full(np.shape(radius), self._panels.depth[-1])[()]
-
-    def rates_by(self, by: str, contact_radius: FloatArray, radius: FloatArray) -> ShapeRates:
-        """Return zeros: the profile does not depend on R."""
-        return no_rates(contact_radius)
-
-    def depth_rate(self, by: str, distance: FloatArray, radius: float) -> FloatArray:
-        """Return zeros: the profile does not depend on R."""
-        return np.zeros_like(distance)
-
-    def _bends(self, a: FloatArray, radius: FloatArray) -> tuple[FloatArray, FloatArray]:
-        raise NotImplementedError  # only derivatives by R need them
 
     def _at(self, name: str, a: FloatArray) -> FloatArray:
         """Return the function `name` of the panels at contact radii [mm]."""

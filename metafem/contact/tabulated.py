@@ -13,9 +13,8 @@ from numpy.typing import ArrayLike
 from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem._values import Value
-from metafem.caps.cap import Cap
 from metafem.contact.by_indentation import LawByIndentation, LogCubic
-from metafem.contact.law import ShapeRates, Values, material_of, no_rates
+from metafem.contact.law import Values, material_of
 from metafem.errors import refuse_if
 from metafem.material import Material
 
@@ -105,14 +104,6 @@ class TabulatedContact(Value, LawByIndentation):
     def summits(self, surface: Surface, radius: FloatArray | None = None) -> Any:
         """Return R of all asperities [mm], which the law does not use."""
         return surface.radius if radius is None else radius
-
-    def shape_parameters(self, cap: Cap) -> tuple[str, ...]:
-        """Return the radius, on which the law does not depend."""
-        return ("radius",)
-
-    def shape_rates(self, by: str, contact_radius: FloatArray, surface: Surface) -> ShapeRates:
-        """Return zeros: all asperities have the same law."""
-        return no_rates(contact_radius)
 
     def largest_indentation(self, radius: Values) -> FloatArray:
         """Return the last indentation of the table [mm]."""

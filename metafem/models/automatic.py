@@ -62,8 +62,8 @@ class Automatic(WithoutGradients):
 
     The contacts are resolved by sufficiently fine cells if the error of order 3 exceeds the tolerance, if
     contacts overlap, or if order 3 has no solution. The asperity models are still used at the lighter loads.
-    Contacts cannot be resolved above 2000 asperities, or on substrates other than half-space and layer. Order
-    3 is used instead, and a warning states its estimated error.
+    Contacts cannot be resolved above 2000 asperities, in a periodic cell, or on substrates other than
+    half-space and layer. Order 3 is used instead, and a warning states its estimated error.
 
     Contacts with adhesion or plasticity cannot be resolved either. The asperity model of the highest order
     that the law supports is used. For adhesive contacts this is order 3; a note states its estimated error,
@@ -129,9 +129,10 @@ class Automatic(WithoutGradients):
         if curve is not None and error <= self.tolerance:
             note = information(f"chosen: {title}; {_stated(error)}")
             return curve.with_notes((note, *curve.notes, *unused), error)
-        if surface.count > DENSE_LIMIT or not isinstance(self.substrate, Radial):
+        if surface.cell or surface.count > DENSE_LIMIT or not isinstance(self.substrate, Radial):
             curve = curve or self.gradient_model.curve(surface, load, approach=approach)
-            text = f"chosen: order 3; {_stated(error)}: resolved contacts are needed"
+            why = "resolved contacts are needed" if not surface.cell else "a periodic cell is not resolved"
+            text = f"chosen: order 3; {_stated(error)}: {why}"
             note = self._note(text, error)
             return curve.with_notes((note, *curve.notes, *unused), error)
         reason = error.source

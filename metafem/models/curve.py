@@ -218,19 +218,13 @@ def refuse_flattening(law: Contact, unloading: bool) -> None:
 
 @dataclass(frozen=True, eq=False)
 class Sensitivity:
-    """A curve at loads (k,), and derivatives of A0 at fixed load by a parameter of each asperity.
-
-    The parameter is the height (default), or with ``by="radius"``, ``"exponent"`` or ``"coefficient"`` one of
-    the shape of the caps as their contact law takes them: R, or n and c of a power law. Derivatives by the
-    exponent or the coefficient are 0 for caps that do not have it. Changes of the shape leave the heights of
-    the summits unchanged.
+    """A curve at loads (k,), and derivatives of A0 at fixed load by the height of each asperity.
 
     Attributes
     ----------
     curve : Curve
     compute_gradient : callable
-        Function that returns dA0/dh or dA0/dR [mm], or dA0/dn or dA0/dc [mm^2], (k, n); it is called when
-        `gradient` is first read.
+        Function that returns dA0/dh [mm], (k, n); it is called when `gradient` is first read.
     indentation : ndarray, (k, n)
         Nominal indentation of each asperity [mm], at which the law without the curvature of the neighbours'
         field gives its load; minus the gap of an open asperity.
@@ -241,8 +235,6 @@ class Sensitivity:
     >>> surface = Surface.square_lattice([0.1, 0.12], (1, 2), radius=0.526, material=mf.Material(1.36))
     >>> mf.Interacting().sensitivity(surface, np.array([0.02])).gradient.round(3)
     array([[ 0.205, -0.205]])
-    >>> mf.Interacting().sensitivity(surface, np.array([0.02]), by="radius").gradient.round(3)
-    array([[0.08 , 0.113]])
     """
 
     curve: Curve
@@ -251,7 +243,7 @@ class Sensitivity:
 
     @cached_property
     def gradient(self) -> FloatArray:
-        """Derivatives of A0, dA0/dh [mm] unless another parameter was asked for, (k, n)."""
+        """Derivatives of A0, dA0/dh [mm], (k, n)."""
         return self.compute_gradient()
 
 

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from functools import partial
+from dataclasses import dataclass
 from typing import ClassVar, Self
 
 import numpy as np
@@ -13,7 +12,7 @@ from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.contact import Contact
 from metafem.contact.elastic import PARABOLOID
-from metafem.contact.law import SMALL, checked_contact, refuse_parameter
+from metafem.contact.law import checked_contact
 from metafem.errors import InvalidInput
 from metafem.models.adhesion.load_equation import AdhesiveAsperities
 from metafem.models.adhesion.notes import adhesive_law
@@ -111,7 +110,7 @@ class Independent:
         return equation.path(surface, values, by_load, unloading)
 
     def sensitivity(
-        self, surface: Surface, load: FloatArray, height: FloatArray | None = None, by: str = "height"
+        self, surface: Surface, load: FloatArray, height: FloatArray | None = None
     ) -> Sensitivity:
         """Return the law at increasing rescaled loads (k,), and dA0/dh at fixed load [mm], (k, n).
 
@@ -119,17 +118,11 @@ class Independent:
         derivatives with respect to the indentation. For Hertz contacts this is
         ``pi R_i - sum_j pi R_j sqrt(R_i d_i) / sum_j sqrt(R_j d_j)``. If the asperities differ in friction,
         the derivatives are those of ``sum_i w_i A_i``, and each A' has the factor w.
-        height: summit heights (n,) [mm] that replace the heights of the surface; they are not checked. by:
-        parameter of the derivatives, see `Sensitivity`.
+        height: summit heights (n,) [mm] that replace the heights of the surface; they are not checked.
         """
         heights = surface.height if height is None else height
         equation = self._equation(surface)
-        own = self.contact.for_material(surface.material)
-        refuse_parameter(own, by, surface)
-        found = equation.sensitivity(heights, equation.law.summits(surface), load)
-        if by == "height":
-            return found
-        return replace(found, compute_gradient=partial(_by_shape, found, equation.law, own, by, surface))
+        return equation.sensitivity(heights, equation.law.summits(surface), load)
 
     def areas(
         self,
@@ -205,18 +198,3 @@ class Independent:
         results = load_equation(self.contact, self).solve(heights, radii, loads[order])
         approach, carried, area, slope = (part[:, back] for part in results)
         return approach, carried, area, slope
-
-
-def _by_shape(found: Sensitivity, law: Contact, shaped: Contact, by: str, surface: Surface) -> FloatArray:
-    """Return dA0 by a parameter of each cap at fixed load, (k, n).
-
-    At a given load of the contact, the parameter changes its area and, as a height, its indentation.
-    law: for unit E*; shaped: the law before it was bound to the caps.
-    """
-    summits, closed = law.summits(surface), found.indentation > 0.0
-    a = np.where(closed, law.contact_radius(found.indentation, summits), SMALL * surface.radius)
-    rates, stiffness = shaped.shape_rates(by, a, surface), law.stiffness(a, summits)
-    deeper = rates.indentation - rates.load / stiffness
-    own = surface.friction_weights * rates.load * law.area_slope(a, summits) / stiffness
-    change = -found.gradient * deeper - own
-    return np.where(closed, change, 0.0)

@@ -101,15 +101,14 @@ class Model(Protocol):
 
 
 class Sensitive(Model, Protocol):
-    """A model that computes derivatives of its friction law with respect to heights and shapes."""
+    """A model that computes derivatives of its friction law with respect to heights."""
 
     def sensitivity(
-        self, surface: Surface, load: FloatArray, height: FloatArray | None = None, by: str = "height"
+        self, surface: Surface, load: FloatArray, height: FloatArray | None = None
     ) -> Sensitivity:
         """Return the law at increasing rescaled loads P/E* (k,), with dA0/dh at fixed load [mm], (k, n).
 
-        height: summit heights (n,) [mm] that replace the heights of the surface; they are not checked. by:
-        "height", or the parameter of the caps "radius", "exponent" or "coefficient", see `Sensitivity`.
+        height: summit heights (n,) [mm] that replace the heights of the surface; they are not checked.
         """
         ...
 

@@ -1,4 +1,4 @@
-"""A periodic cell against sums over its periods, the unit cell of finite elements and resolved contacts."""
+"""A periodic cell against sums over its periods, copies of it and the unit cell of finite elements."""
 
 from __future__ import annotations
 
@@ -14,20 +14,17 @@ from validation.check import Claim, Picture, Row, below
 from validation.figures import panels
 from validation.methods.lattice_images import image_sum
 from validation.scenes.periodic import (
-    COUNTS,
-    LOAD,
     PITCH,
     RADII,
     RADIUS,
     THREE,
     copies_error,
-    extrapolated,
     repeated,
     unit_cell_error,
 )
 from validation.sources import second_method
 
-# The resolved contacts and 225 copies take some seconds.
+# The 225 copies take some seconds.
 SLOW = True
 
 # A thin layer, whose influence ends within a few periods, and its Poisson's ratio [mm], [-].
@@ -40,15 +37,12 @@ REACH = 40.0
 IMAGES = second_method(image_sum, "sum over the periods, with the layer's influence by quadrature")
 ELEMENTS = second_method(mf.fe.press, "finite elements of one unit cell, whose wall has no shear")
 COPIES = second_method(mf.Interacting, "the same cell in the middle of 15 x 15 copies without a cell")
-RESOLVED = second_method(
-    mf.BoundaryElements, "resolved contacts of the cell, extrapolated to vanishing cells"
-)
 
 
 def claim() -> Claim:
     """A surface may be one period of an infinite one. The sums over all periods are compared with the same
     sums added one by one, equal asperities with a unit cell of finite elements, and a cell of three unequal
-    asperities with many copies of it and with resolved contacts.
+    asperities with many copies of it.
     """
     return Claim("Periodic cells", list(_rows()), {"A cell and its copies": Picture(_figure)})
 
@@ -71,10 +65,6 @@ def _rows() -> Iterator[Row]:
     yield below(
         "three asperities on a layer of 1 mm: largest relative error of a load", copies_error(), 1e-6, COPIES
     )
-    resolved = [mf.equilibrium(THREE, mf.BoundaryElements(3.0 / n), load=LOAD).area for n in COUNTS]
-    area = mf.equilibrium(THREE, mf.Interacting(), load=LOAD).area
-    error = abs(area / extrapolated(resolved) - 1.0)
-    yield below("three asperities on a half-space: relative error of A0 by order 3", error, 1e-3, RESOLVED)
 
 
 @panels(6.0, 3.4)

@@ -194,12 +194,8 @@ def with_adhesion(contact: Contact, root: float) -> Contact:
 def _by_radius(contact: Contact, surface: Surface, size: FloatArray, scaled: list[FloatArray]) -> FloatArray:
     """Return the derivatives of indentation and load by R at fixed contact radii, (2, k, n).
 
-    scaled: the radii times FACTORS, for laws that state no derivatives.
+    scaled: the radii times FACTORS.
     """
-    shaped = contact.without_adhesion.for_material(surface.material)
-    if "radius" in shaped.shape_parameters(surface.cap):
-        rates = shaped.shape_rates("radius", np.where(size > 0.0, size, STEP * surface.radius), surface)
-        return np.where(size > 0.0, (rates.indentation, rates.load), 0.0)
     law = contact.bound(surface)
     low, high = (_depth_and_load(law, size, contact.summits(surface, each)) for each in scaled)
     return np.asarray((high - low) / (2.0 * STEP * surface.radius))

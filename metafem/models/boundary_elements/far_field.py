@@ -15,11 +15,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from typing import Any, TypeVar
 
 import numpy as np
 from numpy.polynomial.chebyshev import chebvander
-from numpy.typing import NDArray
 
 from metafem._kernels.expansion import apply_pairs
 from metafem._validate import FloatArray, IntArray
@@ -28,14 +26,8 @@ from metafem._validate import FloatArray, IntArray
 # measured errors of sums over all cells were below 3e-10.
 TOLERANCE = 1e-8
 
-# The same for products in single precision, whose error multiplies the step of an iteration.
-SINGLE_TOLERANCE = 1e-5
-
 # Number of coefficients that are computed at once: those of a few pairs, within the cache.
 BATCH = 2**16
-
-SingleArray = NDArray[np.float32]
-Vector = TypeVar("Vector", FloatArray, SingleArray)
 
 # Offset [cells] of two points along each side of a cell. The points represent a cell of side 1/sqrt(2) and
 # are used for both source and target. The influence then remains symmetric and equals Love's far field, G +
@@ -86,44 +78,31 @@ class FarField:
         order = orders(convergence_rate(centre, half)[first, second])
         place = np.argsort(order, kind="stable")
         self.first, self.second, order = first[place], second[place], order[place]
-        share = math.log(SINGLE_TOLERANCE) / math.log(TOLERANCE)
-        fewer = np.ceil(share * order).astype(np.int64)
-        start, begin = (np.concatenate([[0], np.cumsum(q**4)]) for q in (order, fewer))
-        table, single = np.empty(start[-1]), np.empty(begin[-1], dtype=np.float32)
+        start = np.concatenate([[0], np.cumsum(order**4)])
+        table = np.empty(start[-1])
         for a, b in _batches(order):
-            i, j, q, r = self.first[a:b], self.second[a:b], int(order[a]), slice(int(fewer[a]))
+            i, j, q = self.first[a:b], self.second[a:b], int(order[a])
             block = _coefficients(influence, centre[i] - centre[j], half[i], half[j], q)
             table[start[a] : start[b]] = block.ravel()
-            single[begin[a] : begin[b]] = block[:, r, r, r, r].ravel()
         self.size = int(order.max(initial=1))
         self.shape = shape
-        # by precision; that in single precision has the leading terms
-        self.tables: dict[np.dtype[Any], tuple[IntArray, IntArray, NDArray[Any]]] = {
-            np.dtype(np.float64): (order, start, table),
-            np.dtype(np.float32): (fewer, begin, single),
-        }
-        bases = {s: (_basis(s[0], self.size), _basis(s[1], self.size)) for s in set(shape)}
-        self.bases: dict[np.dtype[Any], dict[tuple[int, int], tuple[NDArray[Any], NDArray[Any]]]] = {
-            np.dtype(t): {
-                s: (x.astype(t, copy=False), y.astype(t, copy=False)) for s, (x, y) in bases.items()
-            }
-            for t in (np.float64, np.float32)
-        }
+        self.table: tuple[IntArray, IntArray, FloatArray] = (order, start, table)
+        self.bases = {s: (_basis(s[0], self.size), _basis(s[1], self.size)) for s in set(shape)}
 
-    def moments(self, pressure: Vector, shape: tuple[int, int]) -> Vector:
+    def moments(self, pressure: FloatArray, shape: tuple[int, int]) -> FloatArray:
         """Return the Chebyshev moments of patches of one shape, (k, size, size)."""
-        x, y = self.bases[pressure.dtype][shape]
+        x, y = self.bases[shape]
         return np.asarray(x.T @ pressure @ y)
 
-    def local(self, moments: Vector) -> Vector:
+    def local(self, moments: FloatArray) -> FloatArray:
         """Return the coefficients of each patch's displacement by the other patches, (m, size, size)."""
         result = np.zeros_like(moments)
-        apply_pairs(self.first, self.second, *self.tables[moments.dtype], moments, result)
+        apply_pairs(self.first, self.second, *self.table, moments, result)
         return result
 
-    def displacement(self, local: Vector, shape: tuple[int, int]) -> Vector:
+    def displacement(self, local: FloatArray, shape: tuple[int, int]) -> FloatArray:
         """Return the displacement of the cells of patches of one shape from their coefficients."""
-        x, y = self.bases[local.dtype][shape]
+        x, y = self.bases[shape]
         return np.asarray(x @ local @ y.T)
 
 

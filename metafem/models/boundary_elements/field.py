@@ -30,7 +30,7 @@ class ContactField(Value):
     cell : float
         Side of the cells [mm].
     x, y : ndarray, (k,)
-        Centres of the cells [mm]; with a periodic cell of the surface, in any of the periods.
+        Centres of the cells [mm].
     pressure : ndarray, (k,)
         Contact pressure [MPa], not negative; 0 outside the contacts. ``cell**2 * pressure.sum()`` is the load
         [N].

@@ -5,16 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import fft
 
 from metafem._kernels import love
 from metafem._validate import FloatArray
 from metafem.models._resources import THREADS
-from metafem.models.boundary_elements.far_field import FarField, SingleArray, Vector
+from metafem.models.boundary_elements.far_field import FarField
 from metafem.models.boundary_elements.patches import Patch
 
 # Number of aliases on each side in the symbol of the preconditioner; their terms decrease as the cube of the
@@ -31,7 +29,7 @@ GAUSS_POINTS = [
 # several groups remain, which distribute the work over the threads.
 CELLS_PER_GROUP = 8192
 
-# Largest number of values that are transformed at once with their padding: 8 MiB in single precision.
+# Largest number of values that are transformed at once with their padding: 16 MiB.
 BLOCK = 2**20
 
 
@@ -57,12 +55,8 @@ class Influence:
             near += 0.25 * regular(np.hypot(i + x, j + y))
         self.shapes = shapes
         self.edges = np.concatenate([[0], np.cumsum([a * b for a, b in shapes])])
-        spectra = {s: _spectrum(near[: s[0], : s[1]]) for s in set(shapes)}
-        self.spectra: dict[np.dtype[Any], dict[tuple[int, int], NDArray[Any]]] = {
-            np.dtype(t): {s: v.astype(t, copy=False) for s, v in spectra.items()}
-            for t in (np.float64, np.float32)
-        }
-        self.symbols = {s: _symbol(_fast(s)).astype(np.float32) for s in set(shapes)}
+        self.spectra = {s: _spectrum(near[: s[0], : s[1]]) for s in set(shapes)}
+        self.symbols = {s: _symbol(_fast(s)) for s in set(shapes)}
         self.far = FarField(influence, np.array([p.centre for p in patches]), shapes)
         self.groups = _groups(shapes)
         self.products = 0
@@ -72,24 +66,23 @@ class Influence:
         """Number of cells."""
         return int(self.edges[-1])
 
-    def split(self, vector: Vector) -> list[Vector]:
+    def split(self, vector: FloatArray) -> list[FloatArray]:
         """Return views of a vector's part for each patch, in the shape of the patch."""
         return [
             vector[a:b].reshape(s)
             for a, b, s in zip(self.edges[:-1], self.edges[1:], self.shapes, strict=True)
         ]
 
-    def product(self, pressure: Vector) -> Vector:
-        """Return the displacement of every cell [cells] by pressures p/E*, in the precision of these."""
+    def product(self, pressure: FloatArray) -> FloatArray:
+        """Return the displacement of every cell [cells] by pressures p/E*."""
         self.products += 1
         result = np.empty_like(pressure)
         sources, targets = self.split(pressure), self.split(result)
-        spectra = self.spectra[pressure.dtype]
-        moments = np.empty((len(sources), self.far.size, self.far.size), dtype=pressure.dtype)
+        moments = np.empty((len(sources), self.far.size, self.far.size))
 
         def near(group: list[int]) -> None:
-            source: Vector = _stacked(sources, group)
-            image: Vector = _convolved(source, spectra[self.shapes[group[0]]], self._threads)
+            source = _stacked(sources, group)
+            image = _convolved(source, self.spectra[self.shapes[group[0]]], self._threads)
             _spread(image, targets, group)
 
         def gather(group: list[int]) -> None:
@@ -107,11 +100,11 @@ class Influence:
             list(pool.map(gather, self.groups))
             between = pool.submit(self.far.local, moments)
             list(pool.map(near, self.groups))
-            local: Vector = between.result()
+            local = between.result()
             list(pool.map(far, self.groups))
         return result
 
-    def precondition(self, vector: SingleArray) -> SingleArray:
+    def precondition(self, vector: FloatArray) -> FloatArray:
         """Return an approximate solution on each patch: the inverse symbol of the half-space is applied."""
         result = np.empty_like(vector)
         sources, targets = self.split(vector), self.split(result)
@@ -147,12 +140,12 @@ def _groups(shapes: list[tuple[int, int]]) -> list[list[int]]:
     return groups
 
 
-def _stacked(parts: list[Vector], group: list[int]) -> Vector:
+def _stacked(parts: list[FloatArray], group: list[int]) -> FloatArray:
     """Return the parts of a group of patches as one array, (k, rows, columns)."""
     return parts[group[0]][None] if len(group) == 1 else np.stack([parts[k] for k in group])
 
 
-def _spread(stack: Vector, parts: list[Vector], group: list[int]) -> None:
+def _spread(stack: FloatArray, parts: list[FloatArray], group: list[int]) -> None:
     """Write an array (k, rows, columns) to the parts of a group of patches."""
     for k, part in zip(group, stack, strict=True):
         parts[k][...] = part
@@ -179,7 +172,7 @@ def _spectrum(quadrant: FloatArray) -> FloatArray:
     return np.ascontiguousarray(fft.rfft2(full).real)
 
 
-def _convolved(source: Vector, spectrum: NDArray[Any], threads: int) -> Vector:
+def _convolved(source: FloatArray, spectrum: FloatArray, threads: int) -> FloatArray:
     """Return the convolutions of patches, (k, rows, columns).
 
     Lines that contain only padding are not transformed. The columns are transformed in blocks, so that their

@@ -15,14 +15,11 @@ from metafem._validate import FloatArray
 from metafem.contact import Contact, Hertz
 from metafem.contact.caps import ElasticCap
 from metafem.contact.elastic import PARABOLOID
-from metafem.contact.law import refuse_parameter
 from metafem.errors import InvalidInput
 from metafem.models.boundary_elements import far_field
 from metafem.models.boundary_elements.field import ContactField
-from metafem.models.boundary_elements.sensitivity import area_gradient
 from metafem.models.boundary_elements.solve import COARSEST, TOLERANCE, Scene, Solution
-from metafem.models.curve import Curve, ModelError, RescaledState, Sensitivity, controlled
-from metafem.models.interacting.coupled import MEAN_PLANE
+from metafem.models.curve import Curve, ModelError, RescaledState, controlled
 from metafem.models.model import WithoutGradients
 from metafem.models.rungs import order_3_error
 from metafem.notes import Note, information
@@ -60,10 +57,7 @@ class BoundaryElements(WithoutGradients):
     stiffness is that of flat punches on the cells in contact. Johnson, Contact Mechanics (1985), section 5.9,
     doi:10.1017/CBO9781139171731.
 
-    If the surface has a periodic cell, the cells are those of one period, their side is the largest one up to
-    `cell` that divides both sides of the period, and the Fourier transforms are cyclic. On a half-space the
-    separation is then measured from the mean plane of the deformed surface. Contacts that nearly touch those
-    of the next period are refused.
+    A surface with a periodic cell is refused. Inversions use the sensitivities of `gradient_model`.
 
     The contact areas are computed from the second moments of the pressure of each contact. For paraboloids
     ``A = 5 pi sqrt(<x^2><y^2> - <xy>^2)``, which is exact for Hertzian ellipses; for other caps the factor
@@ -93,8 +87,8 @@ class BoundaryElements(WithoutGradients):
     ------
     InvalidInput
         If the cell is not positive, or the substrate or contact is of another kind. When solving: if the
-        cells are too coarse for the largest contact, a contact is wider than its profile, or the scene needs
-        more memory than the machine has.
+        surface has a periodic cell, the cells are too coarse for the largest contact, a contact is wider than
+        its profile, or the scene needs more memory than the machine has.
 
     Examples
     --------
@@ -147,37 +141,10 @@ class BoundaryElements(WithoutGradients):
         ]
         return Curve.joined(parts)
 
-    def sensitivity(
-        self, surface: Surface, load: FloatArray, height: FloatArray | None = None, by: str = "height"
-    ) -> Sensitivity:
-        """Return the law at increasing rescaled loads (k,), and dA0/dh at fixed load [mm], (k, n).
-
-        The derivatives are exact for the equations of the cells while the same cells are in contact. They
-        jump when a cell opens or closes: with 27 cells per contact radius, those by the height scatter by
-        about a tenth of the largest one, and those by the shape by a few percent. Inversions therefore use
-        the smooth ones of `gradient_model`.
-        height: summit heights (n,) [mm] that replace the heights of the surface. by: parameter of the
-        derivatives, see `Sensitivity`. InvalidInput is raised if a load is too light for the cells, or if
-        contacts have merged or do not have the shape of their law.
-        """
-        given = surface if height is None else surface.replaced(height=height)
-        own = self.contact.for_material(surface.material)
-        refuse_parameter(own, by, surface)
-        scene = self._scene(given)
-        curves, gradient = [], np.zeros((len(load), surface.count))
-        for row, value in enumerate(np.asarray(load, dtype=np.float64).tolist()):
-            if value <= 0.0:
-                curves.append(self._point(scene, None, value, True))
-                continue
-            guess = scene.initial_guess(value, True)
-            solution = scene.solve(guess, value)
-            curves.append(self._row(scene, solution, value, True))
-            gradient[row] = area_gradient(scene, solution, own, by)
-        indentation = np.array([curve.last.indentation for curve in curves])
-        return Sensitivity(Curve.joined(curves), lambda: gradient, indentation)
-
     def _scene(self, surface: Surface) -> Scene:
         """Return the surface with its law and cells."""
+        if surface.cell is not None:
+            raise InvalidInput("contacts in a periodic cell cannot be resolved; use metafem.Interacting()")
         law = cast("Hertz | ElasticCap", self.contact.bound(surface))
         return Scene(surface, self.cell, self.substrate, law)
 
@@ -269,14 +236,7 @@ def _notes(scene: Scene, solution: Solution) -> tuple[Note, ...]:
     notes = [
         information(f"{cells} cells cover the contacts; a grid over all of them would have {extent.prod()}"),
     ]
-    if scene.grid is not None:
-        numbers = " x ".join(map(str, scene.grid))
-        notes = [
-            information(f"{cells} of {numbers} cells of {scene.cell:.4g} mm in the period cover the contacts")
-        ]
-        if not hasattr(scene.substrate, "thickness"):
-            notes.append(MEAN_PLANE)
-    elif len(patches) > 1:
+    if len(patches) > 1:
         notes.append(
             information(
                 f"displacements between {len(patches)} patches by expansions within {far_field.TOLERANCE:g}"

@@ -52,13 +52,10 @@ def box_rate(first: IntArray, last: IntArray) -> FloatArray:
     return convergence_rate(centre, half)
 
 
-def boxes(
-    summits: Summits, half_width: FloatArray, slowest: float | None = None
-) -> tuple[list[IntArray], IntArray, IntArray]:
+def boxes(summits: Summits, half_width: FloatArray) -> tuple[list[IntArray], IntArray, IntArray]:
     """Return the members (summits), first cells (m, 2) and last cells (m, 2) of the patches.
 
     half_width: half the width of the box of cells around each summit, (n,); 0 if it has no cells.
-    slowest: rate below which two boxes are merged, 1 for boxes that overlap; default: SLOWEST_RATE.
     """
     used = np.flatnonzero(half_width > 0.0)
     first = np.floor(summits.position[used] - half_width[used, None]).astype(np.int64)
@@ -66,7 +63,7 @@ def boxes(
     members = [np.array([i]) for i in used]
     while len(members) > 1:
         rate = box_rate(first, last)
-        a, b = np.nonzero(np.triu(rate < (SLOWEST_RATE if slowest is None else slowest), 1))
+        a, b = np.nonzero(np.triu(rate < SLOWEST_RATE, 1))
         if a.size == 0:
             break
         graph = coo_array((np.ones(a.size), (a, b)), shape=rate.shape)

@@ -9,9 +9,8 @@ chapter 5, doi:10.1007/b138610).
 
 A projected step is accepted only if it decreases the energy; otherwise a sufficiently short projected
 gradient step replaces it. Since the energy decreases in every cycle, no set of cells recurs.
-The program is strictly convex. Within a cycle the products are in single precision; their errors are
-proportional to the step. The projected pressure has its product in double precision, from which the residual
-of the optimality conditions is computed. It certifies the solution. In contrast, Polonsky and Keer, Wear 231,
+The program is strictly convex. The residual of the optimality conditions is computed from a product with the
+projected pressure. It certifies the solution. In contrast, Polonsky and Keer, Wear 231,
 206 (1999), doi:10.1016/S0043-1648(99)00113-1, accept all projected steps.
 """
 
@@ -24,23 +23,19 @@ from numpy.typing import NDArray
 
 from metafem._kernels import vectors as kernel
 from metafem._validate import FloatArray
-from metafem.models.boundary_elements.far_field import SingleArray
 from metafem.models.boundary_elements.influence import Influence
 
 # Conjugate gradients on a face stop if their error is below this share of the error that the bounds cause.
-# Smaller values need fewer cycles, each with a product in double precision, and more steps: 6, 5 and 4
-# products in double precision and 17, 18 and 18 steps at 1, 0.3 and 0.1 (64 contacts of 36 cells per radius).
+# Smaller values need fewer cycles and more steps: 6, 5 and 4 cycles and 17, 18 and 18 steps at 1, 0.3 and 0.1
+# (64 contacts of 36 cells per radius).
 SHARE = 0.1
 
 # Growth of this share when a projected step does not decrease the energy: the next face is solved less
 # accurately, down to one step, after which few cells are in tension.
 GROWTH = 10.0
 
-# Tolerance on a face divided by that of the program. The errors of single precision are below the rest.
+# Tolerance on a face divided by that of the program.
 INNER = 0.5
-
-# Smallest reduction of the error on a face. Beyond it, rounding in single precision determines the steps.
-REDUCTION = 1e-6
 
 # Maximum number of halvings of a gradient step; 2^-40 of the first step is below rounding.
 MAX_HALVINGS = 40
@@ -91,7 +86,7 @@ def minimise(
 ) -> Minimum:
     """Return the solution of the program; `pressure` is an initial guess that satisfies the constraints.
 
-    operator: A and its preconditioner, in the precision of their argument; gap: g; multiplier: z, or a first
+    operator: A and its preconditioner; gap: g; multiplier: z, or a first
     guess of z if the pressure has a fixed sum `total`. The iteration stops when the error, in the units of g,
     is within the tolerance.
     """
@@ -148,9 +143,9 @@ class _Problem:
             self.multiplier = float(v[p > 0.0].mean())
         self.face = np.asarray((p > 0.0) | (v < self.multiplier))
 
-    def restricted(self, vector: SingleArray) -> FloatArray:
+    def restricted(self, vector: FloatArray) -> FloatArray:
         """Return the preconditioner on the face, applied to a vector that is zero elsewhere."""
-        return np.multiply(self.operator.precondition(vector), self.face, dtype=np.float64)
+        return self.operator.precondition(vector) * self.face
 
     def error(self, p: FloatArray, v: FloatArray) -> float:
         """Return the largest |gap| of a cell with pressure, or overlap of a cell without."""
@@ -180,7 +175,7 @@ def _on_face(
     d = np.zeros_like(p)
     rho = np.inf
     if problem.total is not None:
-        one = problem.restricted(face.astype(np.float32))
+        one = problem.restricted(face.astype(np.float64))
         sum_one = float(one.sum())
     for step in range(max_steps):
         s = problem.restricted(kernel.shortage(v, problem.multiplier, face))
@@ -189,15 +184,13 @@ def _on_face(
             problem.multiplier += change
             kernel.add_multiple(s, change, one)
         inside, outside = kernel.violations(v, problem.multiplier, face)
-        if step == 0:
-            tolerance = max(tolerance, REDUCTION * inside)
         if inside <= max(tolerance, share * max(outside, -float(p.min()))):
             return p, step
         new = -kernel.shifted_dot(s, v, problem.multiplier)
         d *= new / rho
         d += s
         rho = new
-        image = operator.product(d.astype(np.float32))
+        image = operator.product(d)
         curvature = kernel.dot(d, image)
         if curvature <= 0.0:  # the step is zero, or lost in rounding
             return p, step

@@ -18,12 +18,6 @@ from metafem.models.boundary_elements.contact_areas import Contacts, measure
 from metafem.models.boundary_elements.far_field import table_bytes
 from metafem.models.boundary_elements.influence import Influence
 from metafem.models.boundary_elements.patches import Patch, box_rate, boxes, patch
-from metafem.models.boundary_elements.periodic import (
-    PeriodicInfluence,
-    fitting_side,
-    framed,
-    spectrum,
-)
 from metafem.models.boundary_elements.summits import Summits
 from metafem.models.curve import Curve
 from metafem.models.independent import Independent
@@ -33,9 +27,6 @@ from metafem.surface import Surface
 
 # Largest |gap| of a cell with pressure, or overlap of a cell without, relative to the largest indentation.
 TOLERANCE = 1e-9
-
-# Rate below which patches of a periodic cell are merged: only if they overlap, whose rate is 1.
-OVERLAP = 1.0 + 1e-9
 
 # Minimum number of cells per radius of the largest contact. With n cells per radius the error is up to
 # 0.1/n^2 in load and 0.3/n^2 in area (measured for one Hertz contact at six offsets, n = 4 to 12), so that
@@ -93,13 +84,8 @@ class Scene:
     """One surface on one substrate, with the data that are common to all loads."""
 
     def __init__(self, surface: Surface, cell: float, substrate: Radial, law: Hertz | ElasticCap) -> None:
-        surface = framed(surface)
         self.surface = surface
         self.law = law
-        self.grid: tuple[int, int] | None = None
-        self._spectra: dict[Radial, FloatArray] = {}
-        if surface.cell is not None:
-            cell, self.grid = fitting_side(cell, surface.cell)
         self.cell = cell
         self.substrate = substrate.for_surface(surface)
         self.summits = Summits.of(surface, law, cell)
@@ -188,35 +174,21 @@ class Scene:
             )
 
     def _patches(self, half_width: FloatArray) -> list[Patch]:
-        members, first, last = boxes(self.summits, half_width, None if self.grid is None else OVERLAP)
+        members, first, last = boxes(self.summits, half_width)
         cells = (last - first + 1).astype(np.float64).prod(axis=1)
         rate = box_rate(first, last)[np.triu_indices(len(cells), 1)]
-        needed = 8 * VECTORS * cells.sum()
-        if self.grid is None:
-            needed += TRANSFORM_BYTES * cells.max() + table_bytes(rate)
-        else:
-            needed += TRANSFORM_BYTES * math.prod(self.grid)
+        needed = 8 * VECTORS * cells.sum() + TRANSFORM_BYTES * cells.max() + table_bytes(rate)
         require_memory(needed, f"cell = {self.cell:g} mm, with {cells.sum():.3g} cells,")
         return [patch(self.summits, *box) for box in zip(members, first, last, strict=True)]
 
-    def influence(self, patches: list[Patch], substrate: Radial | None = None) -> Influence:
-        """Return the influence of the cells of patches on each other, on its own or another substrate."""
-        h, below = self.cell, substrate or self.substrate
-        if self.grid is not None:
-            return PeriodicInfluence(patches, self.grid, self._spectrum(below))
+    def influence(self, patches: list[Patch]) -> Influence:
+        """Return the influence of the cells of patches on each other."""
+        h, below = self.cell, self.substrate
         return Influence(
             patches,
             lambda r: np.asarray(h * below.influence(h * r)),
             lambda r: np.asarray(h * below.regular(h * r)),
         )
-
-    def _spectrum(self, substrate: Radial) -> FloatArray:
-        """Return the transform of the influence between the cells of a period."""
-        if substrate not in self._spectra:
-            assert self.surface.cell is not None
-            assert self.grid is not None
-            self._spectra[substrate] = spectrum(substrate, self.surface.cell, self.cell, self.grid)
-        return self._spectra[substrate]
 
     def _expected(self, indentation: FloatArray, patches: list[Patch]) -> FloatArray:
         """Return Hertz's pressure for the law's contact radii, corrected for the neighbours' field.

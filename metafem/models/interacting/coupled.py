@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 from metafem._validate import FloatArray
 from metafem.contact import Contact
 from metafem.contact.cap_compliance import TALLEST, pedestal_influence
@@ -49,11 +47,6 @@ class Coupled:
     def pedestals(self, height: FloatArray, radius: FloatArray) -> FloatArray | float:
         """Return the displacement of each summit by the compliance of its cap, per unit of P/E* [1/mm]."""
         return pedestal_influence(height, radius)[0] if self.pedestal else 0.0
-
-    def pedestal_rate(self, height: FloatArray) -> FloatArray:
-        """Return the derivatives of `pedestals` by R [1/mm^2], (n,): R times `pedestals` depends on h/R."""
-        value, rate = pedestal_influence(height, self.surface.radius)
-        return np.asarray(-(value + height * rate) / self.surface.radius)
 
     def on_pedestals(self, gradient: FloatArray, height: FloatArray, load: FloatArray) -> FloatArray:
         """Return dA0/dh (k, n) [mm] with the change of the caps' compliance, at loads (k, n) [mm^2]."""

@@ -11,7 +11,7 @@ import numpy as np
 
 from metafem._kernels import continuation as kernel
 from metafem._kernels.contact.tabulated import Law
-from metafem._kernels.coupling import State, empty_state, respond, spread
+from metafem._kernels.coupling import State
 from metafem._validate import FloatArray
 from metafem.contact.law import contacts
 from metafem.errors import InvalidInput, NotConverged
@@ -30,7 +30,6 @@ from metafem.models.interacting.influence import coupling_between
 from metafem.models.interacting.large import NOT_RECORDED, large_scene
 from metafem.models.interacting.newton_krylov import TOLERANCE as FAST_TOLERANCE
 from metafem.models.interacting.sensitivity import area_gradients
-from metafem.models.interacting.shape_sensitivity import Shapes, shape_gradient
 from metafem.models.interacting.sums.fft_sums import find_lattice
 from metafem.models.interacting.sums.periodic_sums import find_grid
 from metafem.notes import Note, information
@@ -57,10 +56,6 @@ PAIRS_PER_THREAD = 200_000
 # independent contacts, which takes as long as a few loads. The number does not depend on the machine, because
 # the last digits depend on the division.
 PAIRS_PER_HALF = 4_000_000
-
-
-# State of nominal indentations (n,) [mm] at an approach [mm], and the errors of its equations (n,) [mm].
-Response = Callable[[FloatArray, float], tuple[State, FloatArray]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,18 +112,13 @@ class ElasticCoupling(Coupled):
             )
         return results.approach, results.load, results.area, results.stiffness
 
-    def sensitivity(self, height: FloatArray, load: FloatArray, by: str = "height") -> Sensitivity:
-        """Return the curve at increasing loads (k,), and dA0/dh at fixed load [mm], (k, n).
-
-        by: parameter of the derivatives, see `Sensitivity`.
-        """
+    def sensitivity(self, height: FloatArray, load: FloatArray) -> Sensitivity:
+        """Return the curve at increasing loads (k,), and dA0/dh at fixed load [mm], (k, n)."""
         indentation = np.zeros((len(load), self.surface.count))
         solution = self._solve(height[None, :], load, True, indentation)
 
         def gradient() -> FloatArray:
             found = solution.gradient()
-            if by != "height":
-                return self._by_shape(by, height, indentation, found)
             if not self.pedestal:
                 return found
             carried = contacts(self.law, indentation, self.law.summits(self.surface)).load
@@ -143,60 +133,6 @@ class ElasticCoupling(Coupled):
         solution = self._solve(height, load, True, radius=radius)
         self._refuse_thin_layer(solution.results)
         return np.where(solution.solved, solution.results.area, np.nan)
-
-    def response(self) -> Response:
-        """Return a function of nominal indentations z (n,) and the approach [mm].
-
-        It returns the state, and the errors of its equations (n,) [mm].
-        """
-        surface = self.surface
-        gap, self_term = surface.gap, np.zeros(surface.count) + self.pedestals(surface.height, surface.radius)
-        law = tables(self.law, self.law.summits(surface))
-        if self.summed is not None:
-            equations = large_scene(surface, self.summed, self.order).equations(law, self_term, gap)
-
-            def summed(z: FloatArray, approach: float) -> tuple[State, FloatArray]:
-                found = equations.respond(z, approach, 0.0)
-                spread(self.order, law, found.state)
-                return found.state, found.error
-
-            return summed
-        coupling, regular = coupling_between(surface, self.substrate, self.order)
-
-        def dense(z: FloatArray, approach: float) -> tuple[State, FloatArray]:
-            state = empty_state(surface.count)
-            state.z[:] = z
-            respond(coupling, self.order, law, self_term + regular, state)
-            spread(self.order, law, state)
-            return state, state.indentation + state.displacement - (approach - gap)
-
-        return dense
-
-    def _by_shape(
-        self, by: str, height: FloatArray, indentation: FloatArray, gradient: FloatArray
-    ) -> FloatArray:
-        """Return dA0 by a parameter of the caps (k, n), from dA0/dh without the change of the pedestals."""
-        surface, law = self.surface, self.law
-        own = self.model.contact.for_material(surface.material)
-        shapes = Shapes(surface, law, own, tables(law, law.summits(surface)), by)
-        respond, found = self.response(), np.zeros_like(gradient)
-        for row, (z, change) in enumerate(zip(indentation, gradient, strict=True)):
-            state, _ = respond(z, 0.0)
-            found[row] = shape_gradient(shapes, state, change, self._field(change))
-            if self.pedestal and by == "radius":
-                found[row] -= change * self.pedestal_rate(height) * state.load
-        return found
-
-    def _field(self, load: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray] | None:
-        """Return the Laplacian and the slopes of the field of loads at the asperities; None for order 1."""
-        if self.order == 1:
-            return None
-        if self.summed is not None:
-            return large_scene(self.surface, self.summed, self.order).sums.field(load)
-        coupling, _ = coupling_between(self.surface, self.substrate, self.order)
-        at = coupling.laplacian_at, coupling.slope_x_at, coupling.slope_y_at
-        laplacian, x, y = (load @ matrix for matrix in at)
-        return laplacian, x, y
 
     def _curve(self, solution: Solution) -> Curve:
         approach, load, area, stiffness, residual = (part[0] for part in solution.results[:5])

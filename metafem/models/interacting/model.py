@@ -13,7 +13,7 @@ from metafem._validate import FloatArray
 from metafem.caps import SPHERE
 from metafem.contact import Contact
 from metafem.contact.elastic import PARABOLOID
-from metafem.contact.law import checked_contact, refuse_parameter
+from metafem.contact.law import checked_contact
 from metafem.errors import InvalidInput, refuse_if
 from metafem.models.adhesion.notes import adhesive_law
 from metafem.models.curve import Curve, Sensitivity, areas_one_by_one, controlled
@@ -220,18 +220,16 @@ class Interacting:
         return approach, carried, area, stiffness
 
     def sensitivity(
-        self, surface: Surface, load: FloatArray, height: FloatArray | None = None, by: str = "height"
+        self, surface: Surface, load: FloatArray, height: FloatArray | None = None
     ) -> Sensitivity:
         """Return the law at increasing rescaled loads (k,), and dA0/dh at fixed load [mm], (k, n).
 
         The derivatives by all heights need one solution of a linear system per load. If fast sums are used,
         it is solved by conjugate gradients to 1e-9.
-        height: summit heights (n,) [mm] that replace the heights of the surface; they are not checked. by:
-        parameter of the derivatives, see `Sensitivity`.
+        height: summit heights (n,) [mm] that replace the heights of the surface; they are not checked.
         """
         heights = surface.height if height is None else height
-        refuse_parameter(self.contact.for_material(surface.material), by, surface)
-        return self.bound(surface).sensitivity(heights, load, by)
+        return self.bound(surface).sensitivity(heights, load)
 
     def areas(
         self,

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 import metafem as mf
-from tests.core.models.test_shape_sensitivity import LOADS, scene
+from tests.core.models.test_sensitivity import LOADS, scene
 
 CAPS = (mf.Power(4.0), mf.Sphere(), mf.Power(1.5, 0.3), mf.Paraboloid())
 LAWS = (mf.PowerCap(4.0), mf.SphericalCap(), mf.PowerCap(1.5, 0.3), mf.Hertz())

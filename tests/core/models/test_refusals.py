@@ -9,7 +9,6 @@ import metafem as mf
 from metafem.caps.shapes import sphere_profile
 from metafem.models._resources import require_memory
 from metafem.models.boundary_elements.contact_areas import Contacts
-from metafem.models.boundary_elements.periodic import fitting_side
 from metafem.models.boundary_elements.solve import Scene
 from tests.models.scenes import HEIGHT, lattice, scene
 from tests.refusals import faults
@@ -47,10 +46,6 @@ def state(surface=SOME, model=None, **given):
 
 def law(model, surface=SOME, **given):
     return partial(mf.friction_law, surface, model, **given)
-
-
-def by(model, parameter, surface=SOME, load=0.1):
-    return partial(model.sensitivity, surface, np.array([load]), by=parameter)
 
 
 def curves(*given):
@@ -136,17 +131,11 @@ REFUSALS = [
     (lambda: THREE.tilted(0.01, 0.0), "tilted", "cell"),
     (state(SOME.replaced(cap=mf.Power(2.0)), mf.Interacting(pedestal=True), load=0.1), "pedestal", "Power("),
     (state(SOME.replaced(cap=mf.Power(4)), load=0.1), "cap", "Power("),
-    (by(mf.Interacting(), "slope"), "by", "'slope'"),
-    (by(mf.BoundaryElements(0.01), "exponent"), "by", "'exponent'"),
-    (by(mf.Independent(JKR), "radius"), "by", "'radius'"),
-    (by(mf.BoundaryElements(0.02), "radius", scene([[0, 0], [0.3, 0]], [0.1] * 2, 0.5)), "by", "2"),
-    (by(mf.BoundaryElements(0.05), "height", load=1e-4), "cell", "0.05"),
     (state(SOME, mf.BoundaryElements(0.1), load=0.05), "cell", "0.1"),
     (state(SOME, mf.BoundaryElements(1e-6), load=0.05), "memory", "GiB"),
     (lambda: require_memory(1e18, "a scene"), "a scene", "GiB"),
     (wide_contact, "radius", "0.2185"),
-    (lambda: fitting_side(0.02, mf.PeriodicCell(1.5, 2.0**0.5)), "cell", "1.41421"),
-    (state(ONE, mf.BoundaryElements(0.02), load=2.0), "periods", "touch"),
+    (state(ONE, mf.BoundaryElements(0.02), load=2.0), "periodic cell", "Interacting"),
     (lambda: mf.equilibrium(SOME, mf.Interacting(), load=0.1).field, "field", "Interacting("),
     (other_radii, "contact", "4"),
     (lambda: mf.friction_law(SOME, flattened()[1], load=[0.001]), "contact", "9"),

@@ -59,12 +59,6 @@ def test_one_disc_on_a_thin_layer():
     assert found.conductance[0] == pytest.approx(1.0 / (own + 1.0 / (4.0 * radius)), rel=1e-12)
 
 
-def test_resolved_contacts_on_a_half_space_carry_the_stiffness(irregular):
-    model = mf.BoundaryElements(0.02)
-    found = mf.conductance(irregular, model, load=LOADS[2:], resistivity=1.0).rescaled_conductance
-    assert_allclose(found, model.curve(irregular, LOADS[2:]).stiffness, rtol=1e-12)
-
-
 def test_no_contact_has_no_conductance(irregular):
-    for model in (mf.Independent(), mf.Interacting(), mf.BoundaryElements(0.02)):
+    for model in (mf.Independent(), mf.Interacting()):
         assert mf.conductance(irregular, model, load=[0.0], resistivity=1.0).conductance[0] == 0.0

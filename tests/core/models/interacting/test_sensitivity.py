@@ -6,7 +6,7 @@ import pytest
 import metafem as mf
 from metafem.models.interacting import elastic as interacting
 from metafem.models.interacting.sensitivity import general_gradients
-from tests.core.models.test_shape_sensitivity import scene
+from tests.core.models.test_sensitivity import scene
 
 PEDESTALS = [mf.Interacting(order=order, substrate=mf.BondedLayer(), pedestal=True) for order in (1, 3)]
 MODELS = [mf.Independent(), mf.Interacting(order=3), *PEDESTALS]

@@ -1,0 +1,102 @@
+"""Sensitivities of A0 to heights against extrapolated differences."""
+
+from itertools import pairwise
+
+import numpy as np
+
+import metafem as mf
+from metafem.models.interacting import elastic as interacting
+from tests.models.scenes import LAWS, said, with_law
+
+MIXED = (
+    mf.Power(4.0),
+    mf.Sphere(),
+    mf.Power(1.5, 0.3),
+    mf.Paraboloid(),
+    mf.Power(2.0),
+    mf.Profile(lambda rho: rho**2 / 1.1 + rho**4, 0.6),
+)
+LOADS = np.array([0.005, 0.02, 0.06, 0.15])
+OWN, COATED = mf.Elastic(), mf.Friction(np.linspace(0.2, 0.4, 9), 0.8)
+MODELS = [
+    mf.Independent(OWN),
+    mf.Interacting(1, contact=OWN),
+    mf.Interacting(3, mf.BondedLayer(), OWN),
+]
+
+
+def scene(cap, count=9, pitch=1.5, **given):
+    rng = np.random.default_rng(4)
+    caps = [cap[i % len(cap)] for i in range(count)] if isinstance(cap, tuple) else cap
+    side = round(count**0.5)
+    height, radius = rng.uniform(0.08, 0.1, count), rng.uniform(0.3, 0.8, count)
+    block = mf.Block(20.0, 20.0, 3.0)
+    return mf.Surface.square_lattice(
+        height, (side, side), pitch, radius=radius, material=mf.Material(1.36), block=block, cap=caps, **given
+    )
+
+
+def difference(surface, model, i, load, step=2e-7):
+    """The derivative by central differences of three steps, extrapolated to order 6."""
+    slopes = []
+    for change in (step, step / 2.0, step / 4.0):
+        moved = change * (np.arange(surface.count) == i)
+        up, down = (
+            model.curve(surface.replaced(height=surface.height + sign * moved), load).rescaled_friction
+            for sign in (1.0, -1.0)
+        )
+        slopes.append((up - down) / (2.0 * change))
+    first, second = ((4.0 * fine - coarse) / 3.0 for coarse, fine in pairwise(slopes))
+    return (16.0 * second - first) / 15.0
+
+
+def assert_derivatives(surface, model, load=LOADS, some=None, tolerance=1e-7):
+    found = model.sensitivity(surface, load)
+    np.testing.assert_allclose(found.curve.area, model.curve(surface, load).area, rtol=1e-9)
+    scale = np.abs(found.gradient).max(axis=1)
+    assert (scale > 0.0).all()
+    for i in range(surface.count) if some is None else some:
+        error = np.abs(found.gradient[:, i] - difference(surface, model, i, load))
+        assert (error <= tolerance * scale).all(), (i, error / scale)
+
+
+def test_coated_asperities_have_the_derivatives_of_their_friction():
+    for model in MODELS:
+        assert_derivatives(scene(MIXED, friction=COATED), model)
+
+
+def test_every_model_has_the_derivatives_of_its_law():
+    for cap in (mf.Power(4.0), mf.Power(1.5, 0.3), mf.Power(2.0), mf.Sphere()):
+        for model in (MODELS[0], mf.Interacting(3, contact=OWN)):
+            assert_derivatives(scene(cap), model, some=(0, 4))
+    for name in ("kogut-etsion", "jackson-green"):
+        for model in with_law(name):
+            assert_derivatives(scene(mf.Sphere()), model, some=(0, 4))
+
+
+def test_pedestals_change_with_the_height():
+    model = mf.Interacting(3, mf.BondedLayer(), mf.Hertz(), pedestal=True)
+    assert_derivatives(scene(mf.Sphere(), friction=COATED), model, some=(0, 4))
+
+
+def test_adhesive_contacts_have_the_derivatives_of_their_friction():
+    jkr = LAWS["jkr"](1.0, 1.0)
+    coupled = mf.Interacting(1, contact=jkr), mf.Interacting(1, mf.BondedLayer(), jkr, pedestal=True)
+    for model in (*with_law("jkr"), *coupled):
+        assert_derivatives(scene(mf.Sphere(), friction=COATED), model, some=(0, 4))
+
+
+def test_a_periodic_cell_has_the_derivatives_of_its_law():
+    surface = scene(MIXED, cell=mf.PeriodicCell(4.5, 4.5))
+    assert_derivatives(surface, mf.Interacting(3, contact=OWN), some=range(0, 9, 2))
+
+
+def test_fast_sums_have_the_derivatives_of_dense_matrices(monkeypatch):
+    friction = mf.Friction(np.linspace(0.2, 0.4, 49))
+    surface, model = scene(MIXED, 49, friction=friction), mf.Interacting(3, mf.BondedLayer(), OWN)
+    dense = model.sensitivity(surface, LOADS[1:]).gradient
+    monkeypatch.setattr(interacting, "LATTICE_LIMIT", 10)
+    monkeypatch.setattr(interacting, "DENSE_LIMIT", 10)
+    found = model.sensitivity(surface, LOADS[1:])
+    assert "fast sums" in said(found.curve.last) or "lattice" in said(found.curve.last)
+    np.testing.assert_allclose(found.gradient, dense, rtol=0.0, atol=3e-8 * np.abs(dense).max())
