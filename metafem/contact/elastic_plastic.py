@@ -14,7 +14,6 @@ from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem._values import percent
 from metafem.contact.by_indentation import LawByIndentation
-from metafem.contact.flattened import FlattenedContact
 from metafem.contact.law import Values, material_of
 from metafem.errors import InvalidInput
 from metafem.material import Material
@@ -32,9 +31,6 @@ AFTER_YIELD = 2.0
 
 # Number of indentations at which the change by a blend is evaluated, and number of decimals of the change.
 SAMPLES, DIGITS = 201, 9
-
-# Number of quadrature nodes for the work between two neighbouring ends of blends.
-NODES = 40
 
 
 class Blend(NamedTuple):
@@ -143,48 +139,6 @@ class ElasticPlastic(LawByIndentation):
     def yield_indentation(self, radius: Values) -> FloatArray:
         """Return the indentation w_c [mm] at which the material below the contact first yields."""
         return np.multiply(self._yield, radius)
-
-    def unloaded(self, indentation: FloatArray, radius: FloatArray) -> tuple[FlattenedContact, FloatArray]:
-        """Return the contact law of the flattened asperities, and their loss of height (n,) [mm].
-
-        With the largest indentation w_m and w* = w_m/w_c > 1, the loss of height is
-        ``w_r = w_m (1 - w*^-0.28) (1 - w*^-0.69)``, the load ``P_m ((w - w_r)/(w_m - w_r))^n`` with
-        ``n = 1.5 w*^-0.0331`` and the area ``A_m ((w - w_r)/(w_m - w_r))^m`` with ``m = w*^-0.12``. The
-        formulas are those of Etsion, Kligerman and Kadin, Int. J. Solids Struct. 42, 3716 (2005),
-        doi:10.1016/j.ijsolstr.2004.12.006, for Kogut and Etsion's law and w* up to 170. Jackson and Green's
-        law uses the same formulas with its own w_c. The formulas were not compared with the printed paper.
-        For w* < 1.1, n is raised by less than 0.1 % where unloading would otherwise return more energy than
-        loading stored.
-        """
-        w = np.asarray(indentation) / self.yield_indentation(radius)
-        flattened = w > 1.0
-        star = np.where(flattened, w, 2.0)
-        deepest = star * self.yield_indentation(radius)
-        lost = (1.0 - star**-0.28) * (1.0 - star**-0.69)
-        # the work of unloading is P_m (w_m - w_r)/(n + 1)
-        least = self._scaled_load(star)[0] * star * (1.0 - lost) / self._work(star) - 1.0
-        residual = np.where(flattened, lost * deepest, 0.0)
-        law = FlattenedContact(
-            self,
-            residual,
-            depth=np.where(flattened, deepest - residual, 0.0),
-            load_before=np.where(flattened, self._load_at(deepest, radius)[0], 0.0),
-            area_before=np.where(flattened, self._area_at(deepest, radius)[0], 0.0),
-            load_exponent=np.maximum(1.5 * star**-0.0331, least),
-            area_exponent=star**-0.12,
-        )
-        return law, residual
-
-    def _work(self, w: FloatArray) -> FloatArray:
-        """Return the work of loading up to w: the integral of P/P_c over w/w_c."""
-        # the load is a power of w up to the first blend, and smooth in ln w between the ends of the blends
-        end = np.log(w)
-        edge = np.append(self._load.x, np.inf)
-        low, high = np.minimum(end[..., None], edge[:-1]), np.minimum(end[..., None], edge[1:])
-        node, weight = np.polynomial.legendre.leggauss(NODES)
-        inside = np.exp(0.5 * (low + high)[..., None] + 0.5 * (high - low)[..., None] * node)
-        parts = 0.5 * (high - low) * ((self._scaled_load(inside)[0] * inside) @ weight)
-        return np.asarray(np.exp(2.5 * np.minimum(end, edge[0])) / 2.5 + parts.sum(axis=-1))
 
     def _scales(self, radius: Any) -> tuple[FloatArray, FloatArray, FloatArray]:
         square = self._yield * radius**2

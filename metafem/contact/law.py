@@ -55,17 +55,13 @@ class Contact(Protocol):
     adhesive : bool
         Whether contacts adhere: the load is negative for some contact radii, and contacts jump.
     plastic : bool
-        Whether contacts stay flattened after unloading.
-    individual : bool
-        Whether the parameters are arrays (n,) with one value for each asperity; the last axis of all
-        arguments is then that of the asperities, and ``law.one(i)`` is the law of asperity i.
+        Whether contacts yield, so that their unloading follows another law.
     """
 
     largest_order: ClassVar[int] = 1
     similar: ClassVar[bool] = False
     adhesive: ClassVar[bool] = False
     plastic: ClassVar[bool] = False
-    individual: ClassVar[bool] = False
 
     @property
     def scales_with_stress(self) -> bool:
@@ -102,15 +98,6 @@ class Contact(Protocol):
         """Return whether the law describes caps of this shape."""
         return True
 
-    @property
-    def count(self) -> int | None:
-        """Number of asperities if the law is individual; None if all asperities share the law."""
-        return None
-
-    def one(self, i: int) -> Contact:
-        """Return the law of asperity i; the law itself if all asperities share it."""
-        return self
-
     def breaks(self, radius: float) -> FloatArray:
         """Return the increasing contact radii [mm] between which the law is smooth, or an empty array."""
         return np.empty(0)
@@ -122,14 +109,6 @@ class Contact(Protocol):
     def notes(self, indentation: FloatArray, radius: FloatArray) -> tuple[Note, ...]:
         """Return notes on the approximations of the law at the indentations (n,) [mm]."""
         return ()
-
-    def unloaded(self, indentation: FloatArray, radius: FloatArray) -> tuple[Contact, FloatArray]:
-        """Return the law after unloading from indentations (n,) [mm], and the loss of height (n,) [mm].
-
-        The returned law measures indentations from the lowered summits. An elastic law returns itself and
-        no loss of height.
-        """
-        return self, np.zeros(np.shape(indentation))
 
     def contact_radius(self, indentation: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Return the contact radius a [mm] at an indentation d [mm]; 0 for open contacts, d < 0."""

@@ -18,7 +18,6 @@ from metafem.contact import Contact
 from metafem.contact.by_profile import MixedCaps
 from metafem.contact.elastic import PARABOLOID
 from metafem.contact.law import contacts
-from metafem.errors import InvalidInput
 
 # Degree of the polynomials in a panel, and a bound for the coefficients of the last two degrees. If they are
 # smaller, the panel resolves the logarithm of a function to ten times its rounding error.
@@ -96,16 +95,6 @@ def tables(law: Contact, radius: FloatArray) -> Law:
     if law == PARABOLOID:
         return Law(size, np.full(size.shape, -1), size, np.empty((0, 0)))
     which = np.zeros(size.shape, dtype=np.int64)
-    if law.individual:
-        rows = size.reshape(-1, size.shape[-1])
-        if law.count != size.shape[-1] or (rows != rows[0]).any():
-            raise InvalidInput(
-                f"contact = {law!r} is the law of {law.count} asperities with their own radii; it cannot be "
-                f"used for {size.shape[-1]} asperities or for other radii"
-            )
-        which += np.arange(size.shape[-1])
-        every = _of_each(cast(Hashable, law), tuple(rows[0].tolist()))
-        return Law(size, which, size, every)
     keys = _keys(law, size, which)
     if isinstance(law, Hashable):
         return Law(size, which, size, _kept(tuple(keys)))
@@ -161,13 +150,6 @@ def _kept(keys: tuple[Hashable, ...]) -> FloatArray:
 @lru_cache(maxsize=4 * KEPT)
 def _one(key: Hashable) -> FloatArray:
     return _table(*cast("tuple[Contact, float]", key))
-
-
-@lru_cache(maxsize=4)
-def _of_each(law: Hashable, radius: tuple[float, ...]) -> FloatArray:
-    """Return the stacked tables of asperities with one law each; there may be thousands."""
-    own = cast(Contact, law)
-    return _stacked([_table(own.one(i), each) for i, each in enumerate(radius)])
 
 
 def _table(law: Contact, radius: float) -> FloatArray:

@@ -208,11 +208,12 @@ def controlled(load: FloatArray | None, approach: FloatArray | None) -> tuple[Fl
     return np.asarray(load if by_load else approach, dtype=np.float64), by_load
 
 
-def refuse_flattening(law: Contact, unloading: bool) -> None:
-    """Raise InvalidInput for unloading of plastic contacts, which follow a different law on unloading."""
-    if unloading and type(law).unloaded is not Contact.unloaded:
+def refuse_unloading(law: Contact, unloading: bool) -> None:
+    """Raise InvalidInput for unloading of plastic contacts, whose law on unloading is not known."""
+    if unloading and law.plastic:
         raise InvalidInput(
-            f"unloading = True: the contacts of {law!r} stay flattened, and their unloading is not known"
+            f"unloading = True: {law!r} describes the first loading alone, after which plastic contacts stay "
+            "flattened; use a law without plasticity, or unloading=False"
         )
 
 

@@ -22,7 +22,7 @@ from metafem.contact.law import contacts, sizes_of
 from metafem.errors import InvalidInput
 from metafem.models._resources import run_rows
 from metafem.models.contact_tables import deepest, rows_of, tables
-from metafem.models.curve import Curve, RescaledState, Sensitivity, refuse_flattening, solved
+from metafem.models.curve import Curve, RescaledState, Sensitivity, refuse_unloading, solved
 from metafem.surface import Surface
 
 # Largest relative error of the load. To avoid cancellation, the kernels solve for the indentation of the
@@ -48,7 +48,7 @@ class LoadEquation:
 
     def path(self, surface: Surface, values: FloatArray, by_load: bool, unloading: bool) -> Curve:
         """Return equilibria at increasing loads or approaches (k,)."""
-        refuse_flattening(self.law, unloading)
+        refuse_unloading(self.law, unloading)
         height, radius = surface.height, self.law.summits(surface)
         return (self.curve if by_load else self.at_approach)(height, radius, values)
 

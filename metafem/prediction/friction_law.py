@@ -44,7 +44,8 @@ def friction_law(
     """Return the predicted friction law of a surface.
 
     Adhesive contacts form and break in jumps at different loads; `unloading` selects the states on unloading.
-    All states are stable under load control, and the notes report the jumps.
+    All states are stable under load control, and the notes report the jumps. The unloading of plastic
+    contacts is not known, and is refused.
 
     Parameters
     ----------
@@ -61,7 +62,7 @@ def friction_law(
         comes first.
     unloading : bool
         Whether the states are those on unloading from the largest load; default: False. Elastic contacts
-        without adhesion have the same law on loading and unloading; that of plastic contacts is not known.
+        without adhesion have the same law on loading and unloading.
 
     Returns
     -------
@@ -73,7 +74,8 @@ def friction_law(
     InvalidInput
         If both loads and separations are given. For loads that are not finite, negative on loading, or below
         the pull-off load on unloading. For separations that are not finite, and for separations of adhesive
-        contacts. For `unloading` if the model does not support it or there is no contact at the largest load.
+        contacts. For `unloading` if the model or the contact law does not support it, or adhesive contacts
+        are open at the largest load.
     NotConverged
         If a residual exceeds the model's tolerance.
 
@@ -113,9 +115,11 @@ def friction_law(
             f"load holds {newtons[0]:g} N; loads must be at least 0 N",
         )
         values = {"load": newtons / surface.material.composite_modulus}
-    curve = cast("Any", solver).curve(surface, **values, **({"unloading": True} if unloading else {}))
-    back = unloading and law.adhesive
-    return law_of_curve(surface, solver, curve, values.get("load", curve.load), distance, back)
+    if not unloading:
+        curve = solver.curve(surface, **values)
+    else:
+        curve = cast("Any", solver).curve(surface, **values, unloading=True)
+    return law_of_curve(surface, solver, curve, values.get("load", curve.load), distance, unloading)
 
 
 def default_loads(surface: Surface, model: Model) -> FloatArray:

@@ -146,7 +146,6 @@ class Sample:
         for holds, reason in (
             (law.adhesive, f"has an adhesion energy, which is fitted{without}"),
             (law.plastic, f"is plastic; E* is fitted to an elastic law{without}"),
-            (law.individual, "must be one law for all contacts"),
             (
                 isinstance(law, Elastic) and self.surface is None,
                 "takes the caps of a surface; give surface, the calibration sample",

@@ -17,7 +17,7 @@ from pydantic import ConfigDict, TypeAdapter, ValidationError
 from metafem import caps, contact, inversion, models, notes, prediction, substrate, surface
 from metafem._given import printable, shown
 from metafem._validate import plain
-from metafem.contact import TabulatedContact, flattened
+from metafem.contact import TabulatedContact
 from metafem.errors import InvalidInput, refuse_if
 from metafem.inversion import candidate, height_density
 from metafem.inversion.targets import wording
@@ -25,7 +25,7 @@ from metafem.models.curve import ModelError
 
 # Modules whose dataclasses and enums may occur in a record.
 MODULES = (
-    *(surface, caps, contact, flattened, substrate, models, prediction, notes),
+    *(surface, caps, contact, substrate, models, prediction, notes),
     *(inversion, candidate, height_density, wording),
 )
 TYPES: Mapping[str, type] = {

@@ -22,7 +22,7 @@ from metafem.models.curve import (
     RescaledState,
     Sensitivity,
     areas_one_by_one,
-    refuse_flattening,
+    refuse_unloading,
     solved,
 )
 from metafem.models.interacting.coupled import Coupled, refuse_wide
@@ -94,7 +94,7 @@ class ElasticCoupling(Coupled):
 
     def path(self, values: FloatArray, by_load: bool, unloading: bool) -> Curve:
         """Return equilibria at increasing loads or approaches (k,)."""
-        refuse_flattening(self.law, unloading)
+        refuse_unloading(self.law, unloading)
         solution = self._solve(self.surface.height[None, :], values, by_load)
         self._refuse_thin_layer(solution.results)
         return self._curve(solution)

@@ -197,11 +197,10 @@ OF_MATERIALS = [
     *(mf.JKR(9e-6), mf.JKR(9e-6, mf.PowerCap(4)), mf.KogutEtsion(10.0), mf.JacksonGreen(4.0)),
     mf.TabulatedContact([0.0, 0.01, 0.02, 0.04], [0.0, 0.1, 0.3, 0.8], [0.0, 0.01, 0.02, 0.05]),
 ]
-FLATTENED, _ = OF_MATERIALS[2].for_material(mf.Material(1.36)).unloaded(np.array([0.0, 0.01]), np.ones(2))
 
 
 def test_every_value_is_read_back_from_its_record():
-    laws = [*CAPS, *OF_MATERIALS, *(law.for_material(mf.Material(1.0)) for law in OF_MATERIALS), FLATTENED]
+    laws = [*CAPS, *OF_MATERIALS, *(law.for_material(mf.Material(1.0)) for law in OF_MATERIALS)]
     lattice = small()[1].surface.replaced(cell=mf.PeriodicCell(4.5, 4.5))
     values = [
         *(make() for make in files.MODELS.values()), *(mf.Independent(law) for law in laws), lattice, MIXED,
