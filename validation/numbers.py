@@ -17,10 +17,6 @@ PLAIN = range(-4, 6)
 
 POWER = re.compile(r"(\d+(?:\.\d+)?)e([+-]?)0*(\d+)")
 NEAR = re.compile(r"(-?[\d.e+-]+) ± ([\d.e+-]+)( relative)?$")
-BOUND = re.compile(r"at (most|least) (-?[\d.e+-]+)$")
-
-# An identity is a check whose relative tolerance leaves room for rounding alone: at most this.
-ROUNDING = 1e-9
 
 
 def number(value: float, digits: int = DIGITS) -> str:
@@ -77,25 +73,3 @@ def _digits(value: float, near: re.Match[str]) -> int:
 def _tolerance(near: re.Match[str]) -> float:
     """Return the absolute tolerance of an expected number."""
     return float(near[2]) * (abs(float(near[1])) if near[3] else 1.0)
-
-
-def is_identity(check: Check) -> bool:
-    """Whether a check allows no more than rounding: an error, or a number that is no count."""
-    near, bound = NEAR.match(check.expected), BOUND.match(check.expected)
-    if near:
-        return 0.0 < _tolerance(near) <= ROUNDING * abs(float(near[1]))
-    return bound is not None and bound[1] == "most" and float(bound[2]) <= ROUNDING
-
-
-def share(check: Check) -> float:
-    """Return the share of its tolerance or of its bound that a number uses; 0 where none is stated."""
-    near, bound = NEAR.match(check.expected), BOUND.match(check.expected)
-    if near:
-        distance, allowed = abs(check.computed - float(near[1])), _tolerance(near)
-    elif bound:
-        distance, allowed = check.computed, float(bound[2])
-        if bound[1] == "least":
-            distance, allowed = allowed, distance
-    else:
-        return 0.0
-    return distance / allowed if allowed > 0.0 else 0.0

@@ -11,7 +11,7 @@ from validation.chapters import CHAPTERS, Chapter
 from validation.check import Check, Difference, Reason, Result
 from validation.cited import cited
 from validation.discovery import first_line
-from validation.numbers import computed, expected, is_identity, number, powers, share
+from validation.numbers import computed, expected, number, powers
 from validation.pages import site_page
 from validation.published import REFERENCE
 from validation.results import Evaluated, as_data, as_json, module_of
@@ -118,8 +118,6 @@ def _chapter(chapter: Chapter, results: Results, left_out: Sequence[str], whole:
         differing=sum(len(each.differences) for each in found),
         left_out=_described([name for name in chapter.claims if name not in results]),
         compared={each.name: first_line(module_of(each.name)) for each in found},
-        key_row=_key_row,
-        parts=_parts,
         pictured=PICTURED,
         grouped=_grouped,
         row_types={"check": Check, "result": Result},
@@ -140,30 +138,6 @@ def _addressed(results: Results) -> list[tuple[str, Evaluated, Check]]:
 def _printed(results: Results) -> list[tuple[str, Check]]:
     """Return the checks of printed numbers with their addresses."""
     return [(where, check) for where, _, check in _addressed(results) if check.source.quantity]
-
-
-def _key_row(each: Evaluated) -> tuple[str, Check | Result] | None:
-    """Return the row that the summary of a chapter shows, with its anchor.
-
-    It is the first failed check, else the one nearest to its limit, of numbers that the paper prints if
-    there are any; without checks it is the first result.
-    """
-    if checks := each.anchored(Check):
-        return max(checks, key=lambda pair: _weight(pair[1]))
-    return next(iter(each.anchored(Result)), None)
-
-
-def _weight(check: Check) -> tuple[bool, bool, bool, float]:
-    printed = check.source.kind is Kind.PAPER and share(check) > 0.0
-    return not check.passed, not is_identity(check), printed, share(check)
-
-
-def _parts(each: Evaluated) -> list[tuple[str, list[tuple[str, Check]]]]:
-    """Return the checks of a claim and apart from them the identities, with anchors, under titles."""
-    found: dict[str, list[tuple[str, Check]]] = {"Checks": [], "Identities": []}
-    for anchor, row in each.anchored(Check):
-        found["Identities" if is_identity(row) and row.passed else "Checks"].append((anchor, row))
-    return [(title, rows) for title, rows in found.items() if rows]
 
 
 @dataclass(frozen=True)
