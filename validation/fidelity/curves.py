@@ -165,23 +165,3 @@ def _curves_figure(left, middle, right):
     left.set(xlabel="rescaled load  P/E* [mm²]", ylabel="A0 [mm²]")
     middle.set(xlabel="separation δ [µm]", ylabel="P/E* [mm²]")
     right.set(xlabel="separation δ [µm]", ylabel="A0 [mm²]")
-
-
-@panels(8.4, 3.4, columns=3, sharey=True)
-def _changes_figure(*axes):
-    """Rms change of the three curves against independent contacts, on a logarithmic axis: A0(P) changes by a
-    few percent at most on every substrate, the other two by tens of percent, and least on the layer. The grey
-    line is the paper's bound for A0(P).
-    """
-    for k, (ax, title) in enumerate(zip(axes, CURVES, strict=True)):
-        for j, model in enumerate(SUBSTRATES):
-            values = [rms(_change(name, model)[k]) for name in surfaces()]
-            place = np.arange(len(values)) + 0.12 * (j - 1)
-            ax.plot(place, values, "osD"[j], color=STYLES[model][:2], label=model)
-        ax.set_xticks(range(len(surfaces())), list(surfaces()), rotation=45, ha="right", fontsize=8)
-        ax.set_title(title, fontsize=10)
-        ax.set_yscale("log")
-    axes[0].axhline(1e2 * paper()["interaction"]["rms_area_difference_below"], color="grey", lw=0.8)
-    axes[0].set_yticks((0.5, 1, 2, 5, 10, 20, 50), ("0.5", "1", "2", "5", "10", "20", "50"))
-    axes[0].set_ylabel("rms change [%]")
-    axes[2].legend(frameon=False, fontsize=8, loc="lower right")

@@ -10,7 +10,7 @@ import numpy as np
 from scipy import stats
 
 import metafem as mf
-from metafem.drawing import ACHIEVED, MEASURED, QUIET, TARGET, circles
+from metafem.drawing import ACHIEVED, MEASURED, TARGET, circles
 from metafem.reference import height_densities
 from validation.check import Check, Claim, Picture, Result, above, below, near, reported
 from validation.figures import panels
@@ -172,43 +172,32 @@ def _line(made: mf.Surface, measured: mf.calibration.MeasuredLaw, load_range: tu
     return float(np.polyfit(x, area, 1)[0])
 
 
-@panels(10.5, 6.0, rows=2, columns=5, gridspec_kw={"width_ratios": (1, 0.32, 1, 0.32, 1)})
-def _figure(target, first, density, second, heights, law, third, errors, fourth, measured):
-    """1: target law. 2: density of the heights that has its slope, and 64 heights at levels of 6 µm. 3:
-    heights at their sites. 4: predicted law and target slope. 5: error of each height of the made part. 6:
-    measured points of the made part, and the line of the target slope; the points follow the slope, with the
-    intercept that the paper explains.
+@panels(9.0, 6.4, rows=2, columns=2)
+def _figure(density, heights, law, measured):
+    """2: density of the heights that has the target slope, and 64 heights at levels of 6 µm. 3: heights at
+    their sites. 4: predicted law and target slope. 6: measured points of the made part, and the line of the
+    target slope; the points follow the slope, with the intercept that the paper explains.
     """
     found = flow()
-    arrows = ((first, "inversion"), (second, "sites"), (third, "mould,\nmade part"), (fourth, "measured"))
-    for ax, words in arrows:
-        _arrow(ax, words)
-    _draw_target(target, found)
     _draw_density(density, found)
-    _draw_sites(heights, found.table, 1e3 * found.table.height, "viridis")
+    height = 1e3 * found.table.height
+    dots = circles(heights, found.table.position, np.full(len(height), 1.1), height)
+    heights.figure.colorbar(dots, ax=heights, shrink=0.8)
+    heights.set(xlim=(-6.2, 6.2), ylim=(-6.2, 6.2), xticks=[], yticks=[], aspect="equal")
     heights.set_title("3 heights at their sites [µm]", fontsize=9)
-    _draw_law(law, found)
-    _draw_sites(errors, found.table, 1e3 * (found.made.height - found.table.height), "coolwarm")
-    errors.set_title("5 errors of the made part [µm]", fontsize=9)
-    _draw_measured(measured, found)
-
-
-def _arrow(ax, words: str) -> None:
-    ax.set_axis_off()
-    ax.annotate("", xy=(1.0, 0.5), xytext=(0.0, 0.5), xycoords="axes fraction",
-                arrowprops={"arrowstyle": "-|>", "lw": 2.0, "color": QUIET})  # fmt: skip
-    ax.annotate(words, (0.5, 0.54), xycoords="axes fraction", ha="center", fontsize=8)
+    law.plot(found.design.law.load, found.design.law.friction_force, color=ACHIEVED, label="predicted")
+    _draw_slope(law, found.design.law)
+    _forces(law, "4 predicted law")
+    style = {"fmt": "o", "ms": 3.5, "lw": 0.8, "color": MEASURED, "label": "measured"}
+    points = found.measured
+    measured.errorbar(points.load, points.friction_force, points.friction_force_sd, points.load_sd, **style)
+    _draw_slope(measured, mf.friction_law(found.made))
+    _forces(measured, "6 law of the made part")
 
 
 def _forces(ax, title: str) -> None:
     ax.set(xlabel="load  P [N]", ylabel="friction force  F [N]", xlim=(0.0, 1.0), ylim=(0.0, 1.8))
     ax.set_title(title, fontsize=9)
-
-
-def _draw_target(ax, found: Flow) -> None:
-    load = np.array([0.0, 1.0])
-    ax.plot(load, COEFFICIENT * load, color=TARGET)
-    _forces(ax, f"1 target: μ = {COEFFICIENT}")
 
 
 def _draw_density(ax, found: Flow) -> None:
@@ -223,34 +212,8 @@ def _draw_density(ax, found: Flow) -> None:
     ax.set_title("2 heights", fontsize=9)
 
 
-def _draw_sites(ax, surface: mf.Surface, value: np.ndarray, colours: str) -> None:
-    dots = circles(ax, surface.position, np.full(surface.count, 1.1), value)
-    dots.set_cmap(colours)
-    if value.min() < 0.0:
-        dots.set_clim(-np.abs(value).max(), np.abs(value).max())
-    ax.figure.colorbar(dots, ax=ax, shrink=0.8)
-    ax.set(xlim=(-6.2, 6.2), ylim=(-6.2, 6.2), xticks=[], yticks=[], aspect="equal")
-
-
-def _draw_law(ax, found: Flow) -> None:
-    law = found.design.law
-    ax.plot(law.load, law.friction_force, color=ACHIEVED, label="predicted")
-    _draw_slope(ax, law.load, law.friction_force)
-    _forces(ax, "4 predicted law")
-
-
-def _draw_measured(ax, found: Flow) -> None:
-    measured = found.measured
-    style = {"fmt": "o", "ms": 3.5, "lw": 0.8, "color": MEASURED, "label": "measured"}
-    bars = measured.friction_force_sd, measured.load_sd
-    ax.errorbar(measured.load, measured.friction_force, *bars, **style)
-    law = mf.friction_law(found.made)
-    _draw_slope(ax, law.load, law.friction_force)
-    _forces(ax, "6 law of the made part")
-
-
-def _draw_slope(ax, load: np.ndarray, force: np.ndarray) -> None:
+def _draw_slope(ax, law: mf.FrictionLaw) -> None:
     """Draw a line of the target slope through the middle of a law."""
-    middle = float(np.interp(0.45, load, force))
+    middle = float(np.interp(0.45, law.load, law.friction_force))
     ends = np.array([0.1, 0.9])
     ax.plot(ends, middle + COEFFICIENT * (ends - 0.45), color=TARGET, label=f"slope {COEFFICIENT}")
