@@ -20,7 +20,7 @@ from validation.figures import panels
 from validation.methods import independent
 from validation.paper import measured_slopes
 from validation.paper.measured_slopes import ADHESION, ENERGY, SECOND, strength, tabulated
-from validation.paper.surfaces import LOADS, RADIUS, designs, surfaces, words
+from validation.paper.surfaces import LOADS, RADIUS, designs, surfaces
 from validation.sources import closed_form, printed
 
 # The tests of this claim carry the mark "slow".
@@ -141,7 +141,6 @@ def claim() -> Claim:
     figures = {
         "Measured slopes": Picture(measured_slopes.picture),
         "One contact": Picture(_single, {"limit": one_contact()[2]}),
-        "Changes of A0": Picture(_figure),
     }
     title = "Adhesion and the shape of caps change A0(P)"
     return Claim(title, rows, figures, measured_slopes.answers())
@@ -213,19 +212,3 @@ def _single(ax) -> None:
     )
     ax.set(xlabel="normal load of one contact  p [N]", ylabel="change of the area [%]")
     ax.set_ylim(bottom=0.0)
-
-
-@panels(9.0, 3.4, columns=2, sharey=True)
-def _figure(*axes) -> None:
-    """Relative change of A0 [%] over the rescaled load P/E* [mm²] by each contact law, on two of the
-    surfaces, against Hertz contacts (grey line at 0). Adhesion adds area, most at light loads; spheres and
-    soft caps differ from the paraboloid more as the contacts grow. The curve of the soft caps ends where
-    their table ends.
-    """
-    for ax, surface in zip(axes, ("Fig. 4 blue", "Fig. 5 blue"), strict=True):
-        for name in LAWS:
-            ax.plot(LOADS, 1e2 * changes(surface, name), label=name)
-        ax.axhline(0.0, color="grey", lw=0.8)
-        ax.set(xlabel="rescaled load  P/E* [mm²]", title=words(surface))
-    axes[0].set_ylabel("change of A0 [%]")
-    axes[0].legend(frameon=False)

@@ -39,9 +39,6 @@ ADHESIVE = 1e-9
 
 LARGEST = "largest error of the recomputed equations"
 
-# Misfit above which a design misses its target.
-MISSED = 0.01
-
 # The numbers in a reason, without the exponents of units.
 NUMBERS = re.compile(r"(?<![\^\w])-?\d[\d.e+-]*")
 
@@ -60,11 +57,7 @@ REASON = known_input("requirement: a scene ends with a solution within its toler
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of a scene: its end, the reason of a refusal or failure, and its errors.
-
-    residual: over the tolerance of the model, or the misfit of a design over 1 %; error: that of the
-    equations, if they are recomputed.
-    """
+    """What became of a scene: its end, the reason of a refusal or failure, and the error of its equations."""
 
     seed: int
     inside: bool
@@ -72,7 +65,6 @@ class Outcome:
     law: str
     end: str
     reason: str = ""
-    residual: float = 0.0
     error: float | None = None
 
 
@@ -95,10 +87,9 @@ def outcome(seed: int, inside: bool) -> Outcome:
     numbers = (curve.approach, curve.load, curve.area, last.load, last.area, last.indentation)
     if not all(np.isfinite(each).all() for each in numbers):
         return Outcome(*names, "failed", "a number is not finite")
-    residual = float(curve.residual.max() / curve.tolerance)
     if not curve.converged:
-        return Outcome(*names, "not solved", curve.status.value, residual)
-    return Outcome(*names, "converged", residual=residual, error=error)
+        return Outcome(*names, "not solved", curve.status.value)
+    return Outcome(*names, "converged", error=error)
 
 
 def _designed(names: tuple[int, bool, str, str], scene: Scene) -> Outcome:
@@ -110,7 +101,7 @@ def _designed(names: tuple[int, bool, str, str], scene: Scene) -> Outcome:
     design = mf.design(target, template, scene.model, limits=mf.Limits(top))
     end = "not solved" if design.status.name == "MISSED" else "converged"
     reason = design.status.value if end == "not solved" else ""
-    return Outcome(*names, end, reason, design.misfit / MISSED)
+    return Outcome(*names, end, reason)
 
 
 def claim() -> Claim:
