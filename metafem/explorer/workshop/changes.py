@@ -9,9 +9,7 @@ from metafem.explorer.text.document import Document
 from metafem.explorer.text.kinds import restated
 from metafem.explorer.text.names import form_of
 from metafem.files import Specification
-from metafem.inversion import Limits, LinearLaw, achievable_load_range
-from metafem.inversion.tools.kit import Given
-from metafem.surface import Surface
+from metafem.inversion import achievable_load_range
 
 # Distance of a load range from the ends of the reached loads, relative to them, for rounding.
 EDGE = 0.01
@@ -46,24 +44,16 @@ def with_choice(text: str, section: str, choice: int, specification: Specificati
     return _with_radius(document.with_values(values), section)
 
 
-def reached_loads(
-    target: LinearLaw, template: Surface, limits: Limits, tools: Given | None = None
-) -> tuple[float, float]:
-    """Return the rescaled loads [mm^2] between which a line through the origin is reached, for rounding."""
-    low, high = achievable_load_range(target, template, limits, tools)
-    return low * (1.0 + EDGE), high * (1.0 - EDGE)
-
-
 def _reached_forces(specification: Specification) -> list[str] | None:
     """Return the loads between which a line through the origin is reached, or None."""
     target: Any = specification.target
     template, limits, tools = specification.template, specification.limits, specification.tools
     try:
-        ends = reached_loads(target, template, limits, tools)
+        low, high = achievable_load_range(target, template, limits, tools)
     except MetafemError:
         return None
     modulus = template.material.composite_modulus
-    return [f"{modulus * end:.3g} N" for end in ends]
+    return [f"{modulus * end:.3g} N" for end in (low * (1.0 + EDGE), high * (1.0 - EDGE))]
 
 
 def with_section(text: str, section: str) -> str:

@@ -17,7 +17,7 @@ from metafem.explorer.text.document import Document
 from metafem.explorer.text.fields import with_field
 from metafem.explorer.widget import Widget
 from metafem.explorer.workshop.loading import load
-from metafem.explorer.workshop.new_part_dialog import NewPart
+from metafem.explorer.workshop.new_part import NewPart
 from metafem.files import DEMOS, MODELS, demo_text
 from metafem.inversion import Design, DesignStatus
 from metafem.inversion.assessment import misfit_text

@@ -25,8 +25,7 @@ from metafem.explorer.text.kinds import with_kind
 from metafem.explorer.text.link import LARGEST, LONGEST, from_link
 from metafem.explorer.text.written import rounded
 from metafem.explorer.workshop.loading import Given, loaded
-from metafem.explorer.workshop.new_part import new_part
-from metafem.explorer.workshop.part_fields import FIRST
+from metafem.explorer.workshop.new_part import FIRST, new_part
 from metafem.files import demo_text, parsed
 from metafem.material import Material
 from metafem.surface import Friction
@@ -145,14 +144,10 @@ FILES = [
     (lambda: loaded(State(TEXT), [Given("p.png", why="is no text")]), "p.png", "is no text"),
 ]
 PARTS = [
-    (part(size="20 × 20"), "size", "3 numbers"),
-    (part(asperities="1 × 1"), "asperities", "4 to 2,500"),
-    (part(radius="1,526"), "radius", "526"),
-    (part(modulus="soft"), "modulus", "1.36"),
-    (part(coefficient="20"), "coefficient", "3.13"),
-    (part(coefficient="0.9"), "coefficient", "1.33"),
-    (part(height="600"), "height", "600"),
-    (part(size="5 5 2"), "asperities", "pitch"),
+    (part(size="20 × 20"), "size", "20 × 20"),
+    (part(size="0 × 20 × 7"), "size", "0 × 20 × 7"),
+    (part(asperities="8 × 1.5"), "asperities", "8 × 1.5"),
+    (part(radius="small"), "radius", "small"),
 ]
 STARTS = [
     (lambda: first_state("."), "spec.toml", "holds no"),
@@ -172,6 +167,5 @@ def test_what_is_wrong_is_named_with_its_value(border, tmp_path, monkeypatch):
     for row, (call, key, value) in enumerate(REFUSALS[border]):
         with pytest.raises(InvalidInput) as error:
             call()
-        words, field = str(error.value), getattr(error.value, "field", "")
-        assert key in (field or words), row
-        assert value in words, row
+        assert key in str(error.value), row
+        assert value in str(error.value), row
