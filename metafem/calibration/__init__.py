@@ -1,4 +1,4 @@
-"""From measurements to the model and back: calibration, images, measured laws and surfaces, diagnosis.
+"""From measurements to the model and back: calibration, images, measured laws and surfaces, explanations.
 
 Lengths, areas and forces are in mm, mm^2 and N. `metafem.files` reads tables, images and maps with units.
 """

@@ -3,12 +3,8 @@ from .compression.calibrate import fit_compression as fit_compression
 from .compression.result import ContactCalibration as ContactCalibration
 from .compression.scene import Sample as Sample
 from .contact_table import ContactTable as ContactTable
-from .diagnosis.causes import Priors as Priors
-from .diagnosis.explain import explain as explain
-from .diagnosis.explanation import Cause as Cause
-from .diagnosis.explanation import Explanation as Explanation
-from .diagnosis.explanation import SingleErrors as SingleErrors
-from .diagnosis.shares import Unresolved as Unresolved
+from .explain import Explanation as Explanation
+from .explain import explain as explain
 from .images.areas import contact_areas as contact_areas
 from .images.areas import stack_areas as stack_areas
 from .images.contact_areas import ContactAreas as ContactAreas

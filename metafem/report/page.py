@@ -23,10 +23,10 @@ from metafem.report.fits import fit_table
 from metafem.report.html import render
 from metafem.report.names import all_notes, error_words, in_python, misfit_words, model_words
 from metafem.report.sections.exactness import exactness_section
-from metafem.report.sections.explanation import explanation_section
 from metafem.report.sections.measured import measured_section
 from metafem.report.sections.sliding import sliding_section
 from metafem.report.views import MOST_SHAPED, contact_figure, height_figure
+from metafem.studies.summaries import summary
 from metafem.studies.summaries.tolerances import TOLERANCES
 
 if TYPE_CHECKING:
@@ -156,7 +156,7 @@ def page(
         comparisons=_comparisons(comparisons),
         left_out=left_out,
         exactness=exactness_section(studies),
-        explanation=explanation_section(studies),
+        explanation=summary(studies["explained"]) if "explained" in studies else None,
         parameters=parameter_rows(design),
         fit_columns=fit_columns,
         fits=fits,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -114,12 +114,9 @@ def explained(found: Explanation) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        Over ``cause``: ``prior_sd``, ``mean`` and ``sd`` [rad or relative], and ``covariance`` over ``cause``
-        and ``other_cause``. Over ``group``: its ``share`` of the explained misfit, and ``misfit_without``,
-        the misfit without this group. Over ``site``: the errors ``height`` and ``radius`` [mm] with
-        ``..._sd``, and ``outlier``. Over ``kind``: ``single_prior_sd`` [mm] of these errors. Over
-        ``sentence``: ``sentence_text``, the explanation in words. Single numbers are ``misfit_design``,
-        ``misfit``, and ``values``, the number of measured values, which is the expected ``misfit``.
+        Over ``cause``: ``expected``, ``mean`` and ``sd`` [rad or relative], and ``covariance`` over ``cause``
+        and ``other_cause``. Single numbers are ``misfit_design`` and ``misfit``, chi-square without and with
+        these errors, ``values``, the number of measured values, and ``fits``, 1 if the errors explain them.
 
     Examples
     --------
@@ -131,32 +128,20 @@ def explained(found: Explanation) -> xr.Dataset:
     >>> explained(explain(measured, design, model=mf.Independent())).cause.values.tolist()
     ['angle_x', 'angle_y', 'height_scale', 'composite_modulus']
     """
-    kinds = [name for name in ("height", "radius") if name in found.single]
-    causes, groups = np.array([cause.name for cause in found.causes], dtype=str), list(found.shares)
-    coordinates: dict[str, Any] = {
-        "cause": causes,
-        "other_cause": causes,
-        "group": np.array(groups, dtype=str),
-        "kind": np.array(kinds, dtype=str),
-    }
+    causes = np.array(list(found.mean), dtype=str)
     variables: Variables = {
-        name: (("cause",), np.array([getattr(cause, name) for cause in found.causes]))
-        for name in ("prior_sd", "mean", "sd")
+        name: (("cause",), np.array(list(getattr(found, name).values())))
+        for name in ("expected", "mean", "sd")
     }
     variables["covariance"] = ("cause", "other_cause"), found.covariance
-    variables["share"] = ("group",), np.array(list(found.shares.values()))
-    variables["misfit_without"] = ("group",), np.array(list(found.misfit_without.values()))
-    variables["sentence_text"] = ("sentence",), np.array(found.sentences())
-    for name in kinds:
-        errors = found.single[name]
-        variables |= {name: (("site",), errors.mean), f"{name}_sd": (("site",), errors.sd)}
-    if kinds:
-        sites = np.arange(found.surface.count)
-        variables["single_prior_sd"] = ("kind",), np.array([found.single[name].prior_sd for name in kinds])
-        variables["outlier"] = ("site",), np.isin(sites, found.outliers).astype(int)
-        coordinates["site"] = sites if found.sites is None else found.sites
-    for name in ("misfit_design", "misfit"):
-        variables[name] = (), getattr(found, name)
-    variables["values"] = (), found.count
+    verdict = found.verdict
+    single = {
+        "misfit_design": found.misfit_design,
+        "misfit": verdict["chi_square"].statistic,
+        "values": verdict.freedom,
+        "fits": int(verdict.fits),
+    }
+    variables |= {name: ((), value) for name, value in single.items()}
+    coordinates = {"cause": causes, "other_cause": causes}
     inputs = inputs_hash((found,))
-    return dataset("explained", variables, coordinates, model=found.model, inputs=inputs, notes=found.notes)
+    return dataset("explained", variables, coordinates, model=found.model, inputs=inputs, notes=())

@@ -1,1 +1,1 @@
-"""Calibration, images, measured laws and surfaces, diagnosis."""
+"""Calibration, images, measured laws and surfaces, explanations."""

@@ -84,9 +84,8 @@ def claim() -> Claim:
         ("tilt along x [rad]", "angle_x", made["angle"]),
         ("tilt along y [rad]", "angle_y", 0.0),
         ("error of the fitted E*", "composite_modulus", stiffer - 1.0),
-        ("error of the fitted sqrt(w)", "adhesion_root", root / contacts.adhesion_root - 1.0),
     )
-    errors = ((name, explanation[key].mean, explanation[key].sd ** 2, true) for name, key, true in explained)
+    errors = ((name, explanation.mean[key], explanation.sd[key] ** 2, true) for name, key, true in explained)
     each = [
         np.abs(np.sort(table.area, axis=1) / np.sort(series.area, axis=1) - 1.0).max()
         for table, series in zip(circle.tables, circle.samples, strict=True)
@@ -167,7 +166,9 @@ def _figure(circle: Circle, image, fit, law, causes) -> None:
     law.errorbar(x, y, *sd, fmt="o", ms=3.5, color=MEASURED, label="measured")
     law.set(xlim=(0.0, 1.05 * x.max()), ylim=(0.0, 1.1 * y.max()))
     law.set(xlabel="rescaled load  P/E* [mm²]", ylabel="rescaled friction  F/(σB) [mm²]")
-    shares = list(circle.explanation.shares.items())[::-1]
-    causes.barh([name.replace("_", " ") for name, _ in shares], [share for _, share in shares], color=QUIET)
-    causes.set_xlabel("share of the explained difference")
+    found = circle.explanation
+    names = list(found.mean)[::-1]
+    ratio, sd = ([of[name] / found.expected[name] for name in names] for of in (found.mean, found.sd))
+    causes.barh([name.replace("_", " ") for name in names], ratio, xerr=sd, color=QUIET)
+    causes.set_xlabel("error over its expected standard deviation")
     causes.axvline(0.0, color=TARGET, lw=0.8)

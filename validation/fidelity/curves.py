@@ -16,7 +16,6 @@ from validation.check import Check, Claim, Picture, Result, below, near, reporte
 from validation.figures import panels
 from validation.methods import contact_equations
 from validation.paper.surfaces import LOADS, RADIUS, surfaces
-from validation.published import paper
 from validation.sources import second_method
 
 # The tests of this claim carry the mark "slow".

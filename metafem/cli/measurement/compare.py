@@ -20,16 +20,13 @@ from metafem.errors import named, refuse_if
 
 # Options of the expected errors of a part: unit, example and help text.
 EXPECTED = {
-    name: (unit, example, f"{meaning}, as a standard deviation; 0 leaves it out. Default: {{}}.")
+    f"{name}_sd": (unit, example, f"{meaning}, as a standard deviation; 0 leaves it out. Default: {{}}.")
     for name, unit, example, meaning in (
-        ("angle_sd", "rad", "0.05deg", "Expected tilt about either axis"),
-        ("height_scale_sd", "%", "2%", "Expected error of the scale of all heights"),
-        ("composite_modulus_sd", "%", "5%", "Expected error of E*"),
-        ("friction_sd", "%", "5%", "Expected error of σB"),
-        ("height_sd", "mm", "0.9um", "Expected error of each height"),
-        ("radius_sd", "mm", "5um", "Expected error of each radius"),
-        ("position_sd", "mm", "0um", "Expected error of x and of y of each site"),
-        ("adhesion_root_sd", "%", "20%", "Expected error of the root of the adhesion energy"),
+        ("angle", "rad", "0.05deg", "Expected tilt about either axis"),
+        ("height_scale", "%", "2%", "Expected error of the scale of all heights"),
+        ("composite_modulus", "%", "5%", "Expected error of E*"),
+        ("friction", "%", "5%", "Expected error of σB"),
+        ("height", "mm", "0.9um", "Expected error of each height"),
     )
 }
 
@@ -65,14 +62,9 @@ def compare(
     the standard deviations are 5 mN for loads, 1 mN + 1 % for friction forces, and 1.4 um of the contacts'
     boundary for areas. Tables of `metafem images` are also read.
 
-    With --explain, errors of the part that explain the difference are fitted: tilt, height scale, E*, sigma
-    B, and the height and radius of each asperity. The fit starts from the E*, sigma and B of the comparison.
-    Options such as --friction-sd state how large each error is expected to be.
-
-    In the table of these errors, "share of the misfit" is the part of the reduction of chi² that an error
-    explains. The shares add up to 100 %. An error with a negative share undoes a part of what the others
-    explain. "chi² without it" is chi² if this error is left out and the others are fitted again: the larger
-    it is, the more the error is needed.
+    With --explain, errors of the part that explain the difference are fitted: tilt, height scale, E* and
+    sigma B. The fit starts from the E*, sigma and B of the comparison. Options such as --friction-sd state
+    how large each error is expected to be.
 
     The results are written to DIR/measured.nc and DIR/explained.nc, and `metafem report DIR` adds them to the
     report.
@@ -80,7 +72,8 @@ def compare(
     Example: metafem compare linear measured.csv --calibration calibration.json --explain
     """
     from metafem.studies.measurements import explained, measured
-    from metafem.studies.summaries.measurements import answers, features, sentences
+    from metafem.studies.summaries import summary
+    from metafem.studies.summaries.measurements import answers, features
 
     priors = _priors(given, explain)
     with progress(), given_deviations(sd, PARAMETERS) as errors:
@@ -91,12 +84,13 @@ def compare(
         explained_path = mf.files.study_path(folder, "explained", force) if explain else None
         comparisons = [mf.calibration.compare(law, design, **pair.errors(law)) for law in laws]
         dataset = measured(comparisons, design.law.model)
-        why = explained(mf.calibration.explain(laws[0], design, priors)) if explain else None
+        with named(names_of({name: given[name] for name in EXPECTED})):
+            why = explained(mf.calibration.explain(laws[0], design, expected=priors)) if explain else None
         # all files are written at the end, so that a stopped run leaves none that a repeated run would refuse
         mf.files.write_study(dataset, path, force=force)
         if why is not None and explained_path is not None:
             mf.files.write_study(why, explained_path, force=force)
-    points, reasons = answers(dataset), () if why is None else sentences(why)
+    points, reasons = answers(dataset), [] if why is None else [summary(why).answer]
     if as_json:
         data = {"file": str(path), "answers": points, **mf.files.study_data(dataset)}
         if why is not None:
@@ -110,7 +104,7 @@ def compare(
         print_study(why, explained_path, reasons)
 
 
-def _priors(options: Mapping[str, Any], explain: bool) -> mf.calibration.Priors | None:
+def _priors(options: Mapping[str, Any], explain: bool) -> dict[str, float] | None:
     """Return the expected errors that the options state, or None if they state none."""
     texts = {name: options[name] for name in EXPECTED}
     given = [name for name, text in texts.items() if text is not None]
@@ -120,6 +114,5 @@ def _priors(options: Mapping[str, Any], explain: bool) -> mf.calibration.Priors 
     for name in given:
         if texts[name].strip() == "0":
             texts[name] = f"0 {EXPECTED[name][0]}"
-    values = {name: value for name, value in quantities(EXPECTED, texts).items() if value is not None}
-    with named(names_of(texts)):
-        return mf.calibration.Priors(**values)
+    values = quantities(EXPECTED, texts).items()
+    return {name.removesuffix("_sd"): value for name, value in values if value is not None}

@@ -8,8 +8,7 @@ import numpy as np
 
 from metafem._validate import FloatArray
 from metafem._values import percent
-from metafem.calibration.diagnosis.causes import GROUPS
-from metafem.calibration.diagnosis.sentences import NAMES, amount, interval, part, spread
+from metafem.calibration.explain import row
 from metafem.calibration.verdict import REJECTED, chi
 from metafem.studies.summaries.table import Columns, Summary, stored_notes, summarised, texts
 
@@ -19,10 +18,7 @@ if TYPE_CHECKING:
 # The probability below which a law is rejected, as text.
 LIMIT = percent(REJECTED)
 
-# Text that replaces the share of a group in the rows of the group after its first row.
-WITH = "(with x)"
-
-CAUSES = ("cause", "expected", "found (68 %)", "share of the misfit", "chi² without it")
+CAUSES = ("cause", "found (68 %)", "expected")
 
 
 def measured_summary(study: Dataset) -> Summary:
@@ -87,26 +83,13 @@ def _relative(value: FloatArray, reference: FloatArray) -> list[str]:
 
 
 def explained_summary(study: Dataset) -> Summary:
-    """Return the table of errors with their shares of the misfit, the largest first, and sentences."""
-    rows: list[tuple[str, ...]] = []
-    for group in study["group"].values.tolist():
-        whole = study.sel(group=group)
-        last = part(float(whole["share"])), chi(float(whole["misfit_without"]))
-        for name in GROUPS[group]:
-            if name in study["cause"].values:
-                prior, mean, sd = (float(study[each].sel(cause=name)) for each in ("prior_sd", "mean", "sd"))
-                found = interval(name, mean, sd)
-            elif name in study["kind"].values:
-                found = spread(name, study[name].values, study[f"{name}_sd"].values)
-                prior = float(study["single_prior_sd"].sel(kind=name))
-            else:
-                continue
-            rows.append((NAMES[name], f"0 ± {amount(name, prior, '.2g')}", found, *last))
-            last = WITH, WITH
-    title, answer = "What explains the measured law", " ".join(sentences(study))
-    return Summary(title, CAUSES, tuple(rows), stored_notes(study), answer)
-
-
-def sentences(study: Dataset) -> list[str]:
-    """Return the explanation in sentences."""
-    return [str(text) for text in study["sentence_text"].values]
+    """Return the table of the errors that explain a law, and a sentence on the misfit."""
+    columns = [study[name].values.tolist() for name in ("cause", "mean", "sd", "expected")]
+    rows = tuple(row(*values) for values in zip(*columns, strict=True))
+    design, misfit, values = (float(study[name]) for name in ("misfit_design", "misfit", "values"))
+    explains = "explain" if int(study["fits"]) else "do not explain"
+    answer = (
+        f"The measured law differs from the design by chi² = {chi(design)} over {values:.0f} measured "
+        f"values; with these errors it is {chi(misfit)}: they {explains} the difference."
+    )
+    return Summary("What explains the measured law", CAUSES, rows, stored_notes(study), answer)

@@ -8,7 +8,7 @@ import pytest
 
 import metafem as mf
 from metafem import drawing
-from metafem.drawing import calibration, card, contacts, diagnosis, topography
+from metafem.drawing import calibration, card, contacts, topography
 from metafem.drawing.inline import drawn, themed
 
 X = np.array([1.0, 2.0, 4.0])
@@ -178,7 +178,7 @@ def test_errors_of_a_part_are_drawn_in_their_units(ax):
     topography.height_errors(ax, PLACES, np.array([1e-3, -2e-3, 0.0, 0.0]), PLACES[:1])
     dots = ax.collections[0]
     assert (dots.get_array().tolist(), dots.get_clim()) == ([1.0, -2.0, 0.0, 0.0], (-2.0, 2.0))
-    first, second, third, fourth = drawing.new_figure(9.0, 9.0).subplots(2, 2).ravel()
+    first, second, third, _ = drawing.new_figure(9.0, 9.0).subplots(2, 2).ravel()
     topography.errors_over_height(first, 0.1 * X, 1e-3 * X, 1e-4 * X)
     for line, y in zip(first.lines[1:], (X, 2.0 * X), strict=False):
         np.testing.assert_allclose(points(line), np.column_stack([100.0 * X, y]))
@@ -189,9 +189,6 @@ def test_errors_of_a_part_are_drawn_in_their_units(ax):
     assert image.get_clim() == pytest.approx((-2.96, 2.96))  # 99 % of the range
     topography.made_law(third, X, 2.0 * X, 3.0 * X)
     assert [line.get_ydata()[-1] for line in third.lines] == [8.0, 12.0]
-    diagnosis.heights(fourth, X, 0.5 * X, 2.0)
-    np.testing.assert_allclose(bars(fourth.containers[0])[0], np.column_stack([0.5 * X, 1.5 * X]))
-    assert (fourth.patches[0].get_y(), fourth.patches[0].get_height()) == (-2.0, 4.0)
 
 
 def test_pictures_of_pages_are_equal_small_and_in_the_colours_of_the_page(ax):

@@ -1,1 +1,0 @@
-"""Diagnosis: the errors of a made part that explain why its measured law differs from the design."""

@@ -1,0 +1,270 @@
+"""The errors of a made part that explain why its measured law differs from the design."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from metafem import _validate as check
+from metafem._given import shown
+from metafem._validate import FloatArray
+from metafem._values import Value, percent
+from metafem.calibration.measured_law.law import MeasuredLaw
+from metafem.calibration.verdict import Verdict, judged
+from metafem.contact.by_profile import usual_law
+from metafem.errors import refuse_if
+from metafem.inversion import Design
+from metafem.models import Independent, Model
+from metafem.models.model import checked_model, contact_of
+from metafem.prediction import equilibrium
+from metafem.progress import doing
+from metafem.surface import STEEPEST, Surface
+
+# Expected standard deviations: tilt about either axis [rad], common factor of all heights, E* and sigma B
+# [-], and each height [mm], as in the parts of Aymard et al. (2024).
+EXPECTED = {
+    "angle": math.radians(0.05),
+    "height_scale": 0.02,
+    "composite_modulus": 0.05,
+    "friction": 0.05,
+    "height": 0.9e-3,
+}
+
+# Names of the errors that are found.
+NAMES = {
+    "angle_x": "tilt along x",
+    "angle_y": "tilt along y",
+    "height_scale": "height scale",
+    "composite_modulus": "E*",
+    "friction": "σB",
+}
+
+# Largest expected relative standard deviation of a factor, which remains positive then, and largest relative
+# error that is found.
+WIDEST, MOST = 1.0 / 3.0, 0.9
+
+# Step of central differences, in expected standard deviations; number of fits, each with the covariance at
+# the errors of the one before.
+STEP, ROUNDS = 0.03, 2
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Explanation(Value):
+    """Errors of a part that explain its measured law, by least squares.
+
+    Attributes
+    ----------
+    expected, mean, sd : mapping of str to float
+        Expected standard deviation, found value and its standard deviation of ``angle_x``, ``angle_y`` [rad],
+        ``height_scale``, ``composite_modulus`` and ``friction`` [-].
+    covariance : ndarray, (p, p)
+        Covariance of the found errors.
+    misfit_design : float
+        Chi-square of the measured values without these errors.
+    verdict : Verdict
+        Whether the errors explain the values: chi-square of the values and of the errors over their expected
+        standard deviations.
+    surface : Surface
+        The part with these errors.
+    model : Model
+
+    Examples
+    --------
+    >>> import metafem as mf
+    >>> material = mf.Material(1.36)
+    >>> design = mf.Surface.square_lattice([0.1, 0.11, 0.12, 0.13], (2, 2), radius=0.526, material=material)
+    >>> law = mf.friction_law(design.tilted(0.002, 0.0), load=[0.05, 0.1, 0.2])
+    >>> measured = mf.calibration.MeasuredLaw(law.load, area=law.area, material=material)
+    >>> list(mf.calibration.explain(measured, design).mean)
+    ['angle_x', 'angle_y', 'height_scale', 'composite_modulus']
+    """
+
+    expected: Mapping[str, float]
+    mean: Mapping[str, float]
+    sd: Mapping[str, float]
+    covariance: FloatArray
+    misfit_design: float
+    verdict: Verdict
+    surface: Surface
+    model: Model
+
+    def __repr__(self) -> str:
+        lines = [
+            "{}: {} (expected {})".format(
+                *row(name, *(of[name] for of in (self.mean, self.sd, self.expected)))
+            )
+            for name in self.mean
+        ]
+        return "\n".join([*lines, str(self.verdict)])
+
+
+@doing("explaining the measured law")
+def explain(
+    measured: MeasuredLaw,
+    design: Design | Surface,
+    *,
+    model: Model | None = None,
+    expected: Mapping[str, float] | None = None,
+) -> Explanation:
+    """Return the errors of a part that explain why its measured law differs from the design.
+
+    The tilt, a common factor of all heights, E* and sigma B are fitted by least squares to friction forces,
+    and to the areas of the single contacts or to their sum. The errors count as measured values of 0 with
+    their expected standard deviations. The covariance of the measured values includes the errors of the loads
+    and of the single heights, which are linearised for contacts without interaction. Tarantola, Inverse
+    Problem Theory (SIAM, 2005), doi:10.1137/1.9780898717921, section 3.2.3.
+
+    Parameters
+    ----------
+    measured : MeasuredLaw
+        Its material and friction, from the calibration, provide the expected E* and sigma B.
+    design : Design or Surface
+    model : Model, optional
+        Default: the model of the design; for a Surface, independent asperities.
+    expected : mapping of str to float, optional
+        Expected standard deviations that differ from the default: ``angle`` [rad], ``height_scale``,
+        ``composite_modulus``, ``friction`` [-], and ``height``, of each single height [mm]. An error with the
+        standard deviation 0 is left out. Default: 0.05 degrees, 2 %, 5 %, 5 % and 0.9 um.
+
+    Returns
+    -------
+    Explanation
+
+    Raises
+    ------
+    InvalidInput
+        If an argument is invalid, a site is not in the design, or friction forces have no Friction.
+    NotConverged
+        If the model has no solution at a load.
+    """
+    check.instance("measured", measured, MeasuredLaw, "a metafem.calibration.MeasuredLaw")
+    surface = design.surface if isinstance(design, Design) else design
+    check.instance("design", surface, Surface, "a metafem.Design or a metafem.Surface")
+    unknown = set(expected or {}) - EXPECTED.keys()
+    refuse_if(unknown, f"expected = {shown(sorted(unknown))} must be names of {', '.join(EXPECTED)}")
+    most = {"angle": STEEPEST, "height": math.inf}
+    prior = {
+        name: check.number(f"{name}_sd", value, at_least=0.0, at_most=most.get(name, WIDEST))
+        for name, value in {**EXPECTED, **(expected or {})}.items()
+    }
+    usual = design.law.model if isinstance(design, Design) else Independent(contact=usual_law(surface))
+    solver = usual if model is None else checked_model(model)
+    friction = measured.friction or surface.friction
+    without = "measured friction forces need a design or a measured law with a Friction"
+    refuse_if(measured.friction_force is not None and friction is None, without)
+    last = 0 if measured.site is None else int(measured.site.max())
+    refuse_if(last >= surface.count, f"site names asperity {last}; the design has {surface.count}, from 0")
+    law = _Values(measured, friction.stress if friction is not None else None)
+    sd = {name: prior.get(name, prior["angle"]) for name in NAMES if name != "friction" or law.forces}
+    sd = {name: value for name, value in sd.items() if value > 0.0}
+    scale = np.array(list(sd.values()))
+
+    def made(z: FloatArray) -> tuple[Surface, float]:
+        error = dict.fromkeys(NAMES, 0.0) | dict(zip(sd, (scale * z).tolist(), strict=True))
+        modulus = measured.material.composite_modulus * (1.0 + error["composite_modulus"])
+        part = surface.replaced(
+            height=surface.height * (1.0 + error["height_scale"]),
+            material=replace(measured.material, composite_modulus=modulus),
+        )
+        if error["angle_x"] or error["angle_y"]:
+            part = part.tilted(error["angle_x"], error["angle_y"])
+        return part, 1.0 + error["friction"]
+
+    def residual(z: FloatArray) -> FloatArray:
+        part, factor = made(z)
+        off = law.own() - law.of(_areas(part, solver, measured.load), factor)
+        return np.append(np.linalg.solve(root, off), z)
+
+    def jacobian(z: FloatArray) -> FloatArray:
+        sides = [(residual(z + step), residual(z - step)) for step in STEP * np.eye(len(z))]
+        return np.array([(high - low) / (2.0 * STEP) for high, low in sides]).T
+
+    z = start = np.zeros(len(sd))
+    ends = np.array([STEEPEST if name.startswith("angle") else MOST for name in sd]) / scale - STEP
+    root = law.root(*made(z), solver, prior["height"])
+    misfit = float((residual(z) ** 2).sum())
+    if len(sd):
+        for _ in range(ROUNDS):
+            z = least_squares(residual, start, jacobian, (-ends, ends)).x
+            root = law.root(*made(z), solver, prior["height"])
+    slopes = jacobian(z) if len(z) else np.empty((0, 0))
+    covariance = np.asarray(np.linalg.inv(slopes.T @ slopes) * np.outer(scale, scale))
+    mean, spread = (
+        dict(zip(sd, of.tolist(), strict=True)) for of in (scale * z, np.sqrt(np.diagonal(covariance)))
+    )
+    return Explanation(sd, mean, spread, covariance, misfit, judged(residual(z), len(sd)), made(z)[0], solver)
+
+
+@dataclass(frozen=True, eq=False)
+class _Values:
+    """The measured values of a law, and the same values of a part with the areas of its contacts."""
+
+    law: MeasuredLaw
+    stress: float | None
+
+    @property
+    def forces(self) -> bool:
+        """Whether friction forces were measured."""
+        return self.law.friction_force is not None
+
+    def of(self, area: FloatArray, factor: float) -> FloatArray:
+        """Return the values at areas (k, n, ...), or their derivatives at those of the areas."""
+        law = self.law
+        parts = [factor * self.stress * area.sum(axis=1)] if self.stress is not None and self.forces else []
+        if law.asperity_area is not None:
+            parts.append(area[:, law.site][np.isfinite(law.asperity_area)])
+        elif law.area is not None:
+            parts.append(area.sum(axis=1))
+        return np.concatenate(parts)
+
+    def own(self, suffix: str = "") -> FloatArray:
+        """Return the measured values, or their standard deviations for the suffix "_sd"."""
+        names = ["friction_force"] * self.forces
+        names += ["area" if self.law.asperity_area is None else "asperity_area"]
+        known = ((getattr(self.law, name), getattr(self.law, name + suffix)) for name in names)
+        return np.concatenate([value[np.isfinite(own)] for own, value in known if own is not None])
+
+    def root(self, part: Surface, factor: float, model: Model, height_sd: float) -> FloatArray:
+        """Return the Cholesky factor of the covariance of the values of a part."""
+        law, contact = self.law, contact_of(model)
+        area = _areas(part, model, law.load)
+        bound, summits, size = contact.bound(part), contact.summits(part), np.sqrt(area / math.pi)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            stiffness, slope = (
+                np.where(area > 0.0, of(size, summits), 0.0) for of in (bound.stiffness, bound.area_slope)
+            )
+        total = stiffness.sum(axis=1)[:, None, None]
+        by_height = slope[:, :, None] * (np.eye(area.shape[1]) - stiffness[:, None, :] / total)
+        by_load = slope[:, :, None] / (part.material.composite_modulus * total) * np.eye(len(area))[:, None]
+        change = self.of(np.concatenate([height_sd * by_height, law.load_sd * by_load], axis=2), factor)
+        # a contact that is found or computed to be open has at least the area error of a touching contact
+        least = math.pi * (2.0 * law.errors.boundary) ** 2 + height_sd * float(slope.max())
+        opened = np.minimum(self.own(), self.of(area, factor)) <= 0.0
+        sd = np.maximum(self.own("_sd"), np.where(opened, least, 0.0))
+        return np.asarray(np.linalg.cholesky(np.diag(sd**2) + change @ change.T))
+
+
+def _areas(part: Surface, model: Model, load: FloatArray) -> FloatArray:
+    """Return the areas of the contacts of a part at loads [mm^2], (k, n)."""
+    return np.array([equilibrium(part, model, load=each).asperity_area for each in load.tolist()])
+
+
+def row(name: str, mean: float, sd: float, expected: float) -> tuple[str, str, str]:
+    """Return the name of an error, the found and the expected value as texts.
+
+    Examples
+    --------
+    >>> row("height_scale", 0.013, 0.001, 0.02)
+    ('height scale', '+1.3 % ± 0.1 %', '0 ± 2 %')
+    """
+
+    def text(value: float, form: str = ".2g") -> str:
+        if name.startswith("angle"):
+            return f"{math.degrees(value):{form}}°"
+        return percent(value, form)
+
+    return NAMES[name], f"{text(mean, '+.3g')} ± {text(sd)}", f"0 ± {text(expected)}"
