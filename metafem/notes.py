@@ -9,8 +9,8 @@ texts:
 - designs: `MISSED` in `inversion/assessment.py` and `HEIGHT_TO_ERROR` in `inversion/design_notes.py`;
 - height errors: `FINEST_SCALE_IN_SD` of `inversion/height_density.py`, used in
   `inversion/strategies/exponential.py`;
-- measurements: `REJECTED` in `calibration/verdict.py`, `KNOWN` and `STIFF` in
-  `calibration/compression/calibrate.py`, and `ABOVE_ONE` in `calibration/sheared/lines.py`.
+- measurements: `REJECTED` in `calibration/verdict.py`, `KNOWN` in `calibration/compression/calibrate.py`, and
+  `ABOVE_ONE` in `calibration/sheared/lines.py`.
 """
 
 from __future__ import annotations

@@ -18,13 +18,12 @@ from .measured_law.segmented import SegmentedFit as SegmentedFit
 from .measured_law.segmented import branches as branches
 from .measured_law.segmented import fit_segments as fit_segments
 from .measurement_errors import MeasurementErrors as MeasurementErrors
-from .resampling import Bootstrap as Bootstrap
 from .sheared.full_contact import StrengthFit as StrengthFit
 from .sheared.full_contact import shear_strength as shear_strength
 from .sheared.lines import ShearCalibration as ShearCalibration
 from .sheared.lines import shear as shear
-from .sheared.record import ShearRecord as ShearRecord
-from .sheared.record import shear_record as shear_record
+from .sheared.record import at_peak as at_peak
+from .sheared.record import over_plateau as over_plateau
 from .sites.match import SiteMatch as SiteMatch
 from .sites.match import match_sites as match_sites
 from .sites.tracking import DesignSites as DesignSites
@@ -32,7 +31,5 @@ from .sites.tracking import TrackedContacts as TrackedContacts
 from .sites.tracking import track_contacts as track_contacts
 from .topography.made_surface import MadeSurface as MadeSurface
 from .topography.made_surface import measured_surface as measured_surface
-from .verdict import Heterogeneity as Heterogeneity
-from .verdict import SignificanceTest as SignificanceTest
 from .verdict import SingleTest as SingleTest
 from .verdict import Verdict as Verdict

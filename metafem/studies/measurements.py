@@ -37,8 +37,8 @@ def measured(comparisons: Sequence[Comparison], model: Model) -> xr.Dataset:
         Over ``point``, the points of all laws: the label ``of_law``, ``load`` [N], ``rescaled_load``,
         ``rescaled_friction``, ``predicted`` and ``deviation`` [mm^2]; all but ``predicted`` have ``..._sd``.
         Over ``feature``: ``of_law_feature``, ``value``, ``value_sd``, ``low``, ``high``, ``design``,
-        ``target``, and ``unit``. Over ``law``: ``chi_square``, ``freedom``, ``probability``, ``runs``,
-        ``runs_probability``, ``fits`` (1 if the law agrees with the design) and ``verdict``.
+        ``target``, and ``unit``. Over ``law``: ``chi_square``, ``freedom``, ``probability``, ``fits``
+        (1 if the law agrees with the design) and ``verdict``.
 
     Raises
     ------
@@ -84,10 +84,8 @@ def measured(comparisons: Sequence[Comparison], model: Model) -> xr.Dataset:
             np.array([feature.interval[i] for _, feature in features], dtype=float),
         )
     verdicts = [each.verdict for each in comparisons]
-    variables["freedom"] = ("law",), [verdict.freedom for verdict in verdicts]
-    for name, probability in (("chi_square", "probability"), ("runs", "runs_probability")):
-        variables[name] = ("law",), [verdict[name].statistic for verdict in verdicts]
-        variables[probability] = ("law",), [verdict[name].probability for verdict in verdicts]
+    for name in ("chi_square", "freedom", "probability"):
+        variables[name] = ("law",), [getattr(verdict, name) for verdict in verdicts]
     variables["fits"] = ("law",), [int(verdict.fits) for verdict in verdicts]
     variables["verdict"] = ("law",), [str(verdict) for verdict in verdicts]
     several = len(comparisons) > 1
@@ -137,7 +135,7 @@ def explained(found: Explanation) -> xr.Dataset:
     verdict = found.verdict
     single = {
         "misfit_design": found.misfit_design,
-        "misfit": verdict["chi_square"].statistic,
+        "misfit": verdict.chi_square,
         "values": verdict.freedom,
         "fits": int(verdict.fits),
     }

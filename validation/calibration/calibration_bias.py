@@ -122,7 +122,8 @@ def claim() -> Claim:
 
 
 def _interaction() -> Iterator[Row]:
-    for name, bias in by_model().items():
+    for name in MODELS:
+        bias = by_model()[name]
         yield reported(f"{name}: bias of E*", bias, FITTED)
         yield reported(f"{name}: bias over the published uncertainty", abs(bias) / PUBLISHED, STATED)
     half, layer, pedestals, block = by_model().values()
@@ -143,7 +144,7 @@ def _interaction() -> Iterator[Row]:
 
 def _sphere() -> list[Row]:
     sphere = mf.SphericalCap()
-    found, own = of_cap(sphere), fitted(pressed(sphere, RADII), model=mf.Independent(contact=sphere))
+    found, own = of_cap(sphere), fitted(pressed(sphere, RADII), contact=sphere)
     expected = by_hand(np.array([sneddon_sphere(radius, RADIUS)[0] for radius in LIGHT]), LIGHT)
     line = closed_form(sneddon_sphere, "line through E*[(a² + R²)/2 ln((R + a)/(R − a)) − aR]")
     light, name = shift(of_cap(sphere, LIGHT)), "small-strain sphere: bias of E*, a/R up to"
@@ -160,7 +161,7 @@ def _large_strain() -> Iterator[Row]:
     for height in deep_caps():
         name, cap = f"large strain, cap {height:g} mm high", soft_cap(height)
         small, large = of_cap(cap, HALF), of_cap(cap)
-        own = fitted(pressed(cap, RADII, ENERGY), model=mf.Independent(contact=cap))
+        own = fitted(pressed(cap, RADII, ENERGY), contact=cap)
         shifts.append(abs(shift(small)))
         apparent, line = 1e6 * large.adhesion_energy, 1e6 * large.line.adhesion_energy
         yield reported(f"{name}: bias of E*, a/R up to 0.5", shift(small), FITTED)

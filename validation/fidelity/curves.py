@@ -81,7 +81,7 @@ def claim() -> Claim:
         "flat": [rms(_to_block(name, "layer")) for name in surfaces()],
     }
     values = {f"{end.__name__}_{key}": end(each) for key, each in found.items() for end in (min, max)}
-    figures = {"curves": Picture(_curves_figure), "changes": Picture(_changes_figure)}
+    figures = {"curves": Picture(_curves_figure)}
     return Claim("A0(P), P(δ) and A0(δ) under four models", rows, figures, values)
 
 

@@ -13,7 +13,8 @@ import numpy as np
 
 import metafem as mf
 from metafem._validate import FloatArray
-from metafem.calibration import MeasuredLaw, ShearCalibration, ShearRecord, shear, shear_record
+from metafem.calibration import MeasuredLaw, ShearCalibration, at_peak, over_plateau, shear
+from metafem.calibration.sheared.record import SLIDING as PLATEAU
 from metafem.drawing import ACHIEVED, MEASURED, MEASURED_BESIDE, QUIET, TARGET
 from validation.check import Claim, Picture, Row, below, near, reported
 from validation.figures import panels
@@ -49,13 +50,24 @@ RANGE = known_input("range of the evaluation, 100 to 200 µm after the peak as i
 KINDS = {"static": STATIC, "sliding": SLIDING}
 
 
-def of_each(records: list[ShearRecord], name: str) -> FloatArray:
-    """Return an attribute of each record."""
-    return np.array([getattr(each, name) for each in records])
+Pull = tuple[FloatArray, FloatArray]
+
+# What each kind of friction takes from a record.
+VALUE = {"static": at_peak, "sliding": over_plateau}
 
 
-def pulled(area: FloatArray, rng: np.random.Generator) -> list[ShearRecord]:
-    """Return records of contacts of areas before shear (k,) [mm²]."""
+def forces(records: list[Pull], kind: str) -> FloatArray:
+    """Return the friction force of each record."""
+    return np.array([VALUE[kind](PULL, force) for force, _ in records])
+
+
+def areas(records: list[Pull], kind: str) -> FloatArray:
+    """Return the contact area of each record at the friction force."""
+    return np.array([VALUE[kind](PULL, force, area) for force, area in records])
+
+
+def pulled(area: FloatArray, rng: np.random.Generator) -> list[Pull]:
+    """Return forces and areas in records of contacts of areas before shear (k,) [mm²]."""
     rising = np.minimum(PULL / PEAK, 1.0)
     # from 0 at the peak to 1 on the plateau
     fallen = np.where(PULL > PEAK, 1.0 - np.exp(-np.maximum(PULL - PEAK, 0.0) / DECAY), 0.0)
@@ -68,7 +80,7 @@ def pulled(area: FloatArray, rng: np.random.Generator) -> list[ShearRecord]:
         force = force + error * (rng.standard_normal() * rising + WHITE * rng.standard_normal(len(PULL)))
         areas = each * ratio
         areas = areas + ERRORS.of_area(areas) * rng.standard_normal(len(PULL))
-        records.append(shear_record(PULL, force, areas))
+        records.append((force, areas))
     return records
 
 
@@ -76,15 +88,12 @@ def pulled(area: FloatArray, rng: np.random.Generator) -> list[ShearRecord]:
 def calibrations() -> dict[str, ShearCalibration]:
     """Return the calibrations of static and sliding friction by one contact at 20 loads, three times."""
     records = pulled(np.pi * np.tile(RADII, 3) ** 2, np.random.default_rng(0))
-    before = of_each(records, "area_before")
-    return {
-        kind: shear(before, of_each(records, f"{kind}_area"), of_each(records, f"{kind}_force"))
-        for kind in KINDS
-    }
+    before = np.array([area[0] for _, area in records])
+    return {kind: shear(before, areas(records, kind), forces(records, kind)) for kind in KINDS}
 
 
 @cache
-def measured() -> tuple[list[ShearRecord], dict[str, MeasuredLaw]]:
+def measured() -> tuple[list[Pull], dict[str, MeasuredLaw]]:
     """Return the records of the surface of Fig. 4, red, and its two laws, rescaled by the calibrations."""
     surface, rng = fig4("red").surface, np.random.default_rng(1)
     records = pulled(mf.friction_law(surface, load=LOADS).area, rng)
@@ -92,15 +101,15 @@ def measured() -> tuple[list[ShearRecord], dict[str, MeasuredLaw]]:
     laws = {}
     for kind, found in calibrations().items():
         calibrated = {"material": surface.material, "friction": found.friction}
-        laws[kind] = MeasuredLaw(load, friction_force=of_each(records, f"{kind}_force"), **calibrated)
+        laws[kind] = MeasuredLaw(load, friction_force=forces(records, kind), **calibrated)
     return records, laws
 
 
 def claim() -> Claim:
     """The paper designs for the static friction and states that sliding friction obeys the same laws with
-    slightly different σ and B. Synthetic records with a peak and a plateau are read by `shear_record`; each
-    of both kinds is calibrated on single contacts, and rescales the law of the surface of Fig. 4, red. The
-    forces differ, the rescaled laws do not: a design holds for either.
+    slightly different σ and B. Synthetic records with a peak and a plateau are read by `at_peak` and
+    `over_plateau`; each of both kinds is calibrated on single contacts, and rescales the law of the surface
+    of Fig. 4, red. The forces differ, the rescaled laws do not: a design holds for either.
     """
     rows: list[Row] = []
     for name, true in KINDS.items():
@@ -111,7 +120,7 @@ def claim() -> Claim:
             near(f"{name} friction: σ [MPa]", found.shear_strength, true.shear_strength, sd[1], TRUE),
         ]
     records, laws = measured()
-    low, high = records[0].sliding_range
+    low, high = PLATEAU
     rows += [
         near("sliding range, beginning [mm]", low, 0.1, 0.0, RANGE),
         near("sliding range, end [mm]", high, 0.2, 0.0, RANGE),
@@ -128,11 +137,11 @@ def claim() -> Claim:
     # the forces of both have the errors of their own records, and share those of the load
     both = np.hypot(*errors.values())
     static, sliding = (found.shear_strength * found.area_ratio for found in calibrations().values())
-    forces = of_each(records, "sliding_force") / of_each(records, "static_force")
+    ratio = forces(records, "sliding") / forces(records, "static")
     rows += [
         near("rescaled slopes, sliding less static", slopes["sliding"] - slopes["static"], 0.0,
              WITHIN * both, SAME),
-        reported("sliding over static friction force", forces.mean(), "mean over 20 loads"),
+        reported("sliding over static friction force", ratio.mean(), "mean over 20 loads"),
         reported("sliding friction rescaled by σB of static friction: slope over that of static friction",
                  slopes["sliding"] / slopes["static"] * sliding / static,
                  "straight lines through the points"),
@@ -189,15 +198,18 @@ def _record(force, area):
     grey range, 100 to 200 µm after the peak, the sliding friction. Right, the sum of the contact areas, which
     falls as the force rises.
     """
-    record = measured()[0][-1]
-    force.plot(record.displacement, record.friction_force, color=MEASURED, lw=1.0)
-    force.plot(record.peak_displacement, record.static_force, "o", color=ACHIEVED, label="static friction")
-    low, high = (record.peak_displacement + end for end in record.sliding_range)
+    found = measured()[0][-1]
+    place = PULL[found[0].argmax()]
+    force.plot(PULL, found[0], color=MEASURED, lw=1.0)
+    force.plot(place, at_peak(PULL, found[0]), "o", color=ACHIEVED, label="static friction")
+    low, high = (place + end for end in PLATEAU)
     force.axvspan(low, high, color=QUIET, alpha=0.25, lw=0)
-    force.plot([low, high], 2 * [record.sliding_force], color=MEASURED_BESIDE, label="sliding friction")
+    force.plot(
+        [low, high], 2 * [over_plateau(PULL, found[0])], color=MEASURED_BESIDE, label="sliding friction"
+    )
     force.set(xlabel="tangential displacement [mm]", ylabel="tangential force [N]")
-    area.plot(record.displacement, record.area, ".", ms=3, color=MEASURED)
-    area.axvline(record.peak_displacement, color=ACHIEVED, lw=0.8)
+    area.plot(PULL, found[1], ".", ms=3, color=MEASURED)
+    area.axvline(place, color=ACHIEVED, lw=0.8)
     area.axvspan(low, high, color=QUIET, alpha=0.25, lw=0)
     area.set(xlabel="tangential displacement [mm]", ylabel="contact area [mm²]")
     area.set_ylim(0.0)

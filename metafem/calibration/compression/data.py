@@ -13,11 +13,10 @@ from metafem import _validate as check
 from metafem._given import Given, shown
 from metafem._validate import FloatArray
 from metafem._values import percent
-from metafem.calibration.compression.distance_fit import TUKEY, DistanceFit, adhesive_load, distance_fit
+from metafem.calibration.compression.distance_fit import DistanceFit, adhesive_load, distance_fit
 from metafem.calibration.compression.scene import AreaCurve
-from metafem.calibration.magnitude import beyond, unit_hint
 from metafem.calibration.measurement_errors import MeasurementErrors
-from metafem.calibration.resampling import labels_of
+from metafem.calibration.verdict import labels_of
 from metafem.errors import InvalidInput, NotConverged, refuse_if
 
 # Smallest number of points: two for the parameters and one for a residual.
@@ -46,7 +45,6 @@ class Data:
     one_by_one: bool
     errors: MeasurementErrors
     test: tuple[str, ...]
-    robust: bool
 
     @property
     def total_contacts(self) -> int:
@@ -70,7 +68,6 @@ class Data:
             load_sd=self.load_sd[rows],
             area_sd=partial(self.sd_of, rows=rows),
             largest=curve.largest,
-            robust=self.robust,
         )
 
     def law(self, curve: AreaCurve, fit: DistanceFit) -> tuple[FloatArray, FloatArray]:
@@ -101,7 +98,7 @@ class Data:
             widest > 1.0,
             f"is that of a contact radius of {widest:.4g} R, which no cap has; check the radius, "
             "{.number}, the unit of the areas, and the number of contacts that share a load, "
-            f"{self.total_contacts}{beyond('area', widest**2)}",
+            f"{self.total_contacts}",
             Given("radius", radius),
             **self._entry(int(i), int(j)),
         )
@@ -109,18 +106,13 @@ class Data:
     def checked_fit(self, curve: AreaCurve) -> DistanceFit:
         """Return the fit to all points, or raise InvalidInput if the load falls as the area grows."""
         fit = self.fit(curve)
-        refuse_if(
-            self.robust and not np.isfinite(fit.modulus),
-            f"fewer than two points are within {TUKEY:.2g} standard deviations of the law; state larger "
-            "errors of load and area, or fit without robust",
-        )
         if not fit.converged:
             uncertain = self.sd_of(self.area) / np.where(self.area > 0.0, self.area, np.inf)
             i, j = np.unravel_index(int(uncertain.argmax()), uncertain.shape)
             raise NotConverged(
                 "the fit of E* and the adhesion energy does not converge; the most uncertain area is {}, "
                 f"with an error of {percent(float(uncertain.max()))}; leave out areas that are not much "
-                f"larger than their errors, or {unit_hint('area', 0.0)}",
+                "larger than their errors, or check their unit",
                 fit,
                 Given(*self._entry(int(i), int(j)).values()),
             )
@@ -141,7 +133,7 @@ class Data:
 
 
 def checked_data(
-    load: Any, area: Any, number: int, errors: MeasurementErrors, area_sd: Any, test: Any, robust: bool
+    load: Any, area: Any, number: int, errors: MeasurementErrors, area_sd: Any, test: Any
 ) -> Data:
     """Return the checked data; an error names the invalid row."""
     check.instance("errors", errors, MeasurementErrors, "a metafem.calibration.MeasurementErrors")
@@ -167,4 +159,4 @@ def checked_data(
     areas = areas.reshape(count, -1) / of_each
     sd = None if sd is None else sd.reshape(count, -1) / of_each
     labels = labels_of(test, count)
-    return Data(loads, errors.of_load(loads), areas, sd, of_each, one_by_one, errors, labels, robust)
+    return Data(loads, errors.of_load(loads), areas, sd, of_each, one_by_one, errors, labels)

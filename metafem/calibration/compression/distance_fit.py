@@ -23,15 +23,6 @@ SHARES, ENOUGH = (1.0,) * 15 + (0.5,) * 45 + (0.2,) * 140, 1e-9
 # Smallest ratio of a fitted to a measured area during the iteration, which keeps the areas positive.
 SMALLEST_PART = 0.1
 
-# Residuals [standard deviations] beyond which Huber's weights fall and Tukey's weights are 0. Both robust
-# fits have 95 % of the efficiency of least squares. The first APPROACHING steps use Huber's weights to start
-# the iteration with Tukey's weights.
-HUBER, TUKEY, APPROACHING = 1.345, 4.685, 5
-
-# Ratio of the variance of the parameters of Tukey's fit to the inverse of the weighted normal matrix. For
-# normal errors and psi = w r it is E[psi^2] E[w]/E[psi']^2.
-TUKEY_VARIANCE = 0.963
-
 # JKR law with w = 1 N/mm and E* = 1 MPa.
 UNIT = JKR(1.0, material=Material(1.0))
 
@@ -53,11 +44,6 @@ class DistanceFit:
         Distances of the points from the curve over their standard deviations [-].
     area : ndarray, (..., k, n)
         Fitted areas of single contacts [mm^2].
-    weight : ndarray, (..., k)
-        Weights of the points in addition to their standard deviations, 1 for least squares [-].
-    regressor : ndarray, (..., k, 2)
-        Derivatives X of the loads with respect to E* and b, over the standard deviations; the covariance is
-        the inverse of X^T X.
     converged : ndarray of bool, (...,)
     """
 
@@ -66,8 +52,6 @@ class DistanceFit:
     covariance: FloatArray
     residual: FloatArray
     area: FloatArray
-    weight: FloatArray
-    regressor: FloatArray
     converged: NDArray[np.bool_]
 
     @property
@@ -105,16 +89,13 @@ def distance_fit(
     load_sd: Any,
     area_sd: Callable[[FloatArray], FloatArray],
     largest: float | FloatArray = math.inf,
-    robust: bool = False,
 ) -> DistanceFit:
     """Return the fit of E* and b to loads (..., k) [N] and areas (..., k, n) [mm^2] of single contacts.
 
     The fit minimises the sum of the squared distances from the curve, over their variances. A load is the sum
     of the loads at the n areas, multiplied by `contacts`, the number of contacts per area. `load_sd` [N] is
     the standard deviation of the loads, `area_sd` returns the standard deviations of areas [mm^2], and
-    `largest` [mm^2] is the largest area of the curve. `robust` multiplies the weights by Tukey's weights:
-    ``(1 - (r/4.685)^2)^2`` for residuals r up to 4.685, and 0 beyond. Beaton and Tukey, Technometrics 16, 147
-    (1974), doi:10.1080/00401706.1974.10489171.
+    `largest` [mm^2] is the largest area of the curve.
 
     Each step linearises the curve about the fitted areas A. It regresses
     ``y = P - c sum_j p'(A_j) (A_measured - A_j)`` on q(A) and s(A) with the variances
@@ -130,7 +111,7 @@ def distance_fit(
     spread: FloatArray = np.zeros(area.shape)  # variances of the areas
     known = np.zeros((*load.shape[:-1], 2))
     done: NDArray[np.bool_] = np.zeros(load.shape[:-1], dtype=np.bool_)
-    residual, first = np.zeros(load.shape), APPROACHING if robust else 0
+    residual = np.zeros(load.shape)
     for step in range(len(SHARES)):
         rescaled, slope = curve(fitted)
         lowered, steepness = adhesive_load(fitted)
@@ -138,10 +119,9 @@ def distance_fit(
         y = load - (sloped * (area - fitted)).sum(axis=-1)
         total = variance + (sloped**2 * spread).sum(axis=-1)
         weight = 1.0 / total
-        robustness = _robust(residual * np.sqrt(weight), step) if robust else np.ones(load.shape)
-        found, covariance = _regression(q, s, y, weight * robustness)
+        found, covariance = _regression(q, s, y, weight)
         deviation = np.sqrt(np.diagonal(covariance, axis1=-2, axis2=-1))
-        done = np.asarray((np.abs(found - known) <= ENOUGH * deviation).all(axis=-1) & (step > first))
+        done = np.asarray((np.abs(found - known) <= ENOUGH * deviation).all(axis=-1) & (step > 0))
         known = found
         residual = y - found[..., :1] * q - found[..., 1:] * s
         if done.all():
@@ -152,17 +132,8 @@ def distance_fit(
         moved = area + sloped * spread * (residual / total)[..., None]
         moved = np.minimum(np.maximum(moved, SMALLEST_PART * area), largest)
         fitted = fitted + SHARES[step] * (moved - fitted)
-    variance_of = TUKEY_VARIANCE if robust else 1.0
-    regressor = np.stack([q, s], axis=-1) * np.sqrt(weight * robustness / variance_of)[..., None]
-    normal, covariance = residual * np.sqrt(weight), variance_of * covariance
-    return DistanceFit(known[..., 0], known[..., 1], covariance, normal, fitted, robustness, regressor, done)
-
-
-def _robust(residual: FloatArray, step: int) -> FloatArray:
-    """Return the weights of normalised residuals (..., k) in a step of a robust fit, (..., k)."""
-    if step < APPROACHING:
-        return np.asarray(HUBER / np.maximum(np.abs(residual), HUBER))
-    return np.asarray((1.0 - np.minimum(np.abs(residual) / TUKEY, 1.0) ** 2) ** 2)
+    normal = residual * np.sqrt(weight)
+    return DistanceFit(known[..., 0], known[..., 1], covariance, normal, fitted, done)
 
 
 def _regression(

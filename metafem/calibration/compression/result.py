@@ -14,7 +14,7 @@ from metafem._values import Value
 from metafem.calibration.bounded_interval import WIDTH, interval_of
 from metafem.calibration.compression.adhesive_line import AdhesiveLine
 from metafem.calibration.joint import propagated
-from metafem.calibration.verdict import Heterogeneity, SingleTest, Verdict
+from metafem.calibration.verdict import SingleTest, Verdict
 from metafem.contact import Contact
 from metafem.drawing import calibration
 from metafem.material import Material
@@ -67,19 +67,14 @@ class ContactCalibration(Value):
         Number of contacts that share a load.
     residual : ndarray, (k,)
         Distances from the law over their standard deviations [-].
-    weight : ndarray, (k,)
-        Weights of a robust fit, from 1 down to 0 for outliers [-]; all 1 if the fit is not robust.
     verdict : Verdict
-        Whether the law fits the points. For a robust fit, outliers (points with a weight below 1/2) are
-        omitted, unless more than a tenth of the points are outliers.
+        Whether the law fits the points.
     line : AdhesiveLine
         The straight line of Aymard et al. through the same points.
     tests : tuple of SingleTest
         E* and sqrt(w) of each test if there are several tests; nan for a test with too few points.
-    heterogeneity : Heterogeneity or None
+    heterogeneity : Verdict or None
         Whether the tests agree; None for a single test.
-    bootstrap : ndarray, (m, 2), or None
-        E* and sqrt(w) of the fits to resampled points of each test.
     notes : tuple of Note
 
     Examples
@@ -108,12 +103,10 @@ class ContactCalibration(Value):
     area_sd: FloatArray
     contacts: int
     residual: FloatArray
-    weight: FloatArray
     verdict: Verdict
     line: AdhesiveLine
     tests: tuple[SingleTest, ...] = ()
-    heterogeneity: Heterogeneity | None = None
-    bootstrap: FloatArray | None = None
+    heterogeneity: Verdict | None = None
     notes: tuple[Note, ...] = ()
 
     def __repr__(self) -> str:
@@ -121,7 +114,7 @@ class ContactCalibration(Value):
         return (
             f"<ContactCalibration: E* = {self.composite_modulus:.4g} ± {modulus:.2g} MPa, "
             f"sqrt(w) = {self.adhesion_root:.3g} ± {root:.2g} sqrt(N/mm), {len(self.load)} points, "
-            f"{'fits' if self.verdict.law_fits else 'does not fit'}, {counted(self.notes)}>"
+            f"{'fits' if self.verdict.fits else 'does not fit'}, {counted(self.notes)}>"
         )
 
     @property

@@ -13,7 +13,6 @@ from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem._values import span
 from metafem.calibration.joint import checked_covariance
-from metafem.calibration.magnitude import beyond, is_off, unit_hint, within_errors
 from metafem.calibration.measured_law.bent_line import KINK, least
 from metafem.calibration.measured_law.comparison import Comparison, Feature
 from metafem.calibration.measured_law.law import MeasuredLaw
@@ -28,10 +27,6 @@ from metafem.progress import doing
 
 # Parameters whose errors shift all points together.
 PARAMETERS = ("composite_modulus", "shear_strength", "area_ratio")
-
-# Largest plausible ratio between E* of the part and E* of the design. If the ratio is larger, the material or
-# a unit is wrong.
-OTHER_MATERIAL = 3.0
 
 # Smallest number of points of a line for an estimate of the scatter.
 FEWEST = 3
@@ -129,7 +124,7 @@ def compare(
         features=(),
         verdict=judged(residual, parameters=0),
         parameters=dict(zip(names, np.sqrt(np.diag(matrix)).tolist(), strict=True)),
-        notes=(*measured.notes, *notes, *_magnitudes(measured, point, predicted, design)),
+        notes=(*measured.notes, *notes),
     )
     return _with_features(found, design, operating) if isinstance(design, Design) else found
 
@@ -148,14 +143,13 @@ def _compared(
     refuse_if(
         not point.size,
         f"all measured loads exceed the largest load of the design, P/E* = {end:.4g} mm^2 or "
-        f"{modulus * end:.4g} N; the smallest is {smallest:.4g} N{beyond('load', smallest / modulus / end)}",
+        f"{modulus * end:.4g} N; the smallest is {smallest:.4g} N",
     )
     last = float(measured.rescaled_load[point].max())
     refuse_if(
         last < first,
         f"all measured loads lie below the first load of the target, P/E* = {first:.4g} mm^2 or "
-        f"{modulus * first:.4g} N; the largest is {modulus * last:.4g} N"
-        + (beyond("load", last / first) if first else ""),
+        f"{modulus * first:.4g} N; the largest is {modulus * last:.4g} N",
     )
     left_out = (
         (~known, "the area of a contact is unknown"),
@@ -170,24 +164,6 @@ def _points_at(load: FloatArray) -> str:
     if len(load) == 1:
         return f"the point at {load[0]:.4g} N is"
     return f"{len(load)} points at {span(load, 'N')} are"
-
-
-def _magnitudes(
-    measured: MeasuredLaw, point: NDArray[np.intp], predicted: FloatArray, design: Design | FrictionLaw
-) -> Iterator[Note]:
-    """Return notes on loads within their errors, and on a friction or E* far from the design's values."""
-    yield from within_errors("load", measured.load, measured.load_sd)
-    there = predicted > 0.0
-    ratio = (
-        float(np.median(measured.rescaled_friction[point][there] / predicted[there])) if there.any() else 1.0
-    )
-    if is_off(ratio):
-        name = "friction_force" if measured.by_force else "area"
-        yield Note(f"{name} is {ratio:.2g} times that of the design; {unit_hint(name, ratio)}")
-    if isinstance(design, Design):
-        ratio = measured.material.composite_modulus / design.surface.material.composite_modulus
-        if not 1.0 / OTHER_MATERIAL < ratio < OTHER_MATERIAL:
-            yield Note(f"E* of the part is {ratio:.2g} times that of the design; check its unit")
 
 
 @doing("computing the law of the design at the measured loads")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Literal
@@ -17,20 +16,10 @@ from metafem._validate import FloatArray
 from metafem._values import Value
 from metafem.calibration.bounded_interval import interval_of
 from metafem.calibration.joint import propagated
-from metafem.calibration.magnitude import OFF, is_off, unit_hint, within_errors
 from metafem.calibration.measurement_errors import MeasurementErrors
-from metafem.calibration.resampling import Bootstrap, labels_of
-from metafem.calibration.serial_correlation import Succession
 from metafem.calibration.sheared.proportional import proportional
 from metafem.calibration.sheared.record import measured_or_nan
-from metafem.calibration.verdict import (
-    Heterogeneity,
-    SingleTest,
-    Verdict,
-    errors_of,
-    heterogeneity,
-    judged_in_order,
-)
+from metafem.calibration.verdict import SingleTest, Verdict, heterogeneity, judged, labels_of
 from metafem.drawing import calibration
 from metafem.errors import refuse_if
 from metafem.material import Friction
@@ -46,18 +35,11 @@ NAMES = ("area_before", "area_sheared", "friction_force")
 # larger.
 ABOVE_ONE = 2.33
 
-# Smallest and largest plausible shear strength of soft contacts [MPa]. Hydrogels have about 1e-4 MPa, and the
-# shear strength of an elastomer is below its modulus.
-WEAKEST, STRONGEST = 1e-5, 30.0
-
 # Smallest number of points of a line through the origin: one for the factor and one for a residual.
 FEWEST = 2
 
 # The two lines: sheared area over area before shear, and friction force over sheared area.
 LINES = ("Af = B A0", "F = sigma Af")
-
-# Number of points of the bootstrap that are fitted in one call.
-AT_ONCE = 200_000
 
 DEFAULT_ERRORS = MeasurementErrors()
 
@@ -86,10 +68,8 @@ class ShearCalibration(Value):
         Standard deviations of the measured quantities.
     tests : tuple of SingleTest
         B and sigma of each test if there are several tests; nan for a value that the test does not determine.
-    heterogeneity : Heterogeneity or None
+    heterogeneity : Verdict or None
         Whether the tests agree; None for a single test.
-    bootstrap : ndarray, (n, 2), or None
-        B and sigma of the fits to resampled points.
     notes : tuple of Note
     friction : metafem.Friction
     area_ratio_interval, shear_strength_interval : (float, float)
@@ -117,8 +97,7 @@ class ShearCalibration(Value):
     friction_verdict: Verdict
     errors: MeasurementErrors
     tests: tuple[SingleTest, ...] = ()
-    heterogeneity: Heterogeneity | None = None
-    bootstrap: FloatArray | None = None
+    heterogeneity: Verdict | None = None
     notes: tuple[Note, ...] = field(default=())
 
     def __repr__(self) -> str:
@@ -193,7 +172,6 @@ def shear(
     *,
     errors: MeasurementErrors = DEFAULT_ERRORS,
     test: Sequence[Any] | None = None,
-    bootstrap: Bootstrap | None = None,
 ) -> ShearCalibration:
     """Return the area ratio B and the shear strength sigma, fitted to sheared contacts.
 
@@ -220,8 +198,6 @@ def shear(
         number of contacts.
     test : sequence, (k,), optional
         Label of each point's test; default: one test.
-    bootstrap : Bootstrap, optional
-        If set, also fit resampled points of each test; default: none.
 
     Returns
     -------
@@ -248,12 +224,11 @@ def shear(
         number = int((known[first] & known[second]).sum())
         needed = f"{line} needs at least {FEWEST} points with {NAMES[first]} and {NAMES[second]}"
         refuse_if(number < FEWEST, f"{needed}; there are {number}")
-    found = fitted(points, names, errors)
+    found = fitted(points, errors)
     _refuse_contradiction(found)
     tests = fitted_tests(points, names, errors) if len(set(names)) > 1 else ()
-    draws = None if bootstrap is None else resampled(points, names, errors, bootstrap)
     compared = heterogeneity(tests) if tests else None
-    found = replace(found, tests=tests, heterogeneity=compared, bootstrap=draws)
+    found = replace(found, tests=tests, heterogeneity=compared)
     return replace(found, notes=tuple(_notes(found)))
 
 
@@ -291,10 +266,8 @@ def _refuse_contradiction(found: ShearCalibration) -> None:
 def _notes(found: ShearCalibration) -> Iterator[Note]:
     """Return notes on lines that do not fit, on tests that differ, and on points that lack a quantity."""
     for line, verdict in zip(LINES, (found.area_verdict, found.friction_verdict), strict=True):
-        if not verdict.law_fits or verdict["largest"].noticed:
-            valid = "the stated uncertainties hold only for a law that fits, without outliers"
-            yield Note(f"{line}: {verdict}; {valid}")
-    yield from found.notes
+        if not verdict.fits:
+            yield verdict.note(f"{line} does not fit")
     ratio, sd = found.area_ratio, np.sqrt(found.covariance[0, 0])
     if ratio > 1.0 + ABOVE_ONE * sd:
         yield Note(
@@ -302,30 +275,11 @@ def _notes(found: ShearCalibration) -> Iterator[Note]:
             "of soft contacts shrink under shear; compare area_before and area_sheared, and "
             "check that they are not exchanged"
         )
-    yield from _magnitudes(found)
-    if found.heterogeneity is not None and not found.heterogeneity.agree:
-        yield found.heterogeneity.note()
+    if found.heterogeneity is not None and not found.heterogeneity.fits:
+        yield found.heterogeneity.note("the tests differ")
     unused, count = int(np.isnan(found.area_fitted).sum()), len(found.area_fitted)
     if unused:
         yield information(f"{unused} of {count} points hold less than two quantities and are not used")
-
-
-def _magnitudes(found: ShearCalibration) -> Iterator[Note]:
-    """Return notes on values that indicate a wrong unit."""
-    deviations = (found.errors.of_area, found.errors.of_area, found.errors.of_friction_force)
-    for name, of in zip(NAMES, deviations, strict=True):
-        yield from within_errors(name, getattr(found, name), of(getattr(found, name)))
-    ratio, strength = found.area_ratio, found.shear_strength
-    if is_off(ratio):
-        yield Note(f"B = {ratio:.2g}, but areas change little; {unit_hint(NAMES[1], ratio)}")
-    soft = ratio < 1.0 - ABOVE_ONE * math.sqrt(found.covariance[0, 0])
-    if strength < WEAKEST or (soft and strength > STRONGEST):
-        name = NAMES[2] if STRONGEST < strength < STRONGEST * OFF else NAMES[1]
-        large = (strength > STRONGEST) == (name == NAMES[2])
-        yield Note(
-            f"sigma = {strength:.2g} MPa is outside {WEAKEST:g} to {STRONGEST:g} MPa, the range of soft "
-            f"contacts, whose areas shrink under shear; {unit_hint(name, OFF if large else 1.0 / OFF)}"
-        )
 
 
 def parameters(points: FloatArray, errors: MeasurementErrors) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -339,7 +293,7 @@ def parameters(points: FloatArray, errors: MeasurementErrors) -> tuple[FloatArra
     return np.stack([ratio, strength], axis=-1), covariance, value
 
 
-def fitted(points: FloatArray, test: Sequence[str], errors: MeasurementErrors) -> ShearCalibration:
+def fitted(points: FloatArray, errors: MeasurementErrors) -> ShearCalibration:
     """Return the fit to points (3, k); a point with a single quantity has no fitted area."""
     used = np.isfinite(points).sum(axis=0) >= 2
     value = np.full(points.shape[1], np.nan)
@@ -350,21 +304,11 @@ def fitted(points: FloatArray, test: Sequence[str], errors: MeasurementErrors) -
     force_sd = errors.of_friction_force(strength * ratio * value)
     scale = np.hypot(sheared_sd, ratio * before_sd), np.hypot(force_sd, strength * sheared_sd)
     residual = (sheared - ratio * before) / scale[0], (force - strength * sheared) / scale[1]
-    regressors = value / scale[0], ratio * value / scale[1]
-    verdicts: list[Verdict] = []
-    notes: list[Note] = []
-    factor = np.ones(2)
-    for i, (line, off, regressor) in enumerate(zip(LINES, residual, regressors, strict=True)):
-        known = np.isfinite(off)
-        measured = Succession(np.array(test)[known], regressor[known, None])
-        verdicts.append(judged_in_order(off[known], value[known], measured))
-        rho, more = errors_of(verdicts[i], measured, line)
-        factor[i] = math.sqrt(measured.covariance(rho)[0, 0] / measured.covariance(0.0)[0, 0])
-        notes += more
+    verdicts = [judged(off[np.isfinite(off)], parameters=1) for off in residual]
     return ShearCalibration(
         area_ratio=float(ratio),
         shear_strength=float(strength),
-        covariance=covariance * np.outer(factor, factor),
+        covariance=covariance,
         area_before=before,
         area_sheared=sheared,
         friction_force=force,
@@ -374,7 +318,6 @@ def fitted(points: FloatArray, test: Sequence[str], errors: MeasurementErrors) -
         area_verdict=verdicts[0],
         friction_verdict=verdicts[1],
         errors=errors,
-        notes=tuple(notes),
     )
 
 
@@ -400,18 +343,3 @@ def _of_known(points: FloatArray, errors: MeasurementErrors) -> tuple[FloatArray
                 points[i : i + 2, pair], deviation[i : i + 2]
             )
     return value, covariance
-
-
-def resampled(
-    points: FloatArray, test: Sequence[str], errors: MeasurementErrors, bootstrap: Bootstrap
-) -> FloatArray:
-    """Return B and sigma of fits to points drawn with replacement from each group, (draws, 2).
-
-    The points of a group belong to one test and have the same measured quantities. Therefore the number of
-    points on each line is equal in all draws.
-    """
-    known = np.isfinite(points)
-    used = np.flatnonzero(known.sum(axis=0) >= 2)
-    group = [(test[i], *known[:, i].tolist()) for i in used.tolist()]
-    drawn = bootstrap.rows(group, AT_ONCE // len(used))
-    return np.concatenate([parameters(points[:, used[rows]].transpose(1, 0, 2), errors)[0] for rows in drawn])

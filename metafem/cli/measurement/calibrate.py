@@ -12,11 +12,10 @@ import numpy as np
 
 import metafem as mf
 from metafem._given import Names
-from metafem.cli.group import Name, force_option, json_option, main, model_option
+from metafem.cli.group import Name, force_option, json_option, main
 from metafem.cli.measurement.fits import ERRORS, LENGTHS, Fits
 from metafem.cli.measurement.quantities import quantity_options
 from metafem.cli.progress import progress
-from metafem.cli.study.options import seed_option
 from metafem.cli.terminal import (
     notes_data,
     print_json,
@@ -31,7 +30,9 @@ from metafem.files.measurement.numbers import interval, published, rounded
 from metafem.notes import information
 
 if TYPE_CHECKING:
-    from metafem.calibration import ContactCalibration, ShearCalibration, StrengthFit
+    from collections.abc import Sequence
+
+    from metafem.calibration import ContactCalibration, ShearCalibration, StrengthFit, Verdict
     from metafem.notes import Note
 
 # mJ/m^2 in N/mm.
@@ -40,7 +41,7 @@ ENERGY = 1e-6
 # Kind of each written file, by its extension.
 SUFFIXES = (".toml", ".json")
 
-COLUMNS = ("quantity", "value", "68 % interval", "unit", "± standard deviation", "of the bootstrap")
+COLUMNS = ("quantity", "value", "68 % interval", "unit", "± standard deviation")
 
 Row = tuple[str, ...]
 
@@ -60,20 +61,10 @@ Row = tuple[str, ...]
     "--sliding", is_flag=True, help="Use the sliding friction of records instead of the static one."
 )
 @click.option(
-    "--sliding-range",
-    nargs=2,
-    metavar="FROM TO",
-    help='Distances after the peak, such as "0.1 mm" "0.2 mm", over which sliding friction is averaged. '
-    "Default: these.",
+    "--contact",
+    metavar="LAW",
+    help='Contact law of the caps without adhesion, such as "hertz" or the table of a law. Default: hertz.',
 )
-@click.option(
-    "--sample",
-    type=Name(),
-    metavar="HEIGHTS.csv",
-    help="Table of the sample's caps (x_mm,y_mm,height_um), for --model. Default: the contacts of a table of "
-    "metafem images, with equal heights.",
-)
-@model_option("independent")
 @click.option(
     "--full-contact",
     type=Name(),
@@ -83,11 +74,6 @@ Row = tuple[str, ...]
 )
 @click.option("--part", type=Name(), metavar="DIR", help="Result folder of that part.")
 @click.option("--load-min", metavar="FORCE", help='Smallest load that is used of it, such as "0.5 N".')
-@click.option("--robust", is_flag=True, help="Fit E* and w with small weights of outliers.")
-@click.option(
-    "--bootstrap", type=click.IntRange(min=2), help="Also fit this number of times to points drawn again."
-)
-@seed_option
 @click.option(
     "-o",
     "--output",
@@ -128,17 +114,11 @@ def calibrate(
     sources = [str(path) for path in (*data, options["full_contact"]) if path is not None]
     refuse_if(not sources, "no table is given; write for example metafem calibrate compression.csv shear.csv")
     with progress():
-        distances: Any = tuple(
-            mf.files.quantity("--sliding-range", text, "mm", "0.1 mm")
-            for text in options["sliding_range"] or ()
-        )
-        measured = mf.files.read_calibration(
-            data, sliding=options["sliding"], sliding_range=distances or None
-        )
+        measured = mf.files.read_calibration(data, sliding=options["sliding"])
         fits = Fits(measured, options, sources)
         contact, shear, strength = fits.contact, fits.shear, fits.strength
         notes = _notes(fits)
-        found = mf.files.calibration_data(contact, shear, sources, measured.records, strength)
+        found = mf.files.calibration_data(contact, shear, sources, strength)
         found["notes"] = notes_data(notes)
         texts = {
             ".toml": mf.files.block_text(contact, shear, sources, options["contact"], strength),
@@ -158,7 +138,7 @@ def calibrate(
 
 
 def _print(fits: Fits, notes: list[Note]) -> None:
-    """Print the values with their intervals, the verdicts on the fits, the records and the notes."""
+    """Print the values with their intervals, the verdicts on the fits and the notes."""
     console = terminal()
     parts: list[tuple[list[Row], list[str]]] = []
     if fits.contact is not None:
@@ -169,22 +149,22 @@ def _print(fits: Fits, notes: list[Note]) -> None:
         parts.append(_of_strength(fits.strength))
     rows = [row for part, _ in parts for row in part]
     lines = [line for _, verdicts in parts for line in verdicts]
-    count = len(COLUMNS) - (not any(row[-1] for row in rows))
-    print_table(console, COLUMNS[:count], [row[:count] for row in rows])
-    for name, record in fits.measured.records.items():
-        lines.append(
-            f"{name}: static {record.static_force:.4g} N at {record.peak_displacement:.4g} mm, sliding "
-            f"{record.sliding_force:.4g} N"
-        )
+    print_table(console, COLUMNS, rows)
     say(console, *lines)
     print_notes(console, notes)
 
 
-def _row(what: str, value: float, sd: float, ends: tuple[float, float], unit: str, drawn: Any = None) -> Row:
-    """Return the row of a parameter; `drawn` holds its values in a bootstrap."""
-    spread = None if drawn is None or len(drawn) < 2 else float(drawn.std(ddof=1))
-    scatter = "" if spread is None else rounded(spread, spread)
-    return what, rounded(value, sd), interval(ends, sd), unit, published(value, sd), scatter
+def _row(what: str, value: float, sd: float, ends: tuple[float, float], unit: str) -> Row:
+    """Return the row of a parameter."""
+    return what, rounded(value, sd), interval(ends, sd), unit, published(value, sd)
+
+
+def _fits(verdict: Verdict) -> str:
+    return f"the law {'fits' if verdict.fits else 'does not fit'}: {verdict}"
+
+
+def _agree(what: str, tests: Sequence[object], verdict: Verdict) -> str:
+    return f"{what}, {len(tests)} tests: the tests {'agree' if verdict.fits else 'differ'}: {verdict}"
 
 
 def _of_contact(found: ContactCalibration) -> tuple[list[Row], list[str]]:
@@ -192,9 +172,8 @@ def _of_contact(found: ContactCalibration) -> tuple[list[Row], list[str]]:
     from metafem.calibration.bounded_interval import bounded_interval
 
     sd = math.sqrt(found.root_covariance[0, 0])
-    drawn = None if found.bootstrap is None else found.bootstrap[:, 0]
     ends = found.composite_modulus_interval
-    rows = [_row("E*, composite modulus", found.composite_modulus, sd, ends, "MPa", drawn)]
+    rows = [_row("E*, composite modulus", found.composite_modulus, sd, ends, "MPa")]
     if found.adhesion_energy <= 0.0:
         alone, without = found.modulus_without_adhesion
         low, high = (float(end) for end in bounded_interval(alone, without))
@@ -204,10 +183,10 @@ def _of_contact(found: ContactCalibration) -> tuple[list[Row], list[str]]:
     width = 0.5 * (high - low)
     value, more, less = (rounded(each, width, 1) for each in (energy, high - energy, energy - low))
     within, apart = interval((low, high), width), f"{value} +{more} -{less}"
-    rows.append(("w, adhesion energy", rounded(energy, width), within, "mJ/m²", apart, ""))
-    verdicts = [f"E* and w, {len(found.load)} points: {found.verdict}"]
+    rows.append(("w, adhesion energy", rounded(energy, width), within, "mJ/m²", apart))
+    verdicts = [f"E* and w, {len(found.load)} points: {_fits(found.verdict)}"]
     if found.heterogeneity is not None:
-        verdicts.append(f"E* and w, {len(found.tests)} tests: {found.heterogeneity}")
+        verdicts.append(_agree("E* and w", found.tests, found.heterogeneity))
     return rows, verdicts
 
 
@@ -221,11 +200,10 @@ def _of_shear(found: ShearCalibration) -> tuple[list[Row], list[str]]:
             ("shear_strength", "σ, shear strength", "MPa", found.friction_verdict),
         )
     ):
-        drawn = None if found.bootstrap is None else found.bootstrap[:, i]
-        rows.append(_row(what, getattr(found, name), sds[i], getattr(found, f"{name}_interval"), unit, drawn))
-        verdicts.append(f"{what[0]}, {verdict.freedom + 1} points: {verdict}")
+        rows.append(_row(what, getattr(found, name), sds[i], getattr(found, f"{name}_interval"), unit))
+        verdicts.append(f"{what[0]}, {verdict.freedom + 1} points: {_fits(verdict)}")
     if found.heterogeneity is not None:
-        verdicts.append(f"B and σ, {len(found.tests)} tests: {found.heterogeneity}")
+        verdicts.append(_agree("B and σ", found.tests, found.heterogeneity))
     return rows, verdicts
 
 
@@ -233,7 +211,7 @@ def _of_strength(found: StrengthFit) -> tuple[list[Row], list[str]]:
     """Return the row of the shear strength with all asperities in contact, and the verdict on its fit."""
     sd, what = math.sqrt(found.covariance[-1, -1]), "σ, full contact"
     row = _row(what, found.shear_strength, sd, found.shear_strength_interval, "MPa")
-    return [row], [f"{what}, {len(found.load)} points: {found.verdict}"]
+    return [row], [f"{what}, {len(found.load)} points: {_fits(found.verdict)}"]
 
 
 def _notes(fits: Fits) -> list[Note]:

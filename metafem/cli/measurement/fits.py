@@ -7,19 +7,17 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 import metafem as mf
 from metafem._given import Names
 from metafem.cli.measurement.quantities import names_of, quantities
 from metafem.cli.study.options import option_name
 from metafem.cli.terminal import loaded
 from metafem.errors import InvalidInput, named, refuse_if
+from metafem.models.model import contact_of
 
 if TYPE_CHECKING:
     from metafem.calibration import ContactCalibration, ShearCalibration, StrengthFit
     from metafem.files import CalibrationData
-    from metafem.surface import Surface
 
 # Member of MeasurementErrors for each option of a standard deviation.
 MEMBERS = {
@@ -49,13 +47,6 @@ ERRORS = {
 LENGTHS = {
     "radius": ("mm", "526 um", 'Radius of the caps, such as "{}"; needed for E*.'),
     "radius_sd": ("mm", "5 um", 'Its standard deviation, such as "{}". Default: 0.'),
-    "thickness": (
-        "mm",
-        "7.2 mm",
-        'Thickness of the sample\'s block, such as "{}", for --model layer or block.',
-    ),
-    "width": ("mm", "20 mm", 'Width of that block along x, such as "{}", for --model block.'),
-    "length": ("mm", "20 mm", 'Length of that block along y, such as "{}", for --model block.'),
 }
 
 # Names of the options of a part in full contact; all of them are needed.
@@ -73,7 +64,7 @@ class Fits:
     @cached_property
     def names(self) -> Names:
         """How errors name the options, and the units in which these were written."""
-        return names_of(self.options, (*LENGTHS, "contacts", "poisson_ratio", "bootstrap", "load_min"))
+        return names_of(self.options, (*LENGTHS, "contacts", "poisson_ratio", "load_min"))
 
     @cached_property
     def errors(self) -> mf.calibration.MeasurementErrors:
@@ -94,7 +85,7 @@ class Fits:
         if points is None:
             return None
         example = '--radius "526 um" --radius-sd "5 um"'
-        lengths, common = quantities(LENGTHS, options), self._common(points)
+        lengths, errors = quantities(LENGTHS, options), self.errors
         radius, count, single = lengths["radius"], options["contacts"], points.contacts
         if radius is None:
             raise InvalidInput(f"E* needs the radius of the caps; add for example {example}")
@@ -104,12 +95,11 @@ class Fits:
             sample = mf.calibration.Sample(
                 contacts=single or count or 1,
                 radius_sd=lengths["radius_sd"] or 0.0,
-                poisson_ratio=options["poisson_ratio"],
-                model=mf.files.chosen_model(mf.Independent(), options["model"], options["contact"]),
-                surface=self._surface(lengths),
+                poisson_ratio=0.5 if options["poisson_ratio"] is None else options["poisson_ratio"],
+                contact=contact_of(mf.files.chosen_model(mf.Independent(), None, options["contact"])),
             )
             return mf.calibration.fit_compression(
-                points.load, points.area, radius, sample, robust=options["robust"], **common
+                points.load, points.area, radius, sample, errors=errors, test=points.test
             )
 
     @cached_property
@@ -118,51 +108,15 @@ class Fits:
         points = self.measured.shear
         if points is None:
             return None
+        errors = self.errors
         with mf.files.of_tables(replace(self.names, places=points.place), self.sources):
             return mf.calibration.shear(
-                points.area_before, points.area_sheared, points.friction_force, **self._common(points)
+                points.area_before,
+                points.area_sheared,
+                points.friction_force,
+                errors=errors,
+                test=points.test,
             )
-
-    def _common(self, points: Any) -> dict[str, Any]:
-        """Return the arguments that the fits of compression and shear share."""
-        count, seed = self.options["bootstrap"], self.options["seed"]
-        bootstrap = None if count is None else mf.calibration.Bootstrap(count, seed)
-        return {"errors": self.errors, "test": points.test, "bootstrap": bootstrap}
-
-    def _surface(self, lengths: Mapping[str, Any]) -> Surface | None:
-        """Return the surface of the sample, which a model needs; None without --model.
-
-        The positions of its caps are those of --sample or, by default, of the contacts in the images.
-        """
-        options, model = self.options, self.options["model"]
-        if model is None:
-            for name in ("sample", "thickness", "width", "length"):
-                needs = f"{option_name(name)} needs --model, such as --model layer"
-                refuse_if(options[name] is not None, needs)
-            return None
-        ratio = 0.5 if options["poisson_ratio"] is None else options["poisson_ratio"]
-        material = mf.Material(1.0, ratio)  # a placeholder: the modulus is fitted
-        radius, _, thickness, width, length = lengths.values()
-        position = self.measured.position
-        if options["sample"] is not None:
-            surface = mf.files.read_surface(options["sample"], material, radius)
-        elif position is not None:
-            surface = mf.Surface(position, np.zeros(len(position)), radius, material)
-        else:
-            raise InvalidInput(
-                "--model needs the positions of the caps; add a table of them, --sample heights.csv, or "
-                "calibrate with a table of metafem images"
-            )
-        if thickness is not None:
-            # a layer has no sides: without width and length, any block that contains the caps serves
-            extent = np.ptp(surface.position, axis=0) + 2.0 * radius
-            sides = extent if width is None or length is None else (width, length)
-            surface = surface.replaced(block=mf.Block(float(sides[0]), float(sides[1]), thickness))
-        unknown = model in ("layer", "block") and surface.block is None
-        refuse_if(unknown, f'--model {model} needs --thickness, such as --thickness "7.2 mm"')
-        unknown = model == "block" and (width is None or length is None)
-        refuse_if(unknown, '--model block needs --width and --length, such as --width "20 mm"')
-        return surface
 
     @cached_property
     def strength(self) -> StrengthFit | None:

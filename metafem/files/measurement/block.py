@@ -44,7 +44,7 @@ def _material(found: ContactCalibration) -> list[str]:
     if found.adhesion_energy <= 0.0:
         modulus, sd = found.modulus_without_adhesion
         comment = f"± {rounded(sd, sd)} MPa without adhesion"
-    if not found.verdict.law_fits:
+    if not found.verdict.fits:
         comment += "; the law does not fit"
     return [
         "[material]",
@@ -92,7 +92,7 @@ def _parameter(name: str, found: Any, index: int, verdict: Verdict, remark: str 
     sd = math.sqrt(found.covariance[index, index])
     value = f"{rounded(getattr(found, name), sd, 3)} {unit}".rstrip()
     comment = interval(getattr(found, f"{name}_interval"), sd, unit) + remark
-    fits = "" if verdict.law_fits else "; the line does not fit"
+    fits = "" if verdict.fits else "; the line does not fit"
     return f"{name} = {json.dumps(value) if unit else value}  # {comment}{fits}"
 
 

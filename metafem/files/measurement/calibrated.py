@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,7 +14,6 @@ from metafem._validate import FloatArray
 from metafem.calibration import (
     ContactCalibration,
     ShearCalibration,
-    ShearRecord,
     StrengthFit,
     Verdict,
     joint_covariance,
@@ -30,17 +29,6 @@ BLANK = b" \t\r\n\xef\xbb\xbf"
 
 # Parameters that a calibration can determine, with the units that the names of keys contain.
 UNITS = {"radius": "mm", "composite_modulus": "MPa", "area_ratio": "1", "shear_strength": "MPa"}
-
-
-# Quantities that are written for each record of a pull, with the units that the names of keys contain.
-OF_RECORD = {
-    "static_force": "N",
-    "sliding_force": "N",
-    "area_before": "mm2",
-    "static_area": "mm2",
-    "sliding_area": "mm2",
-    "noise": "N",
-}
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +49,6 @@ def calibration_data(
     contact: ContactCalibration | None,
     shear: ShearCalibration | None,
     sources: Sequence[str],
-    records: Mapping[str, ShearRecord],
     strength: StrengthFit | None = None,
 ) -> dict[str, Any]:
     """Return the results for JSON, with names, values and covariance of the parameters.
@@ -87,7 +74,7 @@ def calibration_data(
             "modulus_without_adhesion_MPa": modulus,
             "modulus_without_adhesion_sd_MPa": without_sd,
             "compression_verdict": _verdict(contact.verdict),
-            **_tests("compression", contact, ("composite_modulus",), ("composite_modulus", "adhesion_root")),
+            **_tests("compression", contact, ("composite_modulus",)),
         }
     if shear is not None:
         values |= {"area_ratio": shear.area_ratio, "shear_strength": shear.shear_strength}
@@ -97,18 +84,13 @@ def calibration_data(
             **_stated("shear_strength", shear, strength_sd),
             "area_ratio_verdict": _verdict(shear.area_verdict),
             "shear_strength_verdict": _verdict(shear.friction_verdict),
-            **_tests("shear", shear, *(("area_ratio", "shear_strength"),) * 2),
+            **_tests("shear", shear, ("area_ratio", "shear_strength")),
         }
     if strength is not None:
         values["shear_strength"] = strength.shear_strength
         stated = _stated("shear_strength", strength, math.sqrt(strength.covariance[-1, -1]))
         data |= {f"full_contact_{key}": value for key, value in stated.items()}
         data["full_contact_verdict"] = _verdict(strength.verdict)
-    if records:
-        data["records"] = [
-            {"file": name, **{f"{key}_{unit}": getattr(record, key) for key, unit in OF_RECORD.items()}}
-            for name, record in records.items()
-        ]
     return data | {
         "parameters": list(names),
         "units": [UNITS[name] for name in names],
@@ -149,8 +131,8 @@ def _stated(name: str, found: Any, sd: float) -> dict[str, Any]:
     return {_key(name): getattr(found, name), _key(name, "_sd"): sd, _key(name, "_interval"): interval}
 
 
-def _tests(kind: str, found: Any, names: Sequence[str], drawn: Sequence[str]) -> dict[str, Any]:
-    """Return the parameters of each test, the agreement of the tests, and bootstrap standard deviations."""
+def _tests(kind: str, found: Any, names: Sequence[str]) -> dict[str, Any]:
+    """Return the parameters of each test, and the agreement of the tests."""
     tests = [
         {"test": test.name, "points": test.points}
         | {
@@ -160,23 +142,10 @@ def _tests(kind: str, found: Any, names: Sequence[str], drawn: Sequence[str]) ->
         }
         for test in found.tests
     ]
-    alike, draws = found.heterogeneity, found.bootstrap
-    agreement = alike and {
-        key: getattr(alike, key) for key in ("agree", "chi_square", "freedom", "probability")
-    }
-    spread = None
-    if draws is not None and len(draws) > 1:  # a standard deviation needs two draws
-        spread = dict(zip(drawn, draws.std(axis=0, ddof=1).tolist(), strict=True))
-    return {
-        f"{kind}_tests": tests,
-        f"{kind}_heterogeneity": agreement,
-        f"{kind}_bootstrap_sd": spread,
-    }
+    alike = found.heterogeneity
+    return {f"{kind}_tests": tests, f"{kind}_heterogeneity": alike and _verdict(alike)}
 
 
 def _verdict(found: Verdict) -> dict[str, Any]:
-    data: dict[str, Any] = {"fits": found.fits, "freedom": found.freedom}
-    for test in found.tests:
-        probability = "probability" if test.name == "chi_square" else f"{test.name}_probability"
-        data |= {test.name: test.statistic, probability: test.probability}
-    return data
+    names = ("fits", "chi_square", "freedom", "probability", "birge_ratio")
+    return {name: getattr(found, name) for name in names}

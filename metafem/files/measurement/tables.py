@@ -14,7 +14,7 @@ import numpy as np
 
 from metafem._given import Names, printable
 from metafem._validate import FloatArray
-from metafem.calibration import ContactTable, ShearRecord, shear_record
+from metafem.calibration import ContactTable, at_peak, over_plateau
 from metafem.calibration.contact_table import pressed_images, sheared_points
 from metafem.errors import InvalidInput, named, refuse_if
 from metafem.files.measurement.contacts import contacts_of, is_of_contacts
@@ -68,16 +68,14 @@ class Shear:
 class CalibrationData:
     """Pooled data of several tables.
 
-    `records` holds the records of pulls by file name. If all tables are tables of contacts in images with
-    errors, `boundary` is the rms error of the contacts' boundary [mm], otherwise None. `position` holds the
-    centres of the contacts [mm], (n, 2), in the first table of contacts. `notes` state what is left out.
+    If all tables are tables of contacts in images with
+    errors, `boundary` is the rms error of the contacts' boundary [mm], otherwise None. `notes` state what is
+    left out.
     """
 
     compression: Compression | None = None
     shear: Shear | None = None
-    records: dict[str, ShearRecord] = field(default_factory=dict)
     boundary: float | None = None
-    position: FloatArray | None = None
     notes: list[Note] = field(default_factory=list)
 
 
@@ -85,7 +83,6 @@ def read_calibration(
     paths: Iterable[str | Path],
     *,
     sliding: bool = False,
-    sliding_range: tuple[float, float] | None = None,
 ) -> CalibrationData:
     """Return the pooled data of tables of calibration tests; the columns determine the kind of a table.
 
@@ -101,12 +98,11 @@ def read_calibration(
         all records together are one test.
     sliding : bool
         Whether the records yield sliding friction instead of static friction.
-    sliding_range : (float, float), optional
-        Argument of `metafem.calibration.shear_record`, for records.
     """
     data = CalibrationData()
     parts: list[Compression | Shear] = []
     boundaries: list[float | None] = []
+    pulls = False
     files = [Path(path) for path in paths]
     for path in files:
         refuse_if(files.count(path) > 1, f"{file_label(path)} is given twice")
@@ -119,20 +115,18 @@ def read_calibration(
             contacts = contacts_of(table)
             parts += _of_contacts(contacts, table.name, label, data.notes)
             boundaries.append(_boundary(contacts))
-            data.position = contacts.position if data.position is None else data.position
             continue
         boundaries.append(None)
         entries = COLUMNS.of(table)
         if "displacement" in entries.columns:
-            record = data.records[table.name] = _record(entries, sliding_range)
-            data.notes += _named(record.notes, table.name)
-            parts.append(_pull(entries, record, sliding))
+            pulls = True
+            parts.append(_pull(entries, sliding))
         else:
             parts += _points(entries, label)
     refuse_if(
-        (sliding or sliding_range is not None) and not data.records,
-        f"{'--sliding' if sliding else '--sliding-range'} belongs to records of pulls, and no table has the "
-        "columns displacement_um,friction_force_mN,area_mm2 of one; leave it out",
+        sliding and not pulls,
+        "--sliding belongs to records of pulls, and no table has the columns "
+        "displacement_um,friction_force_mN,area_mm2 of one; leave it out",
     )
     data.compression = _pooled_compression(
         [part for part in parts if isinstance(part, Compression)], data.notes
@@ -215,23 +209,24 @@ def _tests(entries: Entries, default: str) -> list[str]:
     return [printable(text, 60) for text in entries.texts("test")]
 
 
-def _record(entries: Entries, sliding_range: tuple[float, float] | None) -> ShearRecord:
-    """Return the record of one pull in a table."""
+def _pull(entries: Entries, sliding: bool) -> Shear:
+    """Return the single point of static or sliding friction that the record of one pull yields."""
     missing = [name for name in ("friction_force", "area") if name not in entries.columns]
     if missing:
         raise COLUMNS.lacking(entries, *missing)
     displacement, force = entries.numbers("displacement"), entries.numbers("friction_force")
-    options: dict[str, Any] = {} if sliding_range is None else {"sliding_range": sliding_range}
+    area = entries.numbers("area", empty=True)
+    value = over_plateau if sliding else at_peak
     with of_tables(entries.names(), [entries.table.name]):
-        return shear_record(displacement, force, entries.numbers("area", empty=True), **options)
-
-
-def _pull(entries: Entries, record: ShearRecord, sliding: bool) -> Shear:
-    """Return the single point of static or sliding friction that a record of one pull yields."""
-    kind = "sliding" if sliding else "static"
-    area, force = getattr(record, f"{kind}_area"), getattr(record, f"{kind}_force")
-    before, sheared, peak = np.array([[record.area_before], [area], [force]])
-    return Shear(before, sheared, peak, (_tests(entries, "records")[0],), (entries.table.name,))
+        sheared, friction = value(displacement, force, area), value(displacement, force)
+    before = area[np.isfinite(area)][:1]  # the first frame shows the contacts before shear
+    return Shear(
+        before,
+        np.array([sheared]),
+        np.array([friction]),
+        (_tests(entries, "records")[0],),
+        (entries.table.name,),
+    )
 
 
 def _of_contacts(

@@ -64,14 +64,13 @@ def answers(study: Dataset) -> list[str]:
         points = study.isel(point=np.flatnonzero(study["of_law"].values == label))
         ratio = (points["deviation"] / points["predicted"]).values[points["predicted"].values > 0.0]
         rms = percent(float(np.sqrt((ratio**2).mean()))) if ratio.size else "unknown"
-        freedom, runs = int(one["freedom"]), int(one["runs"])
+        freedom = int(one["freedom"])
         agrees, rejected = ("agrees", "not rejected") if int(one["fits"]) else ("does not agree", "rejected")
         found.append(
             f"The {label} law {agrees} with the design within its error bars ({rejected} at {LIMIT}): "
             f"rms deviation {rms}, "
             f"chi² = {chi(float(one['chi_square']))} with {freedom} degree{'s' * (freedom != 1)} of freedom "
-            f"(p = {float(one['probability']):.2g}), {runs} run{'s' * (runs != 1)} of deviations "
-            f"(p = {float(one['runs_probability']):.2g})."
+            f"(p = {float(one['probability']):.2g})."
         )
     return found
 

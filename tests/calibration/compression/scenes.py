@@ -24,7 +24,7 @@ def load_of(a, cap=None, energy=ENERGY, modulus=MODULUS):
 
 def of_cap(cap, contacts=1):
     """Return a sample of contacts of a law."""
-    return Sample(contacts, model=mf.Independent(contact=cap))
+    return Sample(contacts, contact=cap)
 
 
 def noisy(seed, contacts=1, energy=ENERGY, modulus=MODULUS):

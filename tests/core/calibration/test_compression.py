@@ -6,21 +6,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.integrate import quad
-from scipy.stats import norm
 
 import metafem as mf
-from metafem.calibration import Bootstrap, MeasurementErrors, Sample, fit_compression
+from metafem.calibration import MeasurementErrors, Sample, fit_compression
 from metafem.calibration.bounded_interval import WIDTH
 from metafem.calibration.compression.adhesive_line import adhesive_line
-from metafem.calibration.compression.distance_fit import (
-    HUBER,
-    TUKEY,
-    TUKEY_VARIANCE,
-    adhesive_load,
-    distance_fit,
-)
-from metafem.calibration.compression.scene import cap_curve, sample_curve
+from metafem.calibration.compression.distance_fit import adhesive_load, distance_fit
 from tests.calibration.compression.scenes import (
     AREA,
     ENERGY,
@@ -38,17 +29,6 @@ FIVE = Sample(5)
 CAP = mf.AxisymmetricCap(lambda rho: rho**2 / (2 * RADIUS) + rho**4, extent=0.4)
 PROFILE = mf.AxisymmetricCap(np.array([SMALL, SMALL**2 / (2 * RADIUS)]) * (SMALL > 0.05))
 EXACT = fit_compression(load_of(A), AREA, RADIUS)
-
-
-def test_caps_of_a_sample_give_modulus_and_adhesion():
-    for cap in (mf.Power(3.0), mf.Profile(lambda rho: rho**3, extent=0.6)):
-        place = [[0.0, 0.0], [70.0, 0.0], [0.0, 70.0]]
-        surface = mf.Surface(place, [0.3] * 3, RADIUS, mf.Material(1.0), cap=cap)
-        elastic = mf.Elastic()
-        sample = Sample(3, model=mf.Independent(elastic), surface=surface)
-        found = fit_compression(3 * load_of(A, elastic.bound(surface)), 3 * AREA, RADIUS, sample)
-        assert found.composite_modulus == pytest.approx(MODULUS, rel=1e-9)
-        assert found.adhesion_energy == pytest.approx(ENERGY, rel=1e-9)
 
 
 def test_exact_data_of_any_cap_give_e_and_w_back():
@@ -141,17 +121,13 @@ def test_equal_tests_agree_and_different_ones_are_told_apart():
     labels = np.repeat(["a", "b", "c"], A.size)
     load, area = (np.concatenate(part) for part in zip(*tests, strict=True))
     same = fit_compression(load, area, RADIUS, FIVE, test=labels)
-    assert same.heterogeneity.agree
+    assert same.heterogeneity.fits
     assert [test.name for test in same.tests] == ["a", "b", "c"]
     alone = fit_compression(*tests[1], RADIUS, FIVE)
     assert same.tests[1].value[0] == alone.composite_modulus
-    assert same.tests[1].verdict == alone.verdict
-    # chi-squares of nested fits of a linear law add
-    total = sum(test.verdict["chi_square"].statistic for test in same.tests) + same.heterogeneity.chi_square
-    assert same.verdict["chi_square"].statistic == pytest.approx(total, rel=0.02)
     other = np.concatenate([*load[:40].reshape(2, 20), noisy(2, contacts=5, modulus=1.45)[0]])
     different = fit_compression(other, area, RADIUS, FIVE, test=labels)
-    assert not different.heterogeneity.agree
+    assert not different.heterogeneity.fits
     assert len(different.notes) > len(same.notes)
 
 
@@ -167,52 +143,11 @@ def test_without_adhesion_the_interval_of_w_begins_at_zero_and_a_negative_root_i
     assert np.linalg.eigvalsh(found.covariance).min() >= 0.0
 
 
-def test_an_outlier_is_named_and_loses_its_weight_in_a_robust_fit():
-    load, area = noisy(4, contacts=5)
-    load[-1] += 8.0 * MeasurementErrors().load
-    found = fit_compression(load, area, RADIUS, FIVE)
-    assert found.verdict["largest"].probability < 0.01
-    (note,) = [str(note) for note in found.notes if "load[19]" in str(note)]
-    assert "robust=True" in note
-    steady = fit_compression(load, area, RADIUS, FIVE, robust=True)
-    assert steady.weight[-1] < 0.5 < steady.weight[:-1].min()
-    assert steady.verdict.fits
-    assert "load[19]" in " ".join(map(str, steady.notes))
-    error, robust_error = (abs(each.composite_modulus - MODULUS) for each in (found, steady))
-    assert robust_error < 0.5 * error
-    assert (found.weight == 1.0).all()
-
-
-def test_a_fit_to_another_law_or_with_too_small_errors_says_so():
+def test_a_fit_to_another_law_says_so():
     other = 10.0 * AREA**1.1, 5.0 * AREA, RADIUS, FIVE
     found = fit_compression(*other)
     assert not found.verdict.fits
     assert any("does not fit" in str(note) for note in found.notes)
-    assert any(
-        note.warns and "may not fit" in str(note) for note in fit_compression(*other, robust=True).notes
-    )
-    points, usual = (*noisy(4, contacts=5), RADIUS, FIVE), MeasurementErrors()
-    small = MeasurementErrors(load=1e-4, boundary=0.02 * usual.boundary)
-    found = fit_compression(*points, errors=small, robust=True)
-    assert (found.weight < 0.5).sum() > 10
-    assert not found.verdict.law_fits
-    none = MeasurementErrors(load=1e-6, boundary=1e-4 * usual.boundary)
-    with pytest.raises(mf.InvalidInput, match="two points"):
-        fit_compression(*points, errors=none, robust=True)
-
-
-def test_the_constants_of_tukeys_fit_are_those_of_normal_errors():
-    def mean(of, end=TUKEY):
-        return quad(lambda r: of(r) * norm.pdf(r), -end, end)[0]
-
-    # psi(r) = r w(r) with w(r) = (1 - (r/c)^2)^2
-    square = mean(lambda r: (r * (1.0 - (r / TUKEY) ** 2) ** 2) ** 2)
-    slope = mean(lambda r: (1.0 - (r / TUKEY) ** 2) * (1.0 - 5.0 * (r / TUKEY) ** 2))
-    weight = mean(lambda r: (1.0 - (r / TUKEY) ** 2) ** 2)
-    assert pytest.approx(slope**2 / square, abs=1e-3) == 0.95
-    assert pytest.approx(square * weight / slope**2, abs=1e-3) == TUKEY_VARIANCE
-    huber = mean(lambda r: np.clip(r, -HUBER, HUBER) ** 2, 10.0)
-    assert mean(lambda _: 1.0, HUBER) ** 2 / huber == pytest.approx(0.95, abs=1e-3)
 
 
 def test_the_straight_line_of_the_paper_is_the_law_of_johnson_kendall_and_roberts():
@@ -252,46 +187,10 @@ def test_the_modulus_without_adhesion_is_that_of_a_fit_without_it():
     assert sd == pytest.approx((weight * q**2).sum() ** -0.5, rel=0.02)
 
 
-PLACE = np.array([[0.0, 0.0], [-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]])
-
-
-@pytest.mark.parametrize(
-    ("model", "last"),
-    [(mf.Independent(), 0.41), (mf.Interacting(substrate=mf.BondedLayer(), pedestal=True), 0.4)],
-    ids=["uneven", "layer"],
-)
-def test_the_model_of_the_sample_gives_its_modulus_back(model, last):
-    height = [0.4, 0.4, 0.4, 0.4, last]
-    surface = mf.Surface(1.5 * PLACE, height, RADIUS, mf.Material(1.36), block=mf.Block(20.0, 20.0, 7.2))
-    load = 1.36 * 5.0 * 4.0 / 3.0 * A**3 / RADIUS
-    area = np.array([mf.equilibrium(surface, model, load=each).asperity_area for each in load])
-    sample = Sample(5, model=model, surface=surface)
-    total, single = (fit_compression(load, each, RADIUS, sample) for each in (area.sum(axis=1), area))
-    assert single.composite_modulus == pytest.approx(1.36, rel=1e-6)
-    # the adhesive part is that of equal contacts
-    assert total.composite_modulus == pytest.approx(1.36, rel=1e-4)
-    assert total.verdict["chi_square"].statistic < 1e-3
-
-
 def test_the_table_that_comes_out_has_the_loads_of_the_fitted_modulus():
     found = fit_compression(load_of(SMALL, TABLE, 0.0), math.pi * SMALL**2, RADIUS, of_cap(TABLE))
     law = found.contact_law.for_material(mf.Material(2.0))
     assert 2.0 * law.load(0.1, RADIUS) == pytest.approx(MODULUS * TABLE.load(0.1, RADIUS), rel=1e-6)
-
-
-def test_a_robust_fit_of_clean_data_has_slightly_wider_intervals():
-    usual, robust = (fit_compression(*noisy(6), RADIUS, robust=each) for each in (False, True))
-    ratio = np.sqrt(np.diag(robust.root_covariance) / np.diag(usual.root_covariance))
-    assert ratio == pytest.approx(1.026, abs=0.03)
-    assert robust.verdict.fits
-
-
-def test_no_single_point_is_blamed_for_wrong_errors():
-    usual = MeasurementErrors()
-    errors = MeasurementErrors(load=0.01 * usual.load, boundary=0.01 * usual.boundary)
-    found = fit_compression(*noisy(4, contacts=5), RADIUS, Sample(5), errors=errors)
-    assert found.verdict["largest"].probability < 0.01
-    assert not any("robust=True" in str(note) for note in found.notes)
 
 
 def test_a_test_whose_load_falls_is_named():
@@ -333,23 +232,12 @@ def test_caps_of_any_kind_keep_their_shape_with_the_radius():
     # P = E* s^2 q(A/s^2): of the nominal law, data of caps that are s times larger
     small, scale = SMALL[:18], 1.0 + 1e-3
     for cap in (mf.SphericalCap(), TABLE, CAP, PROFILE):
-        load, area, model = 5.0 * load_of(small, cap), 5.0 * math.pi * small**2, mf.Independent(contact=cap)
-        found = fit_compression(load, area, RADIUS, Sample(5, radius_sd=1e-3 * RADIUS, model=model))
+        load, area = 5.0 * load_of(small, cap), 5.0 * math.pi * small**2
+        found = fit_compression(load, area, RADIUS, Sample(5, radius_sd=1e-3 * RADIUS, contact=cap))
         errors = MeasurementErrors(load=5e-3 / scale**2, boundary=1.4e-3 / scale)
-        of_larger = load / scale**2, area / scale**2, RADIUS, Sample(5, model=model)
+        of_larger = load / scale**2, area / scale**2, RADIUS, Sample(5, contact=cap)
         change = fit_compression(*of_larger, errors=errors).composite_modulus - found.composite_modulus
         assert found.radius_change[0] == pytest.approx(change, rel=2e-3)
-
-
-def test_the_bootstrap_has_the_spread_of_the_covariance():
-    tests = [noisy(seed) for seed in range(6)]
-    points = *(np.concatenate(part) for part in zip(*tests, strict=True)), RADIUS
-    given_ = {"test": np.repeat(np.arange(6), A.size), "bootstrap": Bootstrap(600)}
-    found = fit_compression(*points, **given_)
-    ratio = found.bootstrap.std(axis=0) / np.sqrt(np.diag(found.statistical_covariance))
-    # the points' own scatter has a relative error of 1/sqrt(2 * 118)
-    assert ratio == pytest.approx(1.0, abs=4.0 * math.hypot(1.0 / math.sqrt(236), 1.0 / math.sqrt(1200)))
-    assert (fit_compression(*points, **given_).bootstrap == found.bootstrap).all()
 
 
 def test_the_covariance_of_the_line_is_that_of_errors_of_y():
@@ -362,14 +250,3 @@ def test_the_covariance_of_the_line_is_that_of_errors_of_y():
     # relative error of a variance from 4000 draws: 2.2 %
     spread = np.cov(line.composite_modulus, line.adhesion_root)
     assert line.root_covariance.mean(axis=0) == pytest.approx(spread, rel=0.12)
-
-
-def test_independent_caps_of_one_height_have_the_curve_of_the_cap():
-    for one_by_one in (False, True):
-        area = np.repeat(AREA[:15, None], 5, axis=1) if one_by_one else AREA[:15, None]
-        surface = mf.Surface(5.0 * PLACE, [0.4] * 5, RADIUS, mf.Material(1.0))
-        cap = mf.SphericalCap()
-        found = sample_curve(surface, mf.Independent(contact=cap), area, one_by_one).load_and_slope(area)
-        alone = cap_curve(cap, RADIUS).load_and_slope(area)
-        assert found[0] == pytest.approx(alone[0], rel=1e-7)
-        assert found[1] == pytest.approx(alone[1], rel=1e-5)

@@ -54,7 +54,7 @@ def test_the_errors_of_a_part_are_found_within_their_standard_deviations():
         made = PART.replaced(height=1.03 * PART.height).tilted(1.4e-3, -9e-4).perturbed(0.9e-3, rng)
         found = explain(measured(made, rng, stiffer=1.05, friction=0.97), PART)
         assert found.verdict.fits
-        assert found.misfit_design > 2.0 * found.verdict["chi_square"].statistic
+        assert found.misfit_design > 2.0 * found.verdict.chi_square
         off += scores(found, **true)
     # 40 values of s.d. 1: their rms within three of its standard errors, 1/sqrt(80)
     assert np.sqrt(np.mean(np.square(off))) < 1.0 + 3.0 / math.sqrt(80)
@@ -73,7 +73,7 @@ def test_interacting_contacts_are_explained_under_their_model():
     small, model = design((3, 3)), mf.Interacting()
     found = explain(measured(small.tilted(1e-3, 0.0), model=model), small, model=model)
     assert found.mean["angle_x"] == pytest.approx(1e-3, abs=found.sd["angle_x"])
-    assert found.verdict["chi_square"].statistic < 2.0
+    assert found.verdict.chi_square < 2.0
 
 
 def test_values_without_information_give_the_expected_errors_back():

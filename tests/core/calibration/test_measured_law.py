@@ -234,7 +234,7 @@ def test_the_part_that_is_the_design_is_accepted_as_often_as_stated():
     linear = linear_design()
     rng, load = np.random.default_rng(2), np.linspace(0.05, 0.6, 10)
     verdicts = [compare(measured_on(linear, load, rng=rng), linear).verdict for _ in range(200)]
-    share = np.mean([verdict["chi_square"].probability < 0.2 for verdict in verdicts])
+    share = np.mean([verdict.probability < 0.2 for verdict in verdicts])
     assert abs(share - 0.2) < 4.0 * np.sqrt(0.2 * 0.8 / 200)
     assert np.mean([verdict.fits for verdict in verdicts]) > 0.93
 

@@ -38,7 +38,7 @@ STUDY = xr.Dataset(
 
 
 def write_calibration(path):
-    path.write_text(json.dumps(calibration_data(PRESSED, SHEARED, ["a.csv"], {})), "utf-8")
+    path.write_text(json.dumps(calibration_data(PRESSED, SHEARED, ["a.csv"])), "utf-8")
 
 
 def write_specification(path):
@@ -51,7 +51,7 @@ def of_parameters(found):
 
 
 def parameters():
-    data = calibration_data(PRESSED, SHEARED, ["a.csv"], {})
+    data = calibration_data(PRESSED, SHEARED, ["a.csv"])
     return data["parameters"], data["values"], data["covariance"]
 
 
