@@ -1,4 +1,4 @@
-"""Disk cache: compiled kernels, influence matrices of blocks and finished batches of stopped studies."""
+"""Disk cache: compiled kernels and influence matrices of blocks."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from typing import Any, BinaryIO
 VARIABLE = "METAFEM_CACHE_DIR"
 
 # Names of the files and folders that metafem writes to the cache; others are never removed.
-_KERNELS = _STUDY = re.compile(r"[0-9a-f]{32}")
+_KERNELS = re.compile(r"[0-9a-f]{32}")
 _BLOCK = re.compile(r"\.?block-.*\.npz.*")
 
 
@@ -49,16 +49,6 @@ def kept_kernels() -> list[Path]:
 def kept_blocks() -> list[Path]:
     """Return the files that store the influence matrices of blocks."""
     return sorted(_children(cache_folder(), _BLOCK))
-
-
-def study_folder() -> Path:
-    """Return the folder of finished batches; it has a subfolder for each stopped study."""
-    return cache_folder() / "studies"
-
-
-def kept_studies() -> list[Path]:
-    """Return the subfolders with the finished batches of stopped studies."""
-    return sorted(_children(study_folder(), _STUDY))
 
 
 def size(paths: list[Path]) -> int:

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 
 # Content of each cache.
-CACHES = {"kernels": "compiled kernels", "blocks": "influence of blocks", "studies": "stopped studies"}
+CACHES = {"kernels": "compiled kernels", "blocks": "influence of blocks"}
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,7 @@ def _sizes(caches: Mapping[str, int]) -> str:
 
 def _kept() -> dict[str, list[Path]]:
     """Return the files and folders of each cache."""
-    paths = (_caches.kept_kernels(), _caches.kept_blocks(), _caches.kept_studies())
+    paths = (_caches.kept_kernels(), _caches.kept_blocks())
     return dict(zip(CACHES, paths, strict=True))
 
 
@@ -163,7 +163,7 @@ def _design() -> Design:
 @click.option(
     "--clear-cache",
     is_flag=True,
-    help="Remove compiled kernels, the stored influence of blocks and stopped studies.",
+    help="Remove compiled kernels and the stored influence of blocks.",
 )
 @json_option
 def doctor(clear_cache: bool, as_json: bool) -> None:

@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from metafem._values import MICROMETRES, percent
+from metafem._values import MICROMETRES
 from metafem.drawing import ACHIEVED, QUIET, TARGET, finished, law, new_figure
 from metafem.studies.summaries.parameters import in_words, main_quantity, shares
-from metafem.studies.summaries.tolerances import TOLERANCES
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -103,30 +102,4 @@ def uncertainty_figure(study: Dataset) -> Figure:
     right.legend(**LEGEND_ABOVE)
     right.set_xlabel("share of the variance [%]")
     right.set_xlim(left=0.0)
-    return finished(figure)
-
-
-def combined_figure(study: Dataset) -> Figure | None:
-    """Draw the largest multiples of the given errors at which made surfaces meet the target as required.
-
-    Return None if none of the multiples is finite.
-    """
-    limits = study[["factor", "factor_error", "given"]].isel(
-        tolerance=np.flatnonzero(np.isfinite(study["factor"].values))
-    )
-    factor, error = limits["factor"].values, limits["factor_error"].values
-    labels = []
-    for name, given in zip(map(str, limits["tolerance"].values), limits["given"].values, strict=True):
-        words, unit, size = TOLERANCES[name]
-        labels.append(words if name == "all" else f"{words}, {size * given:.3g}{unit}")
-    if not labels:
-        return None
-    figure = new_figure(7.0, 2.6, (2.4, 0.3, 0.65, 0.4))
-    ax = figure.add_subplot()
-    ax.barh(labels, factor, xerr=error, color=ACHIEVED, ecolor=QUIET)
-    ax.axvline(1.0, color=TARGET, lw=1.2, label="given")
-    ax.invert_yaxis()
-    ax.legend(**LEGEND_ABOVE)
-    wanted = percent(float(study.attrs["wanted_probability"]), ".4g")
-    ax.set_xlabel(f"largest multiple for a probability of {wanted}")
     return finished(figure)

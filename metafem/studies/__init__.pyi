@@ -1,11 +1,7 @@
-from .combined import Requirement as Requirement
-from .combined import combined as combined
 from .fidelity import fidelity as fidelity
 from .interaction import interaction as interaction
 from .manufacturing import manufacturing as manufacturing
 from .misalignment import misalignment as misalignment
-from .sampling.batches import Execution as Execution
-from .sampling.points import Draws as Draws
 from .summaries import Summary as Summary
 from .summaries import summary as summary
 from .uncertainty import uncertainty as uncertainty

@@ -16,7 +16,6 @@ from metafem.notes import information
 from metafem.progress import doing
 from metafem.studies.cap_contact import CapContact, caps_of, solve_caps
 from metafem.studies.sampling.dataset import dataset, described
-from metafem.studies.sampling.store import inputs_hash
 from metafem.studies.substrates import laws_on_substrates
 from metafem.surface import Surface
 
@@ -101,8 +100,7 @@ def fidelity(design: Design, *, elements: bool = True) -> xr.Dataset:
     }
     rescaled = design.law.rescaled_load
     coordinates = {"model": names, "rescaled_load": rescaled}
-    inputs = inputs_hash(("fidelity", surface, contact_of(model), rescaled, elements))
-    found = dataset("fidelity", variables, coordinates, inputs=inputs, notes=notes)
+    found = dataset("fidelity", variables, coordinates, notes=notes)
     return found.assign_coords(load=("rescaled_load", load, described("load")))
 
 

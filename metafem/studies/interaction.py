@@ -17,7 +17,6 @@ from metafem.models.model import contact_of
 from metafem.progress import doing, each
 from metafem.studies.sampling.dataset import dataset, described
 from metafem.studies.sampling.points import entropy
-from metafem.studies.sampling.store import inputs_hash
 from metafem.substrate import BondedLayer, HalfSpace, Substrate
 from metafem.surface import Surface
 
@@ -114,8 +113,7 @@ def interaction(design: Design, *, placements: int = 1000, rng: Any = 0) -> xr.D
         "order": orders,
         "rescaled_load": rescaled,
     }
-    inputs = inputs_hash(("interaction", surface, law, rescaled, count, seed))
-    found = dataset("interaction", variables, coordinates, inputs=inputs, seed=seed, draws=count)
+    found = dataset("interaction", variables, coordinates, seed=seed, draws=count)
     return found.assign_coords(load=("rescaled_load", load, described("load")))
 
 

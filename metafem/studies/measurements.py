@@ -12,7 +12,6 @@ from metafem.calibration import Comparison, Explanation
 from metafem.errors import refuse_if
 from metafem.models import Model
 from metafem.studies.sampling.dataset import Variables, dataset
-from metafem.studies.sampling.store import inputs_hash
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -96,9 +95,8 @@ def measured(comparisons: Sequence[Comparison], model: Model) -> xr.Dataset:
     ]
     names = np.array([feature.name for _, feature in features], dtype=str)
     coordinates = {"feature": names, "law": np.array(labels)}
-    inputs = inputs_hash(tuple(comparisons))
     parameters = dict.fromkeys(name for each in comparisons for name in each.parameters)
-    study = dataset("measured", variables, coordinates, model=model, inputs=inputs, notes=notes)
+    study = dataset("measured", variables, coordinates, model=model, notes=notes)
     return study.assign_attrs(parameters=" ".join(parameters))
 
 
@@ -141,5 +139,4 @@ def explained(found: Explanation) -> xr.Dataset:
     }
     variables |= {name: ((), value) for name, value in single.items()}
     coordinates = {"cause": causes, "other_cause": causes}
-    inputs = inputs_hash((found,))
-    return dataset("explained", variables, coordinates, model=found.model, inputs=inputs, notes=())
+    return dataset("explained", variables, coordinates, model=found.model, notes=())

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -17,13 +16,10 @@ from metafem.models import Independent, Model
 from metafem.models.model import checked_model, contact_of
 from metafem.notes import Note, information
 from metafem.progress import doing
-from metafem.studies.largest_tolerances import ALLOWED
-from metafem.studies.sampling.batches import Execution, Run, opened
-from metafem.studies.sampling.dataset import QUANTILES, Variables, dataset, with_error
-from metafem.studies.sampling.moments import Estimate
+from metafem.studies.sampling.batches import computed
+from metafem.studies.sampling.dataset import QUANTILES, Estimate, Variables, dataset, with_error
 from metafem.studies.sampling.points import entropy
 from metafem.studies.sampling.slope import Slope
-from metafem.studies.sampling.store import inputs_hash
 from metafem.surface import STEEPEST, Surface
 
 if TYPE_CHECKING:
@@ -38,11 +34,6 @@ DIRECTIONS = {"both": (1.0, 1.0), "x": (1.0, 0.0), "y": (0.0, 1.0)}
 # With fewer angles, a comparison with half as many underestimates the error: with 2 angles, the error was up
 # to ten times the estimate.
 FEWEST_ANGLES = 20
-
-# Number of steps of one search for the largest angle, and largest number of searches. An angle among the last
-# three quarters of the steps is accepted: its error is below 1e-3. After an angle among the first quarter,
-# the next search goes up to twice this angle. If a search finds no angle, the next search goes twice as far.
-SEARCH_STEPS, SEARCHES = 400, 12
 
 # Number of shuffled placements in a batch. A placement of 64 independent asperities at 2,001 angles and 20
 # loads takes a quarter of a second. Coupled asperities take a hundred times as long; their batches have a
@@ -66,7 +57,6 @@ def misalignment(
     shuffles: int = 0,
     load_range: tuple[float, float] | None = None,
     rng: Any = 0,
-    execution: Execution | None = None,
 ) -> xr.Dataset:
     """Return mean and scatter of the friction law if the plane is not parallel to the surface.
 
@@ -77,8 +67,7 @@ def misalignment(
     Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234, Fig. S2 and supplementary text
     "Effect of a misalignment on the friction law".
 
-    The study also finds the largest angle at which the slope scatters by less than 1 %. This limit does not
-    depend on `angle`. It takes usually three and at most twelve searches with 801 angles each.
+    The placements are computed as `joblib.parallel_config` says.
 
     Parameters
     ----------
@@ -98,8 +87,6 @@ def misalignment(
         Default: 25 to 100 % of the load at which the plane reaches the lowest summit.
     rng : int or numpy.random.Generator
         Seed or generator of the shuffled placements; default: 0.
-    execution : metafem.studies.Execution, optional
-        Processes or cluster, and folder of a run that can be resumed; default: this process.
 
     Returns
     -------
@@ -108,12 +95,9 @@ def misalignment(
         [rad], and ``area_mean`` and ``area_sd`` [mm^2], as made, over ``angle`` and ``rescaled_load`` [mm^2].
         Their ``..._error`` is the change if only half of the angles are used, the largest change at the angle
         and its neighbours. With at least two shuffled placements, ``slope_sd_quantile`` over ``quantile``
-        (0.05, 0.5 and 0.95) and ``angle`` gives the quantiles of their `slope_sd`, with sampling errors. At
-        0.05 and 0.95, fewer than about 100 placements give too small an error. ``nominal_slope`` and
-        ``nominal_area`` are the values without a tilt. ``largest_angle`` [rad] is the smallest angle at
-        which `slope_sd` as made equals ``allowed_scatter``, 1 % of the nominal slope. It is infinite if there
-        is no such angle up to pi/4, and nan if the searches do not find it. ``failed`` is the number of laws
-        without a solution; these laws are interpolated between the neighbouring angles.
+        (0.05, 0.5 and 0.95) and ``angle`` gives the quantiles of their `slope_sd`. ``nominal_slope`` and
+        ``nominal_area`` are the values without a tilt. ``failed`` is the number of laws without a solution;
+        these laws are interpolated between the neighbouring angles.
 
     Raises
     ------
@@ -147,13 +131,10 @@ def misalignment(
         check.integer("shuffles", shuffles, at_least=0),
         entropy(rng),
     )
-    inputs = inputs_hash(task)
-    with opened(execution, "misalignment", inputs) as compute:
-        batches = list(compute(task, range(task.batches)))
-        limit = largest_angle(compute, task)
+    batches = list(computed(task, range(task.batches)))
     slopes = np.concatenate([batch["slope"] for batch in batches])
     failed = int(sum(batch["failed"].sum() for batch in batches))
-    return _dataset(task, slopes, batches[0]["area"][0], failed, limit, inputs)
+    return _dataset(task, slopes, batches[0]["area"][0], failed)
 
 
 def _angles(angle: ArrayLike) -> FloatArray:
@@ -166,9 +147,7 @@ def _angles(angle: ArrayLike) -> FloatArray:
     return angles
 
 
-def _dataset(
-    task: Tilts, slopes: FloatArray, area: FloatArray, failed: int, limit: Estimate, inputs: str
-) -> xr.Dataset:
+def _dataset(task: Tilts, slopes: FloatArray, area: FloatArray, failed: int) -> xr.Dataset:
     """Return the dataset, from the slopes (p, a) of all placements and the areas (a, k) as made [mm^2]."""
     middle = len(task.angle) // 2
     by_slope, by_area = within(task.angle, slopes), within(task.angle, area.T)
@@ -182,10 +161,9 @@ def _dataset(
         "rescaled_load": task.fit.load,
     }
     if len(slopes) > 2:
-        quantile = _quantiles(by_slope[1].value[1:])
-        variables |= with_error("slope_sd_quantile", ("quantile", "angle"), quantile)
+        found = np.quantile(by_slope[1].value[1:], QUANTILES, axis=0)
+        variables["slope_sd_quantile"] = ("quantile", "angle"), found
         coordinates["quantile"] = list(QUANTILES)
-    variables |= with_error("largest_angle", (), limit)
     variables["nominal_slope"] = (), slopes[0, middle]
     variables["nominal_area"] = ("rescaled_load",), area[middle]
     variables["failed"] = (), failed
@@ -201,8 +179,8 @@ def _dataset(
         notes.append(Note(f"{failed} laws have no solution; they are interpolated from neighbouring angles"))
     return dataset(
         "misalignment", variables, coordinates, model=task.model, slope=task.fit,
-        seed=task.seed, draws=slopes.size, inputs=inputs, notes=notes,
-    ).assign_attrs(allowed_scatter=ALLOWED)  # fmt: skip
+        seed=task.seed, draws=slopes.size, notes=notes,
+    )  # fmt: skip
 
 
 def _touches(task: Tilts) -> bool:
@@ -218,17 +196,6 @@ def _touches(task: Tilts) -> bool:
     if block is not None:
         sides = np.array([block.width, block.length]) / 2.0
     return not float(rise @ sides) < separation
-
-
-def _quantiles(value: FloatArray) -> Estimate:
-    """Return the quantiles of samples (m, ...) and their sampling errors.
-
-    The error is half the difference between the quantiles at q + s and q - s, ``s = sqrt(q (1 - q) / m)``.
-    """
-    q = np.array(QUANTILES)
-    s = np.sqrt(q * (1.0 - q) / len(value))
-    low, high = (np.quantile(value, np.clip(q + sign * s, 0.0, 1.0), axis=0) for sign in (-1.0, 1.0))
-    return Estimate(np.quantile(value, q, axis=0), (high - low) / 2.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -303,31 +270,6 @@ class Tilts:
 def both_signs(angle: FloatArray) -> FloatArray:
     """Return increasing angles with both signs and 0, (2 k + 1,)."""
     return np.concatenate([-angle[::-1], [0.0], angle])
-
-
-def largest_angle(compute: Run, task: Tilts) -> Estimate:
-    """Return the smallest angle at which the slope as made scatters by `ALLOWED`, and its error [rad]."""
-    surface = task.surface
-    width = float(np.ptp(surface.position @ task.direction))
-    end = min(STEEPEST, math.atan2(float(surface.radius.mean()), width))
-    for _ in range(SEARCHES):
-        angle = end * np.arange(1, SEARCH_STEPS + 1) / SEARCH_STEPS
-        trial = replace(task, angle=both_signs(angle), shuffles=0)
-        (slope,) = next(iter(compute(trial, [0])))["slope"]
-        scatter = Estimate(*(each / slope[SEARCH_STEPS] for each in within(trial.angle, slope)[1]))
-        beyond = np.flatnonzero(scatter.value > ALLOWED)
-        if not beyond.size:
-            if end == STEEPEST:
-                return Estimate(math.inf, 0.0)
-            end = min(2.0 * end, STEEPEST)
-            continue
-        i = int(beyond[0])
-        if 4 * i >= SEARCH_STEPS:
-            rate = float(scatter.value[i] - scatter.value[i - 1]) / float(angle[0])
-            over = float(scatter.value[i]) - ALLOWED
-            return Estimate(float(angle[i]) - over / rate, float(scatter.error[i]) / rate)
-        end = 2.0 * float(angle[i])
-    return Estimate(math.nan, 0.0)
 
 
 def within(angle: FloatArray, value: FloatArray) -> tuple[Estimate, Estimate]:

@@ -3,34 +3,38 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.stats import qmc, sobol_indices
 
 from metafem import _validate as check
+from metafem._validate import FloatArray
 from metafem.errors import refuse_if
 from metafem.models import Independent, Model
 from metafem.models.model import checked_model, contact_of
 from metafem.notes import Note
 from metafem.prediction.friction_law import default_loads
-from metafem.progress import doing
-from metafem.studies.sampling.batches import Execution, opened
-from metafem.studies.sampling.dataset import Variables, dataset, with_error
+from metafem.progress import doing, each
+from metafem.studies.sampling.dataset import Estimate, Variables, dataset, with_error
 from metafem.studies.sampling.inputs import Inputs, values_of
 from metafem.studies.sampling.law_draws import LawDraws, Response
-from metafem.studies.sampling.points import MOST_DRAWS, Draws, entropy
+from metafem.studies.sampling.points import entropy, generator_of
 from metafem.studies.sampling.slope import Slope
-from metafem.studies.sampling.sobol_indices import SobolIndices, estimated, plan
-from metafem.studies.sampling.store import inputs_hash
 from metafem.surface import Surface
 
 if TYPE_CHECKING:
     import xarray as xr
 
-# Initial number of draws if draws are added until an error is reached.
-FIRST_DRAWS = 5_000
+# Number of independent sets of points, from whose scatter the sampling errors follow.
+SETS = 16
+
+# Least number of points of a set; the two halves of fewer Sobol points are correlated.
+LEAST = 64
+
+# Number of bits of the coordinates of Sobol points; the default of scipy.
+BITS = 30
 
 
 @doing("drawing parameters")
@@ -38,13 +42,12 @@ def uncertainty(
     surface: Surface,
     parameters: Mapping[str, ArrayLike] | tuple[Sequence[str], ArrayLike],
     *,
-    draws: int | Draws = 10_000,
+    draws: int = 10_000,
     model: Model | None = None,
     load: ArrayLike | None = None,
     friction_force: ArrayLike | None = None,
     load_range: tuple[float, float] | None = None,
     rng: Any = 0,
-    execution: Execution | None = None,
 ) -> xr.Dataset:
     """Return the error bars of the law due to Gaussian errors of its parameters, and each parameter's share.
 
@@ -67,9 +70,8 @@ def uncertainty(
         ``friction_force`` [N] for measured pairs; or the names of parameters and their covariance matrix, in
         these units. The standard deviations of load and friction force may be arrays (k,). Parameters that
         are not named have no error.
-    draws : int or metafem.studies.Draws
-        Number of evaluations, at least 2, rounded up to full batches; default: 10,000. With
-        ``Draws(error=...)``, draws are added until ``area_sd`` has this relative error at all loads.
+    draws : int
+        Number of evaluations, at least 2, rounded up to 16 sets of Sobol points; default: 10,000.
     model : Model, optional
         Default: `Independent()`.
     load : array_like, (k,), optional
@@ -81,8 +83,6 @@ def uncertainty(
         the plane reaches the lowest summit.
     rng : int or numpy.random.Generator
         Seed or generator; default: 0.
-    execution : metafem.studies.Execution, optional
-        Processes or cluster, and folder of a run that can be resumed; default: this process.
 
     Returns
     -------
@@ -93,9 +93,8 @@ def uncertainty(
         measured pairs have ``rescaled_load_...``, ``rescaled_friction_...`` and ``deviation_...`` [mm^2]
         instead. ``NAME_first_order`` and ``NAME_total`` over ``parameter`` are the Sobol indices: the share
         of the variance that a parameter explains by itself, and the share that remains if all others are
-        known. Correlated parameters share one entry. Each estimate has its standard sampling error
-        ``..._error``. ``saving`` is the number of plain random draws that give the same error of ``area_sd``,
-        divided by the number of draws used, for a normally distributed A0.
+        known (`scipy.stats.sobol_indices`). Correlated parameters share one entry. Each estimate has its
+        standard sampling error ``..._error``.
 
     Raises
     ------
@@ -115,8 +114,7 @@ def uncertainty(
     (array([0.0035]), array([0.09, 0.91]))
     """
     used = checked_model(Independent() if model is None else model)
-    number = Draws.of(draws)
-    wanted = number.error
+    number, seed = check.integer("draws", draws, at_least=2), entropy(rng)
     errors, covariance = parameters if isinstance(parameters, tuple) else (parameters, None)
     words = "friction_force must be given with the load of each measured pair"
     refuse_if(load is None and friction_force is not None, words)
@@ -134,50 +132,67 @@ def uncertainty(
     refuse_if(
         "composite_modulus" in inputs.names and law.scales_with_stress,
         f"parameters: composite_modulus also changes the law {law!r}, whose energy or stress is compared "
-        "with it; take a law without them (contact hertz), use the study combined, which solves each "
-        "draw with its own modulus, or leave the modulus out",
+        "with it; take a law without them (contact hertz), or leave the modulus out",
     )
     fit, notes = Slope.if_any(surface, load_range, used)
-    groups = len(inputs.groups)
-    size, points = plan(number.number if wanted is None else FIRST_DRAWS, groups)
     response = Response.reaching(surface, used, inputs, loads, fit)
-    task = LawDraws(surface, inputs, response, fit, loads, forces, points, entropy(rng))
-    key = inputs_hash((task, used, size, wanted))
-    first = 0
-    with opened(execution, "uncertainty", key) as compute:
-        while True:
-            batches = compute(replace(task, points=points), range(first, first + size))
-            done = size * points * (2 + 2 * groups)
-            found = estimated(np.array([batch["means"] for batch in batches]), task.nominal)
-            area = slice(0, len(loads))
-            enough = wanted is None or (found.sd.error[area] <= wanted * found.sd.value[area]).all()
-            if enough or done >= MOST_DRAWS:
-                break
-            # start again with twice as many points: one larger Sobol net is more accurate than two
-            first, (size, points) = first + size, plan(2 * done, groups)
-    if not enough:
-        notes.append(Note(f"the sampling error of area_sd exceeds {wanted:g} after {done} draws"))
-    return _dataset(task, found, used, done, key, notes)
+    task = LawDraws(surface, inputs, response, fit, loads, forces)
+    points = LEAST
+    while SETS * points * (2 + len(inputs.groups)) < number:
+        points *= 2
+    sets = [_values(task, seed, k, points) for k in each("set of points", range(SETS))]
+    return _dataset(task, sets, used, seed, SETS * points * (2 + len(inputs.groups)), notes)
+
+
+def _values(task: LawDraws, seed: int, number: int, points: int) -> dict[str, FloatArray]:
+    """Return the outputs at two independent sets of points, and with the columns of each group exchanged.
+
+    They have the names and the shapes (q, points) and (g, q, points) that `scipy.stats.sobol_indices` takes.
+    """
+    inputs = task.inputs
+    net = qmc.Sobol(2 * len(inputs.names), bits=BITS, rng=generator_of(seed, number)).random(points)
+    net += 0.5 ** (BITS + 1)  # centres of the rounding intervals, so that none is 0
+    a, b = np.split(net, 2, axis=1)
+    mixed = np.array([a] * len(inputs.groups))
+    for part, group in zip(mixed, map(list, inputs.groups), strict=True):
+        part[:, group] = b[:, group]
+    values = {"f_A": task.law(a), "f_B": task.law(b), "f_AB": task.law(mixed)}
+    # a copy of the first output: scipy's indices have no axis for a single one
+    own = np.append(np.arange(len(task.nominal)), 0)
+    return {name: np.moveaxis(value, -1, -2)[..., own, :] for name, value in values.items()}
+
+
+def _estimates(values: dict[str, FloatArray]) -> dict[str, FloatArray]:
+    """Return mean and standard deviation (q,), and the Sobol indices (g, q)."""
+    both = np.concatenate([values["f_A"], values["f_B"]], axis=-1)[:-1]
+    found = sobol_indices(func=values, n=values["f_A"].shape[-1])
+    first, total = (
+        np.reshape(part, (len(both) + 1, -1)).T[:, :-1] for part in (found.first_order, found.total_order)
+    )
+    return {"mean": both.mean(axis=-1), "sd": both.std(axis=-1), "first_order": first, "total": total}
 
 
 def _dataset(
-    task: LawDraws, found: SobolIndices, model: Model, draws: int, key: str, notes: list[Note]
+    task: LawDraws, sets: list[dict[str, FloatArray]], model: Model, seed: int, draws: int, notes: list[Note]
 ) -> xr.Dataset:
     """Return the dataset that holds the estimates of all outputs."""
+    whole = _estimates({name: np.concatenate([each[name] for each in sets], axis=-1) for name in sets[0]})
+    parts = [_estimates(values) for values in sets]
+    found = {
+        name: Estimate(value, np.std([part[name] for part in parts], axis=0, ddof=1) / np.sqrt(SETS))
+        for name, value in whole.items()
+    }
     k = len(task.load)
     variables: Variables = {}
     for i, name in enumerate(task.outputs):
         # the slope is the last output and has a single value
         part, over = (-1, ()) if name == "slope" else (slice(i * k, (i + 1) * k), ("rescaled_load",))
-        for statistic, estimate in found._asdict().items():
+        for statistic, estimate in found.items():
             axes = over if statistic in ("mean", "sd") else ("parameter", *over)
             own = estimate.value[..., part], estimate.error[..., part]
             variables |= with_error(f"{name}_{statistic}", axes, own)
         variables[f"nominal_{name}"] = over, task.nominal[part]
     variables.pop("nominal_rescaled_load", None)  # the coordinate holds these values
-    sd, error = found.sd.value[:k], found.sd.error[:k]
-    plain = sd**2 / (2.0 * draws)  # sampling variance of the SD of normal draws
-    variables["saving"] = ("rescaled_load",), np.divide(plain, error**2, np.ones(k), where=error > 0.0)
     rescaled = task.load / task.surface.material.composite_modulus
     return dataset(
         "uncertainty",
@@ -185,8 +200,7 @@ def _dataset(
         {"rescaled_load": rescaled, "parameter": task.inputs.labels},
         model=model,
         slope=task.fit,
-        seed=task.seed,
+        seed=seed,
         draws=draws,
-        inputs=key,
         notes=notes,
     )

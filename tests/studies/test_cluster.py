@@ -1,15 +1,18 @@
-"""Batches on a cluster of Dask have the numbers of this process."""
+"""Batches in processes of Dask have the numbers of this process."""
 
 import subprocess
 import sys
 
 CLUSTER = """
-from distributed import LocalCluster
-from tests.core.studies.test_batches import Execution, study
+import joblib
+from distributed import Client, LocalCluster
+from tests.core.studies.test_batches import study
 
 if __name__ == "__main__":
-    with LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None) as cluster:
-        assert study(Execution(scheduler=cluster.scheduler_address)).identical(study())
+    with LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster):
+        with joblib.parallel_config("dask"):
+            found = study()
+    assert found.identical(study())
 """
 
 

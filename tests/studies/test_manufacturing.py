@@ -1,28 +1,26 @@
-"""Intervals of repeated studies, and draws that are too few."""
+"""Intervals of repeated studies."""
 
-from importlib import import_module
-
+import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.studies import Draws
-from validation.scenes.repeated_studies import EXPECTED, coverage, tolerance
+
+# Share of the studies within one standard error, and their number.
+EXPECTED, REPETITIONS = 0.683, 100
+
+PAIR = mf.Surface.square_lattice(
+    [0.1, 0.105, 0.11, 0.13], (2, 2), radius=0.526, material=mf.Material(composite_modulus=1.36)
+)
+MOMENTS = ("slope_mean", "slope_sd", "area_mean", "area_sd")
 
 
 def test_errors_cover_the_mean_of_many_studies():
-    # with Sobol points and control variates; the benchmark of the studies repeats 300
-    assert coverage(100) == pytest.approx(EXPECTED, abs=tolerance(100))
-
-
-def test_a_wanted_error_that_is_not_reached_is_noted(linear, monkeypatch):
-    monkeypatch.setattr(import_module("metafem.studies.manufacturing"), "MOST_DRAWS", 200)
-    study = mf.studies.manufacturing(linear, 0.003, draws=Draws(error=1e-4))
-    assert study.draws.item() == 256
-    assert "0.0001 of slope_sd is not reached within 256" in study.attrs["notes"]
-
-
-def test_draws_are_added_until_the_error_is_reached(linear):
-    study = mf.studies.manufacturing(linear, [0.0001, 0.01], draws=Draws(error=0.02))
-    assert (study.slope_sd_error <= 0.02 * study.slope_sd).all()
-    assert study.draws[1] > study.draws[0]
-    assert study.attrs["draws"] == study.draws.max()
+    last = []
+    for seed in range(REPETITIONS):
+        study = mf.studies.manufacturing(PAIR, 0.003, draws=512, load_range=(0.005, 0.02), rng=seed)
+        last.append(
+            [[study[f"{name}{end}"].values.ravel()[-1] for end in ("", "_error")] for name in MOMENTS]
+        )
+    value, error = np.moveaxis(np.array(last), -1, 0)
+    share = (np.abs(value - value.mean(axis=0)) <= error).mean(axis=0)
+    assert share == pytest.approx(EXPECTED, abs=3.0 * np.sqrt(EXPECTED * (1.0 - EXPECTED) / REPETITIONS))

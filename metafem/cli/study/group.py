@@ -46,7 +46,10 @@ def of_design(compute: Callable[..., Dataset]) -> Callable[..., None]:
         path = mf.files.study_path(folder, name, force)
         with progress():
             design = loaded(folder)
-        with progress(), named(option_names()):
+        workers = options.pop("workers", 1)
+        from joblib import parallel_config
+
+        with progress(), named(option_names()), parallel_config(n_jobs=workers):
             dataset = compute(design, **options)
             mf.files.write_study(dataset, path, force=force)
         if as_json:

@@ -9,16 +9,14 @@ import click
 
 import metafem as mf
 from metafem.cli.group import Quantity, model_option
-from metafem.errors import refuse_if
 
 if TYPE_CHECKING:
     from metafem.inversion import Design
 
 Options = Callable[[Callable[..., Any]], Callable[..., Any]]
 
-# Errors of a made surface, with the unit, example and meaning of each.
+# Errors of a made surface besides those of its heights, with the unit, example and meaning of each.
 ERRORS: Mapping[str, tuple[str, str, str]] = {
-    "height_sd": ("mm", "3um", "Standard deviation of the heights"),
     "angle": ("rad", "0.05deg", "Largest tilt about either axis"),
     "radius_sd": ("mm", "2um", "Standard deviation of the radii"),
     "position_sd": ("mm", "5um", "Standard deviation of x and of y of each site"),
@@ -70,45 +68,24 @@ law_options = with_options(
 )
 
 
-def draw_options(drawn: str, error: str) -> Options:
-    """Return the options --draws and --error; `drawn` and `error` describe their values in `--help`."""
-    return with_options(
-        click.option("--draws", type=click.IntRange(min=2), help=f"Number of {drawn}. Default: 10000."),
-        click.option(
-            "--error",
-            type=Quantity("%", "1 %"),
-            metavar="PERCENT",
-            help=f"Draw until {error} is this, such as 1%, instead of --draws.",
-        ),
-    )
+draws_option = click.option(
+    "--draws", type=click.IntRange(min=2), default=10_000, show_default=True, help="Number of draws."
+)
 
-
-run_options = with_options(
-    seed_option,
-    click.option(
-        "--workers",
-        type=click.IntRange(min=1),
-        default=1,
-        show_default=True,
-        help="Number of processes; the numbers do not depend on it.",
-    ),
-    click.option(
-        "--scheduler",
-        metavar="ADDRESS",
-        help="Address of a Dask scheduler, such as tcp://host:8786, instead of --workers.",
-    ),
+workers_option = click.option(
+    "--workers",
+    type=click.IntRange(min=1),
+    default=1,
+    show_default=True,
+    help="Number of processes; the numbers do not depend on it.",
 )
 
 
 def study_arguments(design: Design, options: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the arguments of a study that the options of the law, of the draws and of the run state."""
+    """Return the arguments of a study that the options of the law, the draws and the seed state."""
     model = mf.files.chosen_model(design.law.model, options["model"], options["contact"])
     mf.files.refuse_missing_block(model, design.surface, "design the folder again with a section [block]")
     given = options["load_range"]
     loads = None if given is None else mf.files.rescaled_range(given, design.surface.material)
-    found = {name: options[name] for name in ("draws", "error") if options.get(name) is not None}
-    refuse_if(len(found) == 2, "--draws and --error cannot be given together; give one of them")
-    if "error" in found:
-        found["draws"] = mf.studies.Draws(error=found.pop("error"))
-    execution = mf.studies.Execution(options["workers"], options["scheduler"])
-    return {"model": model, "load_range": loads, "rng": options["seed"], "execution": execution, **found}
+    found = {"model": model, "load_range": loads, "rng": options["seed"]}
+    return found | ({"draws": options["draws"]} if "draws" in options else {})

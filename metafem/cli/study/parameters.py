@@ -1,4 +1,4 @@
-"""`metafem study uncertainty` and `metafem study combined`."""
+"""`metafem study uncertainty`."""
 
 from __future__ import annotations
 
@@ -14,17 +14,9 @@ import numpy as np
 import metafem as mf
 from metafem._given import Names, printable
 from metafem._validate import FloatArray
-from metafem.cli.group import Name, Quantity
+from metafem.cli.group import Name
 from metafem.cli.study.group import of_design, study
-from metafem.cli.study.options import (
-    ERRORS,
-    Options,
-    draw_options,
-    error_option,
-    law_options,
-    run_options,
-    study_arguments,
-)
+from metafem.cli.study.options import Options, draws_option, law_options, seed_option, study_arguments
 from metafem.errors import named, refuse_if
 from metafem.progress import message
 
@@ -49,9 +41,6 @@ INPUTS = {
 # If a value of the design and the calibrated value differ by more than this, both are printed [standard
 # deviations].
 APART = 2.0
-
-# Inputs that are parameters of a made surface.
-MADE = {name: INPUTS[name] for name in INPUTS if name not in ("load", "friction_force")}
 
 
 def deviation_option(inputs: Mapping[str, tuple[str, str]]) -> Options:
@@ -82,8 +71,8 @@ def deviation_option(inputs: Mapping[str, tuple[str, str]]) -> Options:
     "the predicted law.",
 )
 @law_options
-@draw_options("draws", "the relative sampling error of each error bar")
-@run_options
+@draws_option
+@seed_option
 @of_design
 def uncertainty(design: Design, **options: Any) -> Dataset:
     """Study the error bars of the law for Gaussian errors of its inputs, and the share of each input.
@@ -104,51 +93,6 @@ def uncertainty(design: Design, **options: Any) -> Dataset:
             return mf.studies.uncertainty(design.surface, deviations, **arguments)
         correlated = with_calibration(options["calibration"], deviations, design.surface)
         return mf.studies.uncertainty(design.surface, correlated, **arguments)
-
-
-@study.command(short_help="How good the machine must be.")
-@error_option("height_sd")
-@error_option("angle")
-@error_option("radius_sd")
-@error_option("position_sd")
-@deviation_option(MADE)
-@click.option(
-    "--misfit",
-    type=Quantity("%"),
-    default="10 %",
-    show_default=True,
-    metavar="PERCENT",
-    help="Largest misfit with which the target is met.",
-)
-@click.option(
-    "--probability",
-    type=Quantity("%"),
-    default="90 %",
-    show_default=True,
-    metavar="PERCENT",
-    help="Wanted probability of meeting the target.",
-)
-@law_options
-@draw_options("random surfaces", "the sampling error of the probability")
-@run_options
-@of_design
-def combined(design: Design, **options: Any) -> Dataset:
-    """Study all errors of the part together: the probability that a made surface meets the target.
-
-    The errors of heights, radii and positions are Gaussian, and the tilt is uniform. The study also
-    determines the largest multiples of the errors with which the required probability is reached, for all
-    errors together and for each error on its own. The result is the file DIR/combined.nc.
-
-    Example: metafem study combined linear --height-sd 3um --angle 0.05deg --misfit 5%
-    """
-    given = {name: options[name] for name in ERRORS}
-    none = not any(given.values()) and not options["sd"]
-    refuse_if(none, "no error is given; write for example --height-sd 3um --angle 0.05deg")
-    tolerances = mf.Tolerances(**given)
-    arguments = study_arguments(design, options)
-    arguments["requirement"] = mf.studies.Requirement(options["misfit"], options["probability"])
-    with given_deviations(options["sd"], MADE, design.surface.material) as deviations:
-        return mf.studies.combined(design, tolerances, parameters=deviations or None, **arguments)
 
 
 @contextmanager

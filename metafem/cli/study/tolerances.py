@@ -14,11 +14,13 @@ import metafem as mf
 from metafem.cli.group import Quantity
 from metafem.cli.study.group import of_design, study
 from metafem.cli.study.options import (
-    draw_options,
+    ERRORS,
+    draws_option,
     error_option,
     law_options,
-    run_options,
+    seed_option,
     study_arguments,
+    workers_option,
 )
 
 if TYPE_CHECKING:
@@ -43,25 +45,30 @@ ANGLE = "0.1deg"
     help="Standard deviations of the heights, such as 0.9um,3um; may be repeated. Default: 0 to 3 um in "
     "steps of 0.1 um.",
 )
+@error_option("angle")
 @error_option("radius_sd")
 @error_option("position_sd")
+@click.option("--misfit", is_flag=True, help="Compare each law also with the target; this takes longer.")
 @law_options
-@draw_options("random surfaces", "the relative sampling error of the slope's scatter")
-@run_options
+@draws_option
+@seed_option
+@workers_option
 @of_design
 def manufacturing(design: Design, **options: Any) -> Dataset:
     """Study the law of surfaces whose heights have random errors.
 
     Each height has an independent Gaussian error. A line is fitted to each law over a range of loads. The
-    mean and the scatter (standard deviation) of its slope over the random surfaces are printed. The result is
-    the file DIR/manufacturing.nc.
+    mean and the scatter (standard deviation) of its slope over the random surfaces are printed, and with
+    --misfit the misfit from the target that 95 % of the surfaces do not exceed. Other errors may be added.
+    The result is the file DIR/manufacturing.nc.
 
     Example: metafem study manufacturing linear --height-sd 0.9um,3um
     """
     return mf.studies.manufacturing(
         design.surface,
         [*itertools.chain(*options["height_sd"])] or LEVELS,
-        others=mf.Tolerances(**{name: options[name] for name in ("radius_sd", "position_sd")}),
+        others=mf.Tolerances(**{name: options[name] for name in ERRORS}),
+        design=design if options["misfit"] else None,
         **study_arguments(design, options),
     )
 
@@ -103,7 +110,8 @@ def _steps(angles: Sequence[float]) -> list[FloatArray]:
     help="Number of random assignments of the heights to sites to compare with.",
 )
 @law_options
-@run_options
+@seed_option
+@workers_option
 @of_design
 def misalignment(design: Design, **options: Any) -> Dataset:
     """Study the law of a surface that is tilted relative to the plane.

@@ -25,7 +25,7 @@ RESULT_FILES = frozenset(
 
 # Names of the studies of a design; each is stored in the result folder as NAME.nc.
 STUDIES = (
-    *("interaction", "fidelity", "manufacturing", "misalignment", "uncertainty", "combined"),
+    *("interaction", "fidelity", "manufacturing", "misalignment", "uncertainty"),
     "measured",  # the comparison with measured laws
     "explained",  # the errors of the part that explain the difference
 )

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from metafem.drawing.inline import drawn
 from metafem.report.study_figures import (
-    combined_figure,
     manufacturing_figure,
     misalignment_figure,
     uncertainty_figure,
@@ -25,7 +24,7 @@ class Question(NamedTuple):
     text: str
     command: str
     title: str
-    figure: Callable[[Dataset], Figure | None]
+    figure: Callable[[Dataset], Figure]
     caption: str
 
 
@@ -51,13 +50,6 @@ QUESTIONS: Mapping[str, Question] = {
         uncertainty_figure,
         "Left: the law with bars of one standard deviation. Right: the share of each input in the variance.",
     ),
-    "combined": Question(
-        "How good must the machine be?",
-        "metafem study combined DIR --height-sd 3um --angle 0.05deg",
-        "Largest errors with which the target is met",
-        combined_figure,
-        "How far the given errors may grow before the target is met less often than wanted.",
-    ),
 }
 
 # Figs. S2 and S3 of the source paper (doi:10.1126/science.adk4234) show slopes, but the paper does not state
@@ -73,8 +65,7 @@ def exactness_section(studies: Mapping[str, Dataset]) -> dict[str, Any]:
     answers = []
     for name in [name for name in QUESTIONS if name in studies]:
         text, _, title, draw, caption = QUESTIONS[name]
-        figure = draw(studies[name])
-        picture = None if figure is None else drawn(figure, title, caption)
+        picture = drawn(draw(studies[name]), title, caption)
         answers.append({**vars(summary(studies[name])), "question": text, "figure": picture})
     missing = [(each.text, each.command) for name, each in QUESTIONS.items() if name not in studies]
     return {"answers": answers, "missing": missing, "fitted": _fitted(studies)}

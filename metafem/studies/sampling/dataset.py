@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from metafem._validate import FloatArray
 from metafem.models import Model
 from metafem.notes import Note, to_lines
 from metafem.studies.sampling.slope import Slope
-from metafem.studies.sampling.store import own_version
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -40,10 +38,7 @@ QUANTITIES: Mapping[str, tuple[str, str]] = {
     "runs": ("1", "runs of deviations of one sign"),
     "failed": ("1", "number of draws without a solution"),
     "draws": ("1", "number of draws with a solution"),
-    "saving": ("1", "plain draws of equal error over draws used"),
-    "probability": ("1", "probability that the misfit is at most the allowed one"),
     "misfit": ("1", "relative deviation from the target"),
-    "factor": ("1", "largest multiple of the tolerance at the wanted probability"),
     "height_sd": ("mm", "standard deviation of the heights"),
     "angle": ("rad", "largest tilt"),
     "quantile": ("1", "probability below the quantile"),
@@ -72,7 +67,7 @@ def described(name: str) -> dict[str, str]:
     {'units': 'mm2', 'long_name': 'real contact area, mean, standard sampling error'}
     """
     words: list[str] = []
-    base, share = name.removeprefix("nominal_").removeprefix("largest_"), False
+    base, share = name.removeprefix("nominal_"), False
     while base not in QUANTITIES:
         end = next((end for end in STATISTICS if base.endswith(f"_{end}")), None)
         if end is None:
@@ -81,7 +76,6 @@ def described(name: str) -> dict[str, str]:
         words.insert(0, STATISTICS[end])
     units, quantity = QUANTITIES[base]
     words += ["without errors"] * name.startswith("nominal_")
-    words += ["largest with the allowed scatter of the slope"] * name.startswith("largest_")
     return {"units": "1" if share else units, "long_name": ", ".join([quantity, *words])}
 
 
@@ -89,33 +83,17 @@ def described(name: str) -> dict[str, str]:
 Variables = dict[str, tuple[tuple[str, ...], Any]]
 
 
-def with_error(
-    name: str, axes: tuple[str, ...], estimate: Iterable[Any], nominal: Any = 1.0, origin: float = 0.0
-) -> Variables:
-    """Return the variables of an estimate and of its sampling error.
+class Estimate(NamedTuple):
+    """An estimate and its standard sampling error, of the same shape."""
 
-    Their values are ``nominal (origin + value)`` and ``nominal error``.
-    """
+    value: Any
+    error: Any
+
+
+def with_error(name: str, axes: tuple[str, ...], estimate: Iterable[Any]) -> Variables:
+    """Return the variables of an estimate and of its sampling error."""
     value, error = estimate
-    return {name: (axes, nominal * (origin + value)), f"{name}_error": (axes, nominal * error)}
-
-
-def of_law(
-    found: Sequence[FloatArray], nominal: FloatArray, over: tuple[str, ...] = (), *, slope: bool = True
-) -> Variables:
-    """Return the variables of mean and standard deviation of the slope and of the areas.
-
-    found: values and errors (..., 2, q) of mean and standard deviation of y/nominal - 1, for the quantities y
-    (q,); over: names of the leading dimensions.
-    """
-    variables: Variables = {}
-    parts: list[tuple[str, Any, tuple[str, ...]]] = [("area", slice(1, None), ("rescaled_load",))]
-    for name, part, axes in [("slope", 0, ()), *parts] if slope else parts:
-        variables[f"nominal_{name}"] = axes, nominal[part]
-        for i, (moment, origin) in enumerate((("mean", 1.0), ("sd", 0.0))):
-            own = [each[..., i, part] for each in found]
-            variables |= with_error(f"{name}_{moment}", (*over, *axes), own, nominal[part], origin)
-    return variables
+    return {name: (axes, value), f"{name}_error": (axes, error)}
 
 
 def dataset(
@@ -123,7 +101,6 @@ def dataset(
     variables: Mapping[str, tuple[Iterable[str], Any]],
     coordinates: Mapping[str, Any],
     *,
-    inputs: str,
     model: Model | None = None,
     slope: Slope | None = None,
     seed: int | None = None,
@@ -132,9 +109,8 @@ def dataset(
 ) -> xr.Dataset:
     """Return the dataset of a study; each variable is (dimensions, values).
 
-    `inputs` is the hash of everything the numbers depend on, and `draws` is the largest number of draws at
-    any point. A study of several models has no `model`. A study without random numbers has no `seed` and no
-    `draws`.
+    `draws` is the largest number of draws at any point. A study of several models has no `model`. A study
+    without random numbers has no `seed` and no `draws`.
     """
     import xarray as xr
 
@@ -149,7 +125,5 @@ def dataset(
         "load_range": [] if slope is None else list(slope.load_range),
         "seed": "" if seed is None else str(seed),
         "draws": 0 if draws is None else draws,
-        "inputs": inputs,
-        "metafem": own_version(),
     }
     return xr.Dataset(filled, axes, attributes)

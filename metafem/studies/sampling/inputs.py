@@ -99,9 +99,6 @@ class Inputs:
         return {name: normal[..., [i]] * self.sd[i] for i, name in enumerate(self.names)}
 
 
-NO_INPUTS = Inputs((), (), np.zeros((0, 0)), ())
-
-
 def _deviation(name: str, value: Any, mean: float | FloatArray) -> FloatArray:
     """Return the standard deviation of an input, (1,), or one for each of its values, (k,)."""
     label = f"parameters.{name}"

@@ -1,4 +1,4 @@
-"""Random laws of a surface whose parameters have errors, in batches.
+"""Random laws of a surface whose parameters have errors.
 
 The areas at the random loads and radii are interpolated between laws of the model.
 """
@@ -17,7 +17,6 @@ from metafem.models import Independent, Model
 from metafem.models.model import contact_of
 from metafem.studies.sampling.inputs import Inputs
 from metafem.studies.sampling.slope import Slope
-from metafem.studies.sampling.sobol_indices import batch_means, exchanged
 from metafem.surface import Surface
 
 # Laws are computed for errors up to this number of standard deviations. Beyond it, with a probability below
@@ -104,7 +103,7 @@ class Response:
 
 @dataclass(frozen=True, eq=False)
 class LawDraws:
-    """Batches of laws of a surface with random parameters.
+    """Laws of a surface with random parameters.
 
     A draw has the values of all quantities that `outputs` names, one after the other.
     """
@@ -115,8 +114,6 @@ class LawDraws:
     fit: Slope | None
     load: FloatArray  # (k,) [N]
     friction_force: FloatArray | None  # (k,) [N], measured
-    points: int  # number of points in a batch
-    seed: int
 
     @property
     def outputs(self) -> tuple[str, ...]:
@@ -126,11 +123,6 @@ class LawDraws:
         else:
             names = ["area"] + ["friction_force"] * (self.surface.friction is not None)
         return (*names, "slope") if self.fit is not None else tuple(names)
-
-    def __call__(self, batch: int) -> dict[str, np.ndarray]:
-        """Return the means over one batch from which all estimates follow."""
-        unit = exchanged(self.seed, batch, self.inputs.groups, self.points)
-        return {"means": batch_means(self.law(unit), self.nominal)}
 
     @cached_property
     def nominal(self) -> FloatArray:

@@ -10,6 +10,7 @@ import numpy as np
 from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.errors import refuse_if
+from metafem.inversion.assessment import REACHED
 from metafem.models import Independent, Model
 from metafem.models.model import contact_of
 from metafem.notes import Note, information
@@ -22,6 +23,9 @@ LOADS = 20
 # Default range, as fractions of the load at which the plane reaches the lowest summit. The source paper does
 # not state its range; this range reproduces the slopes and scatters of its Fig. S3.
 LOWEST, HIGHEST = 0.25, 1.0
+
+# Allowed relative standard deviation of the slope: the misfit up to which a design counts as reached.
+ALLOWED = REACHED
 
 
 @dataclass(frozen=True, eq=False)

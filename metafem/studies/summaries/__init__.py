@@ -10,7 +10,7 @@ from metafem.studies.summaries.comparisons import fidelity_summary, interaction_
 from metafem.studies.summaries.measurements import explained_summary, measured_summary
 from metafem.studies.summaries.parameters import uncertainty_summary
 from metafem.studies.summaries.table import Summary
-from metafem.studies.summaries.tolerances import combined_summary, manufacturing_summary, misalignment_summary
+from metafem.studies.summaries.tolerances import manufacturing_summary, misalignment_summary
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -25,7 +25,6 @@ SUMMARIES: Mapping[str, Callable[[Dataset], Summary]] = {
     "measured": measured_summary,
     "misalignment": misalignment_summary,
     "uncertainty": uncertainty_summary,
-    "combined": combined_summary,
 }
 
 

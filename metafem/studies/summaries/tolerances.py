@@ -1,4 +1,4 @@
-"""Summaries of the studies manufacturing, misalignment and combined: the required accuracy of the part."""
+"""Summaries of the studies manufacturing and misalignment: the required accuracy of the part."""
 
 from __future__ import annotations
 
@@ -8,15 +8,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from metafem._values import MICROMETRES, percent, two_digits
-from metafem.notes import information
-from metafem.studies.summaries.table import Summary, stored_notes, summarised, texts
+from metafem._validate import FloatArray
+from metafem._values import MICROMETRES, percent
+from metafem.studies.sampling.slope import ALLOWED
+from metafem.studies.summaries.table import Summary, summarised, texts
 
 if TYPE_CHECKING:
     from xarray import Dataset
-
-# Half-width of the interval that is stated for a largest error, in standard errors.
-ERRORS = 2.0
 
 # Largest number of rows of a table; if there are more levels or angles, some are left out.
 MOST_ROWS = 12
@@ -24,7 +22,6 @@ MOST_ROWS = 12
 
 # The tolerances in words, the units in which they are shown, and the factors from mm or rad to these units.
 TOLERANCES = {
-    "all": ("all together", " ×", 1.0),
     "height_sd": ("heights", " µm (SD)", MICROMETRES),
     "angle": ("tilt about either axis", "°", math.degrees(1.0)),
     "radius_sd": ("radii", " µm (SD)", MICROMETRES),
@@ -40,8 +37,9 @@ SENTENCES = {
 
 def manufacturing_summary(study: Dataset) -> Summary:
     """Return the table of the slopes of surfaces whose heights have errors, and a sentence."""
-    study = study.sortby("height_sd").isel(height_sd=shown(study.sizes["height_sd"]))
-    nominal = float(study["nominal_slope"])
+    study, nominal = study.sortby("height_sd"), float(study["nominal_slope"])
+    answer = _answer(study, study["height_sd"].values, study["slope_sd"].values / nominal)
+    study = study.isel(height_sd=shown(study.sizes["height_sd"]))
     mean, scatter, error = (study[f"slope_{name}"].values / nominal for name in ("mean", "sd", "sd_error"))
     low, *_, high = study["slope_quantile"].transpose("quantile", ...).values / nominal - 1.0
     columns = {
@@ -52,18 +50,19 @@ def manufacturing_summary(study: Dataset) -> Summary:
         "its error [%]": texts(".3f", 100.0 * error),
         "5 % below [%]": texts("+.2f", 100.0 * low),
         "95 % below [%]": texts("+.2f", 100.0 * high),
-        "plain draws of equal error": map(
-            two_digits, study["draws"].values * study["saving"].sel(moment="sd").values
-        ),
     }
+    if "misfit_quantile" in study:
+        misfit = study["misfit_quantile"].sel(quantile=0.95).values
+        columns["misfit, 95 % below [%]"] = texts(".2f", 100.0 * misfit)
     title = f"Slope of the law of made surfaces; {nominal:.4f} with exact heights"
-    return summarised(study, title, columns, _answer(study))
+    return summarised(study, title, columns, answer)
 
 
 def misalignment_summary(study: Dataset) -> Summary:
     """Return the table of the scatter of the slope under tilts of the plane, and a sentence."""
+    nominal, every = float(study["nominal_slope"]), study.isel(placement=0)
     study = study.isel(angle=shown(study.sizes["angle"]))
-    nominal, made = float(study["nominal_slope"]), study.isel(placement=0)
+    made = study.isel(placement=0)
     scatter = study["slope_sd"].values / nominal
     columns = {
         "largest angle [°]": texts(".3g", np.degrees(study["angle"].values)),
@@ -79,70 +78,38 @@ def misalignment_summary(study: Dataset) -> Summary:
         middle = percent(float(np.median(scatter[1:, -1])))
         median = f", and by {middle} in the median of {shuffled} random assignments of the heights to sites"
     title = f"Slope of the law under tilts; {nominal:.4f} without a tilt"
-    return summarised(study, title, columns, _answer(made, median))
+    # without a tilt there is no scatter
+    angle, values = (np.append(0.0, every[name].values) for name in ("angle", "slope_sd"))
+    return summarised(study, title, columns, _answer(made, angle, values / nominal, median))
 
 
-def combined_summary(study: Dataset) -> Summary:
-    """Return the table of the largest errors for the required probability, and a sentence."""
-    met, error = float(study["probability"]), float(study["probability_error"])
-    wanted = percent(float(study.attrs["wanted_probability"]), ".4g")
-    within = percent(float(study.attrs["misfit"]), ".3g")
-    names = study["tolerance"].values.tolist()
-    rows = []
-    found = (study[name].values.tolist() for name in ("factor", "factor_error", "given"))
-    for name, factor, sd, given in zip(names, *found, strict=True):
-        words, unit, size = TOLERANCES[name]
-        largest = ("none is small enough" if math.isnan(factor) else "no limit found", "")
-        if math.isfinite(factor):
-            largest = f"{factor * (size * given):.3g}{unit}", f"{sd * (size * given):.1g}{unit}"
-        rows.append((words, f"{size * given:.3g}{unit}", *largest))
-    low, middle, high = (percent(float(value)) for value in study["misfit_quantile"].values)
-    exact = percent(round(float(study["nominal_misfit"]), 6))  # a misfit due to rounding becomes 0
-    spread = information(
-        f"misfit {exact} without errors; median of the surfaces {middle}, 90 % of them from {low} to {high}"
-    )
-    title = f"Target met within {within}: probability {100.0 * met:.1f} ± {100.0 * error:.1f} %"
-    answer = (
-        f"A surface made with the stated errors meets the target within {within} with a probability of "
-        f"{percent(met, '.3g')}"
-    )
-    if "all" in names:
-        factor, sd = (float(study[name].sel({"tolerance": "all"})) for name in ("factor", "factor_error"))
-        limit = "no errors are small enough" if math.isnan(factor) else "they may be much larger"
-        if math.isfinite(factor):
-            limit = f"all errors may be at most {factor:.3g} ± {sd:.1g} times as large"
-        answer += f"; for {wanted} {limit}"
-    columns = ("error", "given", f"largest for {wanted}", "its error")
-    return Summary(title, columns, tuple(rows), (spread, *stored_notes(study)), f"{answer}.")
+def _answer(study: Dataset, errors: FloatArray, scatter: FloatArray, more: str = "") -> str:
+    """Return sentences on the errors that cause the allowed scatter, and on the effect of the largest.
 
-
-def _answer(study: Dataset, more: str = "") -> str:
-    """Return sentences on the errors that cause the allowed scatter, and on the effect of the largest."""
+    errors, scatter: (k,), increasing errors of the study and the relative scatter of the slope. The error
+    that causes the allowed scatter is interpolated between them.
+    """
     (name,) = map(str, study["slope_mean"].dims)
-    errors, at, number, kind = SENTENCES[name]
+    kinds, at, number, kind = SENTENCES[name]
 
     def written(value: float) -> str:
-        return number.format(TOLERANCES[name][2] * value)
+        return number.format(TOLERANCES[name][2] * value) + kind
 
-    last = study.isel({name: -1})
+    last, allowed = study.isel({name: -1}), f"{percent(ALLOWED)} (SD)"
     mean, sd = (float(last[f"slope_{moment}"] / last["nominal_slope"]) for moment in ("mean", "sd"))
-    change = percent(round(mean - 1.0, 6), "+.2g")
     there = (
-        f"{at} {written(float(last[name]))}{kind} the slope scatters by {percent(sd)}{more}. "
-        f"The mean slope changes there by {change}."
+        f"{at} {written(float(errors[-1]))} the slope scatters by {percent(sd)}{more}. "
+        f"The mean slope changes there by {percent(round(mean - 1.0, 6), '+.2g')}."
     )
-    value, error = float(study[f"largest_{name}"]), ERRORS * float(study[f"largest_{name}_error"])
-    allowed = f"{percent(study.attrs['allowed_scatter'])} (SD)"
-    if math.isinf(value):
-        return f"No errors were found with which the slope scatters by {allowed}. {there}"
-    if math.isnan(value):
-        return f"No errors are small enough for a slope that scatters by less than {allowed}. {there}"
-    if not error < value:
-        return f"The draws are too few to state with which errors the slope scatters by {allowed}. {there}"
-    low, high = written(value - error), written(value + error)
-    if low != high:
-        allowed += f"; this limit lies between {low} and {high} (± two standard errors)"
-    return f"With {errors} {written(value)}{kind} the slope scatters by less than {allowed}. {there}"
+    beyond = np.flatnonzero(scatter > ALLOWED)
+    if not beyond.size:
+        return f"With {kinds} {written(float(errors[-1]))} the slope scatters by less than {allowed}. {there}"
+    i = int(beyond[0])
+    if i == 0:
+        least = written(float(errors[0]))
+        return f"Even with {kinds} {least} the slope scatters by more than {allowed}. {there}"
+    limit = float(np.interp(ALLOWED, scatter[i - 1 : i + 1], errors[i - 1 : i + 1]))
+    return f"With {kinds} {written(limit)} the slope scatters by less than {allowed}. {there}"
 
 
 def shown(count: int) -> list[int]:

@@ -62,11 +62,9 @@ def test_clearing_reports_how_much_was_freed(run, folder):
     (folder / "kernels" / ("a" * 32)).mkdir(parents=True)
     (folder / "kernels" / ("a" * 32) / "kernel").write_bytes(b"x" * 250_000)
     (folder / "block-1.npz").write_bytes(b"x" * 100_000)
-    (folder / "studies" / ("b" * 32)).mkdir(parents=True)
-    (folder / "studies" / ("b" * 32) / "batch-00000000.npz").write_bytes(b"x" * 300_000)
     (folder / "mine").touch()
     removed, left = (run("doctor", "--clear-cache", "--json").data for _ in range(2))
-    sizes = ("kernels_bytes", "blocks_bytes", "studies_bytes", "left_bytes")
-    assert removed == {"folder": str(folder), **dict(zip(sizes, (250_000, 100_000, 300_000, 0), strict=True))}
+    sizes = ("kernels_bytes", "blocks_bytes", "left_bytes")
+    assert removed == {"folder": str(folder), **dict(zip(sizes, (250_000, 100_000, 0), strict=True))}
     assert left == {"folder": str(folder), **dict.fromkeys(sizes, 0)}
-    assert sorted(path.name for path in folder.rglob("*")) == ["kernels", "mine", "studies"]
+    assert sorted(path.name for path in folder.rglob("*")) == ["kernels", "mine"]

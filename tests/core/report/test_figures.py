@@ -132,25 +132,13 @@ def test_studies_are_drawn_and_answered(design):
         mean = inputs[f"friction_force_{index}"].values @ weight / weight.sum()
         np.testing.assert_allclose([bar.get_width() for bar in bars], 100.0 * mean)
     section = exactness_section({"manufacturing": made, "misalignment": tilted, "uncertainty": inputs})
-    for answer, name in zip(section["answers"], list(QUESTIONS)[:3], strict=True):
+    for answer, name in zip(section["answers"], QUESTIONS, strict=True):
         assert (answer["question"], answer["answer"][-1]) == (QUESTIONS[name].text, ".")
         assert {len(row) for row in answer["rows"]} == {len(answer["columns"])}
-    assert section["missing"] == [(QUESTIONS["combined"].text, QUESTIONS["combined"].command)]
+    assert section["missing"] == []
     low, high = made.attrs["load_range"]
     assert f"P/E* = {low:.4g} to {high:.4g} mm²" in section["fitted"]
     assert exactness_section({})["fitted"] == ""
-
-
-def test_combined_tolerances_are_drawn(design):
-    study = mf.studies.combined(design, mf.Tolerances(0.003))
-    ax = study_figures.combined_figure(study).axes[0]
-    finite = np.isfinite(study["factor"].values)
-    np.testing.assert_allclose([bar.get_width() for bar in ax.patches], study["factor"].values[finite])
-    words = [text.get_text() for text in ax.get_yticklabels()]
-    assert {"all together", "heights, 3 µm (SD)"} >= set(words)
-    assert ax.get_xlabel() == "largest multiple for a probability of 90 %"
-    nothing = study.assign(factor=study["factor"] * np.nan)
-    assert study_figures.combined_figure(nothing) is None
 
 
 def measured_study(design, *factors, **options):

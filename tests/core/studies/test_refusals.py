@@ -7,9 +7,8 @@ import pytest
 import xarray as xr
 
 import metafem as mf
-from metafem.studies import Draws, Execution, Requirement, summary
+from metafem.studies import summary
 from metafem.studies.cap_contact import caps_of
-from metafem.studies.sampling.batches import opened
 from metafem.studies.sampling.inputs import Inputs
 from metafem.studies.sampling.slope import Slope
 from tests.core.studies.test_inputs import MEAN
@@ -40,36 +39,8 @@ def uncertainty(surface=SURFACE, **given):
     return lambda: mf.studies.uncertainty(surface, **({"parameters": {"radius": 0.005}} | given))
 
 
-def combined(friction=FRICTION, points=([0.03], [0.2]), **given):
-    def call():
-        template = SURFACE.replaced(height=np.full(4, 0.12), friction=friction)
-        design = mf.design(mf.OperatingPoints(*points), template, limits=mf.Limits(0.2))
-        mf.studies.combined(design, mf.Tolerances(0.001), **given)
-
-    return call
-
-
 def inputs(parameters, covariance=None):
     return lambda: Inputs.of(parameters, covariance, MEAN)
-
-
-def in_folder(name, **given):
-    """A study whose folder is that of another run, holds other files, or is a file."""
-
-    def call(tmp_path):
-        run = Execution(folder=tmp_path / "run")
-        mf.studies.manufacturing(SURFACE, [0.001], draws=16, execution=run)
-        (tmp_path / "notes.txt").write_text("mine")
-        execution = Execution(folder=tmp_path / name)
-        mf.studies.manufacturing(SURFACE, [0.001], draws=16, execution=execution, **given)
-
-    return call
-
-
-def another_study(tmp_path):
-    for name in ("one", "other"):
-        with opened(Execution(folder=tmp_path / "run"), name, "0" * 32):
-            pass
 
 
 REFUSALS = {
@@ -77,6 +48,7 @@ REFUSALS = {
         (manufacturing(-0.001), "height_sd", "-0.001"),
         (manufacturing(0.001, others=mf.Tolerances(radius_sd=0.1)), "radius", "0.1"),
         (manufacturing(0.001, rng=-1), "rng", "-1"),
+        (manufacturing(0.001, draws=1), "draws", "1"),
         (manufacturing(0.001, COATED), "friction.shear_strength", "manufacturing"),
     ],
     "misalignment": [
@@ -106,25 +78,6 @@ REFUSALS = {
             "composite_modulus",
             "law",
         ),
-    ],
-    "combined": [
-        (combined(parameters={"load": 0.1}), "parameters", "load"),
-        (combined(parameters={"radius": 0.2}), "parameters.radius", "0.2"),
-        (combined(COATED.friction, ([0.02, 0.04], [0.08, 0.15])), "friction.shear_strength", "combined"),
-    ],
-    "runs": [
-        (lambda: Requirement(0.0, 0.9), "misfit", "0"),
-        (lambda: Requirement(0.1, 1.0), "probability", "1"),
-        (lambda: Draws(1), "draws", "1"),
-        (lambda: Draws(error=0.0), "error", "0"),
-        (lambda: Draws(error=0.1, plain=True), "error", "plain=True"),
-        (lambda: Execution(workers=0), "workers", "0"),
-        (lambda: Execution(workers=2, scheduler="tcp://localhost:1"), "workers", "2"),
-        (manufacturing(0.001, execution=Execution(scheduler="foo://x")), "scheduler", "foo://x"),
-        (in_folder("run", rng=1), "run", "another run"),
-        (in_folder(""), "folder", "other files"),
-        (in_folder("notes.txt"), "folder", "notes.txt"),
-        (another_study, "run", "one"),
     ],
     "ranges": [
         (lambda: Slope.of(FLAT), "load_range", "height"),

@@ -90,4 +90,4 @@ def test_a_plot_draws_the_quantity():
     expected = mf.friction_law(design.surface, load=design.law.load).rescaled_stiffness
     assert_allclose(ax.lines[0].get_ydata()[-100:], expected, rtol=1e-12)
     with pytest.raises(mf.InvalidInput, match="friction"):
-        mf.studies.combined(design, mf.Tolerances(height_sd=0.003))
+        mf.studies.manufacturing(design.surface, 0.003, design=design, load_range=(0.01, 0.1))
