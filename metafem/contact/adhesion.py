@@ -36,8 +36,7 @@ class JKR(Contact):
 
     Let d_cap(a) and P_cap(a) be indentation and load of the cap without adhesion, ``c = d d_cap/da`` and
     ``s = sqrt(2 pi w a/E*)``. Then ``d = d_cap - s``, ``A = pi a^2``, ``P/E* = P_cap/E* - 2 a s``, and
-    ``dP/dd = 2 a E* (c - 3/2 s/a)/(c - 1/2 s/a)``. The second moment of the pressure over E* is that of the
-    cap minus ``4/3 a^3 s``. For a paraboloid without other contacts
+    ``dP/dd = 2 a E* (c - 3/2 s/a)/(c - 1/2 s/a)``. For a paraboloid without other contacts
     ``a^3 = 3 R/(4 E*) [P + 3 pi w R + sqrt(6 pi w R P + (3 pi w R)^2)]``. Under load control the contact
     breaks at `pull_off_radius`, where the load of a paraboloid is ``-3/2 pi w R``. Under displacement control
     the contact stays closed down to a smaller radius, where ``c = 1/2 s/a``. Lengths are in mm. The law is
@@ -70,7 +69,6 @@ class JKR(Contact):
     (np.float64(0.029581), np.float64(0.022575))
     """
 
-    largest_order: ClassVar[int] = 3
     adhesive: ClassVar[bool] = True
 
     adhesion_energy: float
@@ -159,12 +157,6 @@ class JKR(Contact):
         """Return the rescaled load P/E* = P_cap/E* - 2 a s [mm^2]."""
         a = np.asarray(contact_radius)
         return np.asarray(self.cap.load(a, radius, curvature) - 2.0 * a * self.deficit(a))[()]
-
-    def second_moment(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
-        """Return the second moment of the pressure over E*, that of the cap minus 4/3 a^3 s [mm^4]."""
-        a = np.asarray(contact_radius)
-        moment = self.cap.second_moment(a, radius, curvature)
-        return np.asarray(moment - 4.0 / 3.0 * a**3 * self.deficit(a))[()]
 
     def stiffness(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Return d(P/E*)/dd = 2 a (c - 3/2 s/a)/(c - 1/2 s/a) [mm]; 0 for an open contact."""

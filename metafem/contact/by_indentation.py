@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from abc import abstractmethod
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -25,12 +25,8 @@ class LawByIndentation(Contact):
     """Contact law with load P/E* and area A as functions of the indentation d; its coupling is of order 1.
 
     The contact radius is ``sqrt(A/pi)``. The law ignores the curvature due to other contacts, which is a term
-    of order 3. The pressure distribution is not known: its second moment is 2/5 P a^2 for Hertz's pressure
-    and 1/2 P a^2 for a uniform pressure, and elastic-plastic contacts lie in between. `second_moment` returns
-    the larger value.
+    of order 3.
     """
-
-    largest_order: ClassVar[int] = 1
 
     if TYPE_CHECKING:  # members of the subclasses whose load and area are `LogCubic`
 
@@ -97,10 +93,6 @@ class LawByIndentation(Contact):
     def load(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Return the rescaled load P/E* [mm^2]."""
         return self._of_closed(self._load_at, contact_radius, radius)[0]
-
-    def second_moment(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
-        """Return the second moment of a uniform pressure over E*, 1/2 P/E* a^2 [mm^4]: an upper bound."""
-        return np.asarray(0.5 * np.square(contact_radius) * self.load(contact_radius, radius))[()]
 
     def stiffness(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Return d(P/E*)/dd [mm]; 0 for an open contact."""

@@ -47,9 +47,9 @@ class Contact(Protocol):
     Attributes
     ----------
     largest_order : int
-        Highest order of the coupling with other contacts: 3 for a frictionless elastic contact, whose load,
-        second moment and indentation follow from one profile; 1 (point loads) for a law that defines only
-        load and area as functions of the indentation.
+        Highest order of the coupling with other contacts: 3 for a frictionless elastic contact without
+        adhesion, whose load, second moment and indentation follow from one profile; 1 (point loads) for all
+        other laws.
     similar : bool
         Whether the law is the same for all R when all lengths are divided by R.
     adhesive : bool
@@ -66,7 +66,7 @@ class Contact(Protocol):
     @property
     def scales_with_stress(self) -> bool:
         """Whether P/E* at a given indentation depends on E*, through an energy or a stress."""
-        return self.adhesive or self.largest_order == 1
+        return self.largest_order == 1
 
     @property
     def power(self) -> float | None:
@@ -127,8 +127,8 @@ class Contact(Protocol):
         return np.asarray(math.pi * np.square(contact_radius))[()]
 
     def second_moment(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
-        """Return the integral of ``p rho^2`` over the contact, divided by E* [mm^4]."""
-        ...
+        """Return the integral of ``p rho^2`` over the contact over E* [mm^4]; nan for laws of order 1."""
+        return np.full(np.shape(contact_radius), math.nan)[()]
 
     def stiffness(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Return the contact stiffness over E*, d(P/E*)/dd [mm]."""

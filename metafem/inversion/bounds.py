@@ -151,7 +151,7 @@ class Bounds:
             rise = self.region(load)[1] ** (n + 1.0)
             least = np.minimum.accumulate(np.insert(friction ** (n + 1.0) - rise, 0, 0.0))[:-1]
             return np.asarray((least + rise) ** (1.0 / (n + 1.0)))
-        elastic = self.law.largest_order > 1 and self.radii.single
+        elastic = (self.law.largest_order > 1 or self.law.adhesive) and self.radii.single
         if not elastic or (n is None and not _rises(-self._examined[1])):
             return np.full(len(load), math.inf)
         moved = np.diff(at_load(self.law, load, self.radii.low)[0], prepend=0.0)

@@ -65,10 +65,8 @@ class Automatic(WithoutGradients):
     Contacts cannot be resolved above 2000 asperities, in a periodic cell, or on substrates other than
     half-space and layer. Order 3 is used instead, and a warning states its estimated error.
 
-    Contacts with adhesion or plasticity cannot be resolved either. The asperity model of the highest order
-    that the law supports is used. For adhesive contacts this is order 3; a note states its estimated error,
-    and is a warning if the error exceeds the tolerance. For plastic contacts this is order 1; its error is
-    not estimated, and a warning says that the tolerance is not checked.
+    Contacts with adhesion or plasticity cannot be resolved either. Order 1 is used, its error is not
+    estimated, and a warning says that the tolerance is not checked.
 
     Parameters
     ----------
@@ -124,7 +122,9 @@ class Automatic(WithoutGradients):
         if not resolvable(self.contact):
             alone = self.gradient_model.curve(surface, load, approach=approach)
             error = order_3_error(surface, alone.last.area, self.substrate, self.contact)
-            return alone.with_notes((self._unchecked(error), *alone.notes, *unused), error)
+            text = f"chosen: order {self.gradient_model.order}; {error.source}: the tolerance is not checked"
+            note = Note(text, Level.WARNING, bound=self.tolerance, remedies=("contact",))
+            return alone.with_notes((note, *alone.notes, *unused), error)
         curve, error, title = self._asperities(surface, load, approach)
         if curve is not None and error <= self.tolerance:
             note = information(f"chosen: {title}; {_stated(error)}")
@@ -140,16 +140,6 @@ class Automatic(WithoutGradients):
             reason = f"the estimated error of A0(P) by order 3 is {error:.1e}"
         curve = self._resolved(surface, *controlled(load, approach), self.substrate, error, reason)
         return curve.with_notes((*curve.notes, *unused))
-
-    def _unchecked(self, error: ModelError) -> Note:
-        """Return a note on the order used, and its estimated error, if the contacts cannot be resolved."""
-        order = f"order {self.gradient_model.order}"
-        rest = f"contacts of {self.contact!r} cannot be resolved, so the tolerance of {self.tolerance:g} is"
-        if self.gradient_model.order == 1:
-            text = f"chosen: {order}, as the law has no profile; {rest} not checked"
-            return Note(text, Level.WARNING, bound=self.tolerance, remedies=("contact",))
-        text = f"chosen: {order}; {_stated(error)}; {rest} checked by this alone"
-        return self._note(text, error)
 
     def _note(self, text: str, error: ModelError) -> Note:
         """Return a note with an estimated error, a warning unless this is within the tolerance."""

@@ -139,8 +139,8 @@ def _higher_orders(law: Contact, surface: Surface, substrate: Substrate, curve: 
 
 
 def order_3_error(surface: Surface, area: FloatArray, substrate: Substrate, law: Contact) -> ModelError:
-    """Return the error of A0 by order 3, and by order 1 for laws without a profile, for areas (n,) [mm^2]."""
+    """Return the error of A0 by order 3 for areas (n,) [mm^2]; nan for laws that only order 1 can couple."""
     if law.largest_order == 1:
-        return ModelError(math.nan, f"{law!r} has no profile, so its contacts cannot be resolved")
+        return ModelError(math.nan, f"contacts of {law!r} cannot be resolved")
     error = truncation(surface, area, substrate, law)
     return ModelError(error, RADII) if math.isfinite(error) else ModelError(math.nan, "contacts overlap")

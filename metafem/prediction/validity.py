@@ -112,7 +112,8 @@ class Validity:
     def _interaction_notes(self) -> Iterator[Note]:
         """Yield notes on the change of A0 by neighbours and block, and on the validity of order 3."""
         surface, model, law = self.surface, self.model, contact_of(self.model)
-        error, reference = self.error, reference_of(surface, model)
+        error = self.error
+        reference = reference_of(surface, model if model.couples else without_jumps(surface, model))
         if model.couples and model.reference != reference:
             error = self._change_by_block(reference)
         if error.load.size:
@@ -122,7 +123,7 @@ class Validity:
         if model == model.gradient_model:  # otherwise the contacts are resolved and may merge
             yield from _width_notes(surface, model, reference, self.curve)
         if model.couples and law.largest_order == 1:
-            yield _size_note(surface, reference, float(self.curve.area[-1]))
+            yield _size_note(surface, reference, law, float(self.curve.area[-1]))
 
     def _change_by_block(self, reference: Interacting) -> ModelError:
         """Return the difference of a model on a half-space from a reference model on the bonded layer."""
@@ -151,8 +152,8 @@ def _resolved_or(law: Contact) -> str:
     return "the model resolved, or " if resolvable(law) else ""
 
 
-def _size_note(surface: Surface, reference: Interacting, area: float) -> Note:
-    """Return a note on the error of point loads for laws without a profile; paraboloids replace the caps."""
+def _size_note(surface: Surface, reference: Interacting, law: Contact, area: float) -> Note:
+    """Return a note on the error of point loads for other laws than elastic ones, by that of paraboloids."""
     point = Interacting(1, reference.substrate)
 
     def excess(approach: float) -> float:
@@ -170,7 +171,7 @@ def _size_note(surface: Surface, reference: Interacting, area: float) -> Note:
     except MetafemError as reason:
         return Note(f"what point loads leave out of the size of the contacts cannot be estimated: {reason}")
     return information(
-        "the law has no profile, so its contacts are coupled as point loads: for paraboloids of the same "
+        f"contacts of {law!r} are coupled as point loads: for paraboloids of the same "
         f"area the size of the contacts changes A0 by {percent(larger / area - 1.0, '+.2g')}, and by up to "
         f"{UNIFORM:g} times as much where the pressure is uniform"
     )

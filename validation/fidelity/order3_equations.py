@@ -16,8 +16,8 @@ from validation.sources import second_method
 
 MODULUS, RATIO, LOAD = 1.36, 0.5, 0.25
 
-# Adhesion energy of the paper [N/mm], and a layer so thin that its self terms count [mm].
-ENERGY, THIN = 9e-6, 1.0
+# A layer so thin that its self terms count [mm].
+THIN = 1.0
 
 # Rounding of two solutions; the kernel's tables replace the slope term of the lightest loads of other caps,
 # which is infinite at a flat summit; and the tolerance of fast sums.
@@ -31,7 +31,6 @@ class Scene:
     """Nine asperities, or nine high ones among many, anywhere or on a lattice, with a cap and a substrate."""
 
     exponent: float = 2.0
-    energy: float = 0.0
     layer: bool = False
     many: bool = False
     lattice: bool = False
@@ -39,7 +38,7 @@ class Scene:
     @property
     def limit(self) -> float:
         """Largest relative difference that is allowed."""
-        return FAST if self.many else TABLES if self.exponent != 2.0 and not self.energy else ROUNDING
+        return FAST if self.many else TABLES if self.exponent != 2.0 else ROUNDING
 
     @property
     def surface(self) -> mf.Surface:
@@ -64,14 +63,13 @@ class Scene:
     @property
     def model(self) -> mf.Interacting:
         """Interaction of third order with the cap and the substrate."""
-        cap = mf.Hertz() if self.exponent == 2.0 else mf.PowerCap(self.exponent)
-        law = mf.JKR(self.energy, cap) if self.energy else cap
+        law = mf.Hertz() if self.exponent == 2.0 else mf.PowerCap(self.exponent)
         return mf.Interacting(3, mf.BondedLayer() if self.layer else mf.HalfSpace(), law)
 
     def second(self) -> tuple[float, np.ndarray]:
         """Return approach [mm] and roots of A/pi (9,) [mm] by the second method."""
         surface = self.surface
-        caps = third_order.Caps(surface.radius[:9], self.exponent, self.energy / MODULUS)
+        caps = third_order.Caps(surface.radius[:9], self.exponent)
         on = third_order.fields(surface.position[:9], (THIN, RATIO) if self.layer else None)
         return third_order.solved(caps, on, surface.gap[:9], LOAD / MODULUS)
 
@@ -81,8 +79,6 @@ SCENES = {
     "paraboloids, layer": Scene(layer=True),
     "quartic caps": Scene(4.0),
     "quartic caps, layer": Scene(4.0, layer=True),
-    "adhesive paraboloids, layer": Scene(energy=ENERGY, layer=True),
-    "adhesive quartic caps": Scene(4.0, ENERGY),
     "paraboloids on a lattice of 2,116 sites": Scene(many=True, lattice=True),
     "paraboloids at 2,116 irregular sites": Scene(many=True),
 }
@@ -99,10 +95,10 @@ def claim() -> Claim:
     """Interaction of third order adds to the displacement by point loads the size of each contact, the
     curvature and the slope of its neighbours' field. These equations are written out a second time without
     the package: fields of point loads and of the layer's Hankel integral by quadrature, caps as sums of flat
-    punches, and a general root finder. Paraboloids, quartic caps and adhesive contacts of unequal radii at
-    irregular places are compared on a half-space and on a thin layer, and some high asperities among 2,000
-    low ones, for which the package takes its fast sums. This judges the solution of the equations; resolved
-    contacts judge the equations.
+    punches, and a general root finder. Paraboloids and quartic caps of unequal radii at irregular places are
+    compared on a half-space and on a thin layer, and some high asperities among 2,000 low ones, for which the
+    package takes its fast sums. This judges the solution of the equations; resolved contacts judge the
+    equations.
     """
     rows: list[Row] = []
     for name, scene in SCENES.items():

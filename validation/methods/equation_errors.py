@@ -2,9 +2,9 @@
 
 A contact of radius a under the load p has to obey ``d(a, k) + u = approach - gap`` and ``p = P(a, k)`` of its
 law, where displacement u and curvature k are those by the other contacts, and an open asperity must not
-overlap: ``approach - gap - u <= 0``. With order 3 the slopes of the displacements change the areas, and the
-law of adhesive contacts. Loads are P/E* [mm²]. Contact laws, influences and pedestals are those
-of metafem, so that this is a test of self-consistency.
+overlap: ``approach - gap - u <= 0``. With order 3 the slopes of the displacements change the areas. Loads are
+P/E* [mm²]. Contact laws, influences and pedestals are those of metafem, so that this is a test of
+self-consistency.
 """
 
 from __future__ import annotations
@@ -86,33 +86,25 @@ def _first(surface: mf.Surface, model: Model, law: Contact, p: np.ndarray, a: np
 
 def _third(surface: mf.Surface, model: Model, law: Contact, p: np.ndarray, a: np.ndarray) -> _Contact:
     """Return contacts of finite size on each other's slopes."""
-    bound, cap, radius = model.substrate.for_surface(surface), law.without_adhesion, surface.radius
+    bound, radius = model.substrate.for_surface(surface), surface.radius
     slope_x, slope_y, laplacian = bound.influence_derivatives(surface)
     along_x, along_y, k = slope_x @ p, slope_y @ p, 0.5 * laplacian @ p
     closed, square = a > 0.0, along_x**2 + along_y**2
     wide, k = np.where(closed, a, 0.1 * radius), np.where(closed, k, 0.0)  # open contacts are masked below
-    if not law.adhesive:
-        wide = _radius_at(cap, np.where(closed, p, cap.load(wide, radius, k)), wide, radius, k)
-    carried = cap.load(wide, radius, k)
-    own = _radius_at(cap, carried, wide, radius, 0.0)
-    turn = cap.area_slope(own, radius) / math.pi
-    turned = _relative_rate(lambda t: cap.area_slope(own * t, radius) / math.pi)
-    turning = np.where(closed, turned * turn / (4.0 * own**3), 0.0)  # dr/dp_cap
-    slope, bend = _profile(cap, wide, radius, k)
-    rise = wide**2 * slope * turning * square if law.adhesive else np.zeros(len(a))
-    rise /= 1.0 + 0.5 * wide * np.abs(rise) / carried
-    deficit = law.deficit(wide) + rise if law.adhesive else rise
-    lost = 2.0 * wide * deficit
-    moment = cap.second_moment(wide, radius, k)
-    moment -= 2.0 / 3.0 * wide**2 * lost * (1.0 - 2.0 * rise / (wide * slope))
-    tilt = np.where(closed, 4.0 / 3.0 * own**3 - turn * lost, 0.0)
+    wide = _radius_at(law, np.where(closed, p, law.load(wide, radius, k)), wide, radius, k)
+    carried = law.load(wide, radius, k)
+    own = _radius_at(law, carried, wide, radius, 0.0)
+    turn = law.area_slope(own, radius) / math.pi
+    slope, bend = _profile(law, wide, radius, k)
+    moment = law.second_moment(wide, radius, k)
+    tilt = np.where(closed, 4.0 / 3.0 * own**3, 0.0)
     u = _influence(surface, model) @ p + 0.25 * laplacian.T @ np.where(closed, moment, 0.0)
     u -= slope_x.T @ (tilt * along_x) + slope_y.T @ (tilt * along_y) + 0.5 * closed * turn * square
     area = math.pi * np.where(closed, wide, 0.0) ** 2
-    if not law.adhesive:
-        y = (bend - 1.0) * square / slope**2
-        area *= np.where(y > 0.0, 1.0 / np.sqrt(1.0 + 4.0 * np.maximum(y, 0.0)), 1.0 - 2.0 * y)
-    return _Contact(u, carried - lost, np.where(closed, cap.indentation(wide, radius, k), 0.0), deficit, area)
+    y = (bend - 1.0) * square / slope**2
+    area *= np.where(y > 0.0, 1.0 / np.sqrt(1.0 + 4.0 * np.maximum(y, 0.0)), 1.0 - 2.0 * y)
+    depth = np.where(closed, law.indentation(wide, radius, k), 0.0)
+    return _Contact(u, carried, depth, np.zeros(len(a)), area)
 
 
 def _radius_at(

@@ -18,9 +18,6 @@ FloatArray = NDArray[np.float64]
 # Quadrature of a layer: M - 1 is below 1e-15 beyond this argument.
 LAST, POINTS = 20.0, 400
 
-# Steps of the iteration for the loads of adhesive contacts; each reduces the error by about 1e-3.
-SLOPE_STEPS = 8
-
 
 def multiplier(x: FloatArray, ratio: float) -> FloatArray:
     """M(x) of a layer on a rigid base; Johnson, Contact Mechanics (1985), section 5.8."""
@@ -55,11 +52,10 @@ def fields(position: FloatArray, layer: tuple[float, float] | None = None) -> Fi
 
 
 class Caps(NamedTuple):
-    """Caps of an exponent n and radii R (k,) [mm] with the adhesion energy w/E* [mm]."""
+    """Caps of an exponent n and radii R (k,) [mm]."""
 
     radius: FloatArray
     exponent: float = 2.0
-    adhesion: float = 0.0
 
     def depth(self, a: FloatArray) -> FloatArray:
         """Indentation of a cap alone, ``n a int_0^a rho^(n - 1)/sqrt(a² - rho²) drho/(2 R^(n - 1))``."""
@@ -68,7 +64,7 @@ class Caps(NamedTuple):
         return 0.5 * n * beta(0.5 * n, 0.5) * a**n / (2.0 * self.radius ** (n - 1.0))
 
     def load(self, a: FloatArray) -> FloatArray:
-        """Load of a cap alone without adhesion, the sum of flat punches 2 s dD(s)."""
+        """Load of a cap alone, the sum of flat punches 2 s dD(s)."""
         return 2.0 * a * self.depth(a) * self.exponent / (self.exponent + 1.0)
 
     def moment(self, a: FloatArray) -> FloatArray:
@@ -76,7 +72,7 @@ class Caps(NamedTuple):
         return 4.0 / 3.0 * a**3 * self.depth(a) * self.exponent / (self.exponent + 3.0)
 
     def radius_at(self, load: FloatArray) -> FloatArray:
-        """Contact radius of a cap alone without adhesion at a load."""
+        """Contact radius of a cap alone at a load."""
         one = np.ones_like(load)
         return np.asarray((load / self.load(one)) ** (1.0 / (self.exponent + 1.0)))
 
@@ -90,35 +86,23 @@ class _State(NamedTuple):
 
 
 def _state(caps: Caps, on: Fields, a: FloatArray) -> _State:
-    """Return the contacts of radii a; with adhesion, loads that depend on slopes are found by iteration."""
-    n, lost = (
-        caps.exponent,
-        np.sqrt(2.0 * np.pi * caps.adhesion * a),
-    )  # decrease of the indentation by adhesion
+    """Return the contacts of radii a."""
+    n = caps.exponent
     # the curvature k = L p/2 by the others adds 4/3 k a³ to the load
     flat = np.eye(len(a)) - 2.0 / 3.0 * a[:, None] ** 3 * on.laplacian
-    raised = lost
-    for _ in range(SLOPE_STEPS if caps.adhesion else 1):
-        p = np.linalg.solve(flat, caps.load(a) - 2.0 * a * raised)
-        k, slope = 0.5 * on.laplacian @ p, on.slope @ p
-        steep, wide = (slope**2).sum(axis=0), n * caps.depth(a) + 2.0 * k * a**2  # |g|², a dD/da
-        # the contact moves down the slope: a cap alone with the same load of the cap
-        own = caps.radius_at(caps.load(a) + 4.0 / 3.0 * k * a**3)
-        turn = 2.0 * own**2 / (n * caps.depth(own))  # r = 2 a/(dD/da)
-        turning = (2.0 - n) * turn / ((n + 1.0) * caps.load(own))  # dr/dp
-        if caps.adhesion:  # the edge is in equilibrium on the slope
-            rise = a * wide * turning * steep
-            rise /= 1.0 + 0.5 * a * np.abs(rise) / caps.load(own)
-            raised = lost + rise
+    p = np.linalg.solve(flat, caps.load(a))
+    k, slope = 0.5 * on.laplacian @ p, on.slope @ p
+    steep, wide = (slope**2).sum(axis=0), n * caps.depth(a) + 2.0 * k * a**2  # |g|², a dD/da
+    # the contact moves down the slope: a cap alone with the same load of the cap
+    own = caps.radius_at(caps.load(a) + 4.0 / 3.0 * k * a**3)
+    turn = 2.0 * own**2 / (n * caps.depth(own))  # r = 2 a/(dD/da)
     moment = caps.moment(a) + 8.0 / 15.0 * k * a**5
-    moment -= 4.0 / 3.0 * a**3 * raised * (1.0 - 2.0 * (raised - lost) / wide)
-    tilt = 4.0 / 3.0 * own**3 - turn * 2.0 * a * raised
-    moved = np.einsum("cji,cj->i", on.slope, tilt * slope)
+    moved = np.einsum("cji,cj->i", on.slope, 4.0 / 3.0 * own**3 * slope)
     u = on.influence @ p + 0.25 * on.laplacian.T @ moment - moved - 0.5 * turn * steep
-    # without adhesion the edge on a slope follows from that of adhesive contacts in the limit w = 0
-    y = 0.0 if caps.adhesion else n * (n - 2.0) * caps.depth(a) * a**2 * steep / wide**3
+    # the edge on a slope follows from that of adhesive contacts in the limit w = 0
+    y = n * (n - 2.0) * caps.depth(a) * a**2 * steep / wide**3
     square = a**2 / np.sqrt(1.0 + 4.0 * y) if n > 2.0 else a**2 * (1.0 - 2.0 * y)
-    return _State(p, caps.depth(a) + k * a**2 - raised + u, square)
+    return _State(p, caps.depth(a) + k * a**2 + u, square)
 
 
 def solved(caps: Caps, on: Fields, gap: FloatArray, load: float) -> tuple[float, FloatArray]:

@@ -68,7 +68,7 @@ class KitBounds(Bounds):
     @cached_property
     def least_exponent(self) -> float:
         """Lower bound of the local exponent d ln A0/d ln p [-]; 0 if none is proven."""
-        elastic = all(part.law.largest_order > 1 for part in self.parts)
+        elastic = all(part.law.largest_order > 1 or part.law.adhesive for part in self.parts)
         if not (self.convex and elastic):
             return 0.0
         return min(part.least_exponent for part in self.parts) * least_ratio(self.count)

@@ -115,9 +115,8 @@ class Loading:
         closed, a = np.flatnonzero(held | (guess > SURE * entry)), np.maximum(guess, entry)
         x = 0.0
         for _ in range(MOST_TRIALS if closed.size else 0):
-            contacts, law = Contacts(self.scene, closed), self.scene.law
-            p = law.load(a[closed], contacts.radius)
-            found = solve(contacts, a[closed], p, x, goal.condition())
+            contacts = Contacts(self.scene, closed)
+            found = solve(contacts, a[closed], x, goal.condition())
             if found is None or not goal.stable(found) or (self.state is not None and found.x < self.state.x):
                 break
             apart = (found.found.indentation < 0.0) & ~held[closed]
@@ -162,14 +161,13 @@ class Loading:
     def _from(self, state: State, shift: float, condition: Condition) -> State | None:
         """Solve from the state that the tangent predicts for a change of the approach."""
         change = state.rate * shift
-        moved = state.linear.along(change)
         a = np.clip(state.a + change, 0.3 * state.a, 0.5 * (state.a + state.contacts.largest_radius))
-        return solve(state.contacts, a, state.p + moved, state.x + shift, condition)
+        return solve(state.contacts, a, state.x + shift, condition)
 
     def _blend(self, state: State, other: State, share: float, condition: Condition) -> State | None:
         """Solve from an interpolation between two states with the same contacts."""
-        a, p = state.a + share * (other.a - state.a), state.p + share * (other.p - state.p)
-        return solve(state.contacts, a, p, state.x + share * (other.x - state.x), condition)
+        a = state.a + share * (other.a - state.a)
+        return solve(state.contacts, a, state.x + share * (other.x - state.x), condition)
 
     def _enter_first(self) -> None:
         """Make the tallest asperities jump into contact."""
@@ -177,7 +175,7 @@ class Loading:
         entering = np.flatnonzero(self.scene.gap <= first)
         self.extreme = 0.0
         nothing: IntArray = np.empty(0, dtype=np.int64)
-        self.state = self._joined(nothing, np.empty(0), np.empty(0), first, entering)
+        self.state = self._joined(nothing, np.empty(0), first, entering)
         self._land(0.0, 0.0, self.press)
 
     def _enter(self, state: State, trial: State, goal: Goal) -> None:
@@ -211,29 +209,20 @@ class Loading:
     def _joined_at(self, touch: State) -> State:
         """Return the state at the same approach after the asperities that touch jumped into contact."""
         near = touch.overlap >= -CLOSED * float(touch.found.depth.max())
-        return self._joined(touch.closed, touch.a, touch.p, touch.x, touch.contacts.others[near])
+        return self._joined(touch.closed, touch.a, touch.x, touch.contacts.others[near])
 
-    def _with(
-        self, closed: IntArray, a: FloatArray, p: FloatArray, others: IntArray
-    ) -> tuple[Contacts, FloatArray, FloatArray]:
-        """Return contacts, contact radii and loads, with asperities that jump into contact added."""
-        radius = self.scene.entry_radius_at(others, closed, p)
-        whole = np.concatenate([closed, others])
-        order = np.argsort(whole)
-        load = self.scene.law.load(radius, self.scene.radius[others])
-        contacts = Contacts(self.scene, whole[order])
-        return contacts, np.concatenate([a, radius])[order], np.concatenate([p, load])[order]
-
-    def _joined(self, closed: IntArray, a: FloatArray, p: FloatArray, x: float, entering: IntArray) -> State:
+    def _joined(self, closed: IntArray, a: FloatArray, x: float, entering: IntArray) -> State:
         """Return the state at an approach after asperities, and others due to them, jumped into contact."""
         while True:
-            start = self._with(closed, a, p, entering)
-            state = solve(*start, x, at_approach(x))
+            whole = np.concatenate([closed, entering])
+            order = np.argsort(whole)
+            start = np.concatenate([a, self.scene.entry_radius[entering]])[order]
+            state = solve(Contacts(self.scene, whole[order]), start, x, at_approach(x))
             if state is None or not state.holds:
                 raise NotConverged(f"no equilibrium after asperities {entering.tolist()} came into contact")
             if not state.entering.size:
                 return state
-            closed, a, p, entering = state.closed, state.a, state.p, state.contacts.others[state.entering]
+            closed, a, entering = state.closed, state.a, state.contacts.others[state.entering]
 
     def _land(self, load: float, area: float, move: Callable[[Goal], State | None]) -> None:
         """Follow a jump at a load to its end, and record it."""

@@ -23,8 +23,8 @@ MOST_STEPS = 40
 PROGRESS = 0.02
 MOST_WORSE = 2
 
-# Function that returns the changes of radii, loads and approach for errors of F, of p and of the condition.
-Step = Callable[[FloatArray, FloatArray, float], tuple[FloatArray, FloatArray, float]]
+# Function that returns the changes of radii and approach for errors of F and of the condition.
+Step = Callable[[FloatArray, float], tuple[FloatArray, float]]
 
 # Gaps smaller than this multiple of the largest indentation of a cap are attributed to rounding.
 CLOSED = 1e-11
@@ -39,7 +39,6 @@ class State:
 
     contacts: Contacts
     a: FloatArray  # contact radii [mm]
-    p: FloatArray  # P/E* [mm^2]
     x: float  # approach [mm]
     found: Fields
     residual: float
@@ -48,6 +47,11 @@ class State:
     def closed(self) -> IntArray:
         """Indices of the asperities in contact."""
         return self.contacts.closed
+
+    @property
+    def p(self) -> FloatArray:
+        """Loads P/E* [mm^2]."""
+        return self.found.load
 
     @property
     def load(self) -> float:
@@ -62,7 +66,7 @@ class State:
     @cached_property
     def linear(self) -> Linear:
         """Derivatives of the equations."""
-        return self.contacts.linearise(self.a, self.found)
+        return self.contacts.linearise(self.a)
 
     @cached_property
     def factors(self) -> tuple[FloatArray, IntArray]:
@@ -80,7 +84,7 @@ class State:
         factor, pivot = self.factors
         swaps = np.count_nonzero(pivot != np.arange(len(pivot)))
         positive = ((np.diagonal(factor) < 0.0).sum() + swaps) % 2 == 0
-        return bool(positive and self.linear.excess < 2) and self.contacts.within(self.a, self.found)
+        return bool(positive and self.linear.excess < 2)
 
     @cached_property
     def rate(self) -> FloatArray:
@@ -90,7 +94,7 @@ class State:
     @cached_property
     def stiffness(self) -> float:
         """Derivative of the load with respect to the approach [mm]."""
-        return float(self.linear.total @ self.rate)
+        return float(self.linear.load @ self.rate)
 
     @property
     def stable(self) -> bool:
@@ -99,14 +103,14 @@ class State:
 
     def area_gradient(self) -> FloatArray:
         """Return dA0/dh for the heights of the contacts at fixed load [mm], (m,)."""
-        both = np.column_stack([2.0 * np.pi * self.a, self.linear.total])
+        both = np.column_stack([2.0 * np.pi * self.a, self.linear.load])
         by_area, by_load = dgetrs(*self.factors, both, trans=1)[0].T
         return np.asarray(by_area - by_area.sum() / by_load.sum() * by_load)
 
     @cached_property
     def overlap(self) -> FloatArray:
         """Overlap of the open asperities with the plane [mm]; minus the gap if there is one."""
-        return self.contacts.overlap(self.p, self.found, self.x)
+        return self.contacts.overlap(self.p, self.x)
 
     @property
     def entering(self) -> IntArray:
@@ -118,7 +122,7 @@ class State:
 class Condition:
     """A condition on the contacts: its error, and the derivatives by loads, contact radii and approach."""
 
-    error: Callable[[FloatArray, FloatArray, float, Fields], float]
+    error: Callable[[FloatArray, FloatArray, float], float]
     by_loads: FloatArray | float = 0.0
     by_radii: FloatArray | float = 0.0
     by_approach: float = 0.0
@@ -127,57 +131,55 @@ class Condition:
 
 def at_load(load: float) -> Condition:
     """Return the condition that the total load is `load` [mm^2]."""
-    return Condition(lambda a, p, x, found: float(p.sum()) - load, by_loads=1.0, of_loads=True)
+    return Condition(lambda a, p, x: float(p.sum()) - load, by_loads=1.0, of_loads=True)
 
 
 def at_approach(approach: float) -> Condition:
     """Return the condition that the approach is `approach` [mm]."""
-    return Condition(lambda a, p, x, found: x - approach, by_approach=1.0)
+    return Condition(lambda a, p, x: x - approach, by_approach=1.0)
 
 
 def at_radius(contacts: Contacts, i: int, radius: float) -> Condition:
     """Return the condition that the contact radius of the i-th contact is `radius` [mm]."""
     unit = np.zeros(len(contacts.closed))
     unit[i] = 1.0
-    return Condition(lambda a, p, x, found: float(a[i]) - radius, by_radii=unit)
+    return Condition(lambda a, p, x: float(a[i]) - radius, by_radii=unit)
 
 
 def touching(contacts: Contacts, k: int) -> Condition:
     """Return the condition that the k-th open asperity touches the plane."""
 
-    def error(a: FloatArray, p: FloatArray, x: float, found: Fields) -> float:
-        return float(contacts.overlap(p, found, x)[k])
+    def error(a: FloatArray, p: FloatArray, x: float) -> float:
+        return float(contacts.overlap(p, x)[k])
 
-    row = -contacts.scene.coupling.influence[contacts.closed, contacts.others[k]]
-    return Condition(error, by_loads=row, by_approach=1.0)
+    return Condition(error, by_loads=-contacts.outward[:, k], by_approach=1.0)
 
 
-def solve(contacts: Contacts, a: FloatArray, p: FloatArray, x: float, condition: Condition) -> State | None:
+def solve(contacts: Contacts, a: FloatArray, x: float, condition: Condition) -> State | None:
     """Return the state that satisfies the condition, or None if Newton's method does not converge.
 
-    a, p, x: initial guess of contact radii [mm], loads [mm^2] and approach [mm].
+    a, x: initial guess of contact radii [mm] and approach [mm].
     """
     step: Step | None = None
     last, worse, fresh = np.inf, 0, False
     for _ in range(MOST_STEPS):
-        found = contacts.respond(a, p)
+        found = contacts.respond(a)
         force = found.indentation + found.displacement - (x - contacts.gap)
-        excess = p - found.load
-        wrong = condition.error(a, p, x, found)
-        residual = _residual(contacts, a, found, force, excess, wrong, condition)
+        wrong = condition.error(a, found.load, x)
+        residual = _residual(a, found, force, wrong, condition)
         if not np.isfinite(residual) or (a < contacts.least_radius).any():
             return None
         if residual <= GOAL or (residual <= TOLERANCE and residual > 0.1 * last):
-            return State(contacts, a, p, x, found, residual)
+            return State(contacts, a, x, found, residual)
         if fresh and residual > last:
             worse += 1
             if worse > MOST_WORSE:
                 return None
         fresh = step is None or residual > PROGRESS * last
         if step is None or fresh:
-            step = _linear_step(contacts.linearise(a, found), condition)
+            step = _linear_step(contacts.linearise(a), condition)
         last = residual
-        change, moved, shift = step(force, excess, wrong)
+        change, shift = step(force, wrong)
         if not np.isfinite(change).all():
             return None
         longest = float((np.abs(change) / a).max())
@@ -185,46 +187,31 @@ def solve(contacts: Contacts, a: FloatArray, p: FloatArray, x: float, condition:
         if length < 1.0:
             step = None
         # the radius of a cap may be limited, as for a sphere by its equator
-        wider = np.minimum(a + length * change, 0.5 * (a + contacts.largest_radius))
-        a, p, x = wider, p + length * moved, x + length * shift
+        a = np.minimum(a + length * change, 0.5 * (a + contacts.largest_radius))
+        x += length * shift
     return None
 
 
-def _residual(
-    contacts: Contacts,
-    a: FloatArray,
-    found: Fields,
-    force: FloatArray,
-    excess: FloatArray,
-    wrong: float,
-    condition: Condition,
-) -> float:
+def _residual(a: FloatArray, found: Fields, force: FloatArray, wrong: float, condition: Condition) -> float:
     """Return the largest error: lengths over the largest indentation of a cap, loads over loads of caps."""
     depth = float(found.depth.max())
-    loads = a * found.depth  # of the order of the loads of the caps
-    unit = float(loads.sum()) if condition.of_loads else depth
-    errors = (np.abs(force).max() / depth, np.abs(excess).max() / loads.max(), abs(wrong) / unit)
-    return float(max(errors))
+    # the products are of the order of the loads of the caps
+    unit = float((a * found.depth).sum()) if condition.of_loads else depth
+    return float(max(np.abs(force).max() / depth, abs(wrong) / unit))
 
 
 def _linear_step(linear: Linear, condition: Condition) -> Step:
-    """Return a function that computes Newton steps from the errors of F, of p and of the condition."""
+    """Return a function that computes Newton steps from the errors of F and of the condition."""
     count = len(linear.by_radius)
     matrix = np.empty((count + 1, count + 1))
     matrix[:count, :count] = linear.by_radius
     matrix[:count, count] = -1.0
-    weights = np.broadcast_to(np.asarray(condition.by_loads, dtype=np.float64), (count,))
-    by_loads = linear.loads * weights if linear.loads.ndim == 1 else weights @ linear.loads
-    matrix[count, :count] = condition.by_radii + by_loads
+    matrix[count, :count] = condition.by_radii + linear.load * condition.by_loads
     matrix[count, count] = condition.by_approach
     factor, pivot, _ = dgetrf(matrix, overwrite_a=True)
 
-    def step(force: FloatArray, excess: FloatArray, wrong: float) -> tuple[FloatArray, FloatArray, float]:
-        loads = linear.corrected(excess)
-        right = np.empty(count + 1)
-        right[:count] = -force - linear.by_loads @ loads
-        right[count] = -wrong - float(weights @ loads)
-        change = dgetrs(factor, pivot, right)[0]
-        return change[:count], loads + linear.along(change[:count]), float(change[count])
+    def step(force: FloatArray, wrong: float) -> tuple[FloatArray, float]:
+        change = dgetrs(factor, pivot, -np.append(force, wrong))[0]
+        return change[:count], float(change[count])
 
     return step

@@ -139,8 +139,8 @@ class Unloading(Loading):
         """Solve for a state with a given radius of contact i, from the prediction of the tangent."""
         shift = (radius - state.a[i]) / state.rate[i]
         change = state.rate * shift
-        a, p = np.maximum(state.a + change, 0.3 * state.a), state.p + state.linear.along(change)
-        return solve(state.contacts, a, p, state.x + shift, at_radius(state.contacts, i, radius))
+        a = np.maximum(state.a + change, 0.3 * state.a)
+        return solve(state.contacts, a, state.x + shift, at_radius(state.contacts, i, radius))
 
     def _search(
         self, state: State, new: State, i: int, value: Callable[[State], float], part: float
@@ -183,14 +183,14 @@ class Unloading(Loading):
     def _leave(self, state: State, goal: Goal) -> None:
         """Break the contact that shrinks fastest, and all that break with it, at the same approach."""
         rate = np.abs(state.rate / state.a)
-        closed, a, p = state.closed, state.a, state.p
+        closed, a = state.closed, state.a
         while len(closed):
             kept = np.arange(len(closed)) != rate.argmax()
-            closed, a, p, rate = closed[kept], a[kept], p[kept], rate[kept]
+            closed, a, rate = closed[kept], a[kept], rate[kept]
             if not len(closed):
                 break
             contacts = Contacts(self.scene, closed)
-            found = solve(contacts, a, p, state.x, at_approach(state.x))
+            found = solve(contacts, a, state.x, at_approach(state.x))
             if found is not None and found.holds and float(np.abs(found.a / a - 1.0).max()) < BACK:
                 self.state = found
                 return

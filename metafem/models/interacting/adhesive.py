@@ -143,11 +143,8 @@ class AdhesiveCoupling(Coupled):
         names = ("approach", "load", "area", "stiffness")
         return tuple(np.array([getattr(curve, name) for curve in curves]) for name in names)
 
-    def sensitivity(self, height: FloatArray, load: FloatArray, by: str = "height") -> Sensitivity:
-        """Return the loading curve at increasing loads (k,), and dA0/dh at fixed load [mm], (k, n).
-
-        by: only "height"; adhesive laws have no derivatives by the shape of the caps.
-        """
+    def sensitivity(self, height: FloatArray, load: FloatArray) -> Sensitivity:
+        """Return the loading curve at increasing loads (k,), and dA0/dh at fixed load [mm], (k, n)."""
         found = followed_near(self._scene(height), load)
         indentation = np.array([found.indentation(state) for state in found.states])
         curve = found.curve(partial(self._last, height, found), ())
@@ -178,7 +175,7 @@ class AdhesiveCoupling(Coupled):
         gap = height.max() - height
         self_term = regular + self.pedestals(height, self.surface.radius if radius is None else radius)
         summits = np.broadcast_to(self.law.summits(self.surface, radius), gap.shape)
-        return Scene(self.law, summits, gap, coupling, self_term)
+        return Scene(self.law, summits, gap, coupling.influence, self_term)
 
     def _last(self, height: FloatArray, found: Followed) -> RescaledState:
         return self.state(height, *found.last())

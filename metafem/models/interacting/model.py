@@ -74,7 +74,8 @@ class Interacting:
     substrate : Substrate
         `HalfSpace()` (default), `BondedLayer()`, or any other substrate.
     contact : Contact
-        Law of one contact; default: `Hertz()`. Laws that consist only of P(d) and A(d) need order 1.
+        Law of one contact; default: `Hertz()`. Laws of adhesive and plastic contacts, and
+        tables of P(d) and A(d), need order 1.
     pedestal : bool
         Whether to add the compliance of spherical caps in the limit of light loads, tabulated up to
         h/R = 0.6; default: False.
@@ -114,8 +115,8 @@ class Interacting:
         checked_contact(self.contact)
         if self.order > self.contact.largest_order:
             raise InvalidInput(
-                f"order = {self.order} needs the profile of the contacts, which {self.contact!r} does not "
-                "have; use order=1"
+                f"order = {self.order} needs elastic contacts without adhesion, other than {self.contact!r}; "
+                "use order=1"
             )
         check.instance("pedestal", self.pedestal, bool, "True or False")
 

@@ -15,7 +15,7 @@ MATERIAL = mf.Material(MODULUS)
 POWERS = [mf.PowerCap(n) for n in (1.5,)]
 PROFILE = mf.AxisymmetricCap(lambda rho: rho**4 / (2.0 * RADIUS**3), 0.4)
 CAPS = [mf.Hertz(), *POWERS, mf.SphericalCap(), PROFILE]
-QUANTITIES = ("indentation", "load", "second_moment", "stiffness", "area_slope")
+QUANTITIES = ("indentation", "load", "stiffness", "area_slope")
 
 
 def bound(cap=None, energy=ENERGY):
@@ -89,7 +89,7 @@ def test_without_adhesion_the_law_is_that_of_the_cap():
 
 @pytest.mark.parametrize(("cap", "energy"), [*((cap, ENERGY) for cap in CAPS), (mf.SphericalCap(), 0.0)])
 def test_the_energy_of_a_contact(cap, energy):
-    """U = int_0^a (d - d_cap(s))^2 ds - pi w a^2 is stationary at a, and dU/dd = P, dU/dk = -M/2."""
+    """U = int_0^a (d - d_cap(s))^2 ds - pi w a^2 is stationary at a, and dU/dd = P."""
     law = mf.JKR(energy, cap, MATERIAL)
     x, weight = np.polynomial.legendre.leggauss(60)
     a, k, w = 0.12, 0.2, energy / MODULUS
@@ -101,11 +101,10 @@ def test_the_energy_of_a_contact(cap, energy):
         rest = depth - cap.indentation(radius * t**2, RADIUS, curvature)
         return float(0.5 * weight @ (rest**2 * 2.0 * radius * t)) - math.pi * w * radius**2
 
-    load, moment = law.load(a, RADIUS, k), law.second_moment(a, RADIUS, k)
+    load = law.load(a, RADIUS, k)
     scale = cap.load(a, RADIUS, k) * d / a
     assert derivative(lambda b: value(d, k, b), a, 1e-4 * a) == pytest.approx(0.0, abs=1e-7 * scale)
     assert derivative(lambda e: value(e, k, a), d, 1e-2 * d) == pytest.approx(load, rel=1e-7)
-    assert derivative(lambda c: value(d, c, a), k, 1e-2) == pytest.approx(-0.5 * moment, rel=1e-7)
     slope = derivative(lambda b: law.load(b, RADIUS, k), a, 1e-4 * a)
     slope /= derivative(lambda b: law.indentation(b, RADIUS, k), a, 1e-4 * a)
     assert law.stiffness(a, RADIUS, k) == pytest.approx(slope, rel=1e-7)

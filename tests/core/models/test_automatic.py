@@ -105,11 +105,15 @@ def test_other_caps_are_resolved_where_order_3_does_not_hold():
 
 def test_laws_that_cannot_be_resolved_stay_with_asperities_and_say_so():
     surface, jkr, plastic = lattice(0.1 * np.ones(9)), mf.JKR(9e-6), mf.KogutEtsion(1.0)
-    for law, order, words in ((jkr, 3, "checked by this alone"), (plastic, 1, "the law has no profile")):
+    for law in (jkr, plastic):
         state = mf.equilibrium(surface, mf.Automatic(contact=law), load=0.1)
-        assert state.model == mf.Interacting(order, contact=law)
-        assert words in state.notes[0].text
-        assert state.notes[0].warns == (law == plastic)
+        assert state.model == mf.Interacting(1, contact=law)
+        assert "cannot be resolved: the tolerance is not checked" in state.notes[0].text
+        assert state.notes[0].warns
+    cell = surface.replaced(cell=mf.PeriodicCell(4.5, 4.5))
+    state = mf.equilibrium(cell, mf.Automatic(1e-9), load=0.1)
+    assert state.model == mf.Interacting()
+    assert "a periodic cell is not resolved" in state.notes[0].text
 
 
 # Two contacts that merge, and three of which order 3 has no solution; areas extrapolated from three cells.

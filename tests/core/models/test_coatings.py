@@ -19,7 +19,7 @@ MODELS = [
     mf.Independent(mf.Elastic()),
     mf.Independent(mf.KogutEtsion(10.0)),
     mf.Interacting(pedestal=True),
-    mf.Interacting(contact=mf.JKR(9e-6)),
+    mf.Interacting(1, contact=mf.JKR(9e-6)),
 ]
 
 

@@ -57,7 +57,7 @@ def test_the_cheapest_sufficient_estimate_is_taken(monkeypatch):
 
 
 UNKNOWN = [
-    (rough(1.5), mf.Independent(mf.KogutEtsion(0.5)), "no profile"),
+    (rough(1.5), mf.Independent(mf.KogutEtsion(0.5)), "cannot be resolved"),
     (rough(0.3), mf.Interacting(), "contacts overlap"),
     (rough(0.8, thickness=0.05), mf.Independent(), "thinner"),
 ]

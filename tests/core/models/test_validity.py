@@ -157,7 +157,7 @@ def test_point_loads_of_laws_without_a_profile_are_bounded():
 
 def test_adhesive_contacts_are_compared_on_their_own_path(monkeypatch):
     surface, law = rough(pitch=0.9, thickness=0.8, side=3), mf.JKR(2e-5)
-    models = mf.Independent(law), mf.Interacting(substrate=mf.BondedLayer(), contact=law)
+    models = mf.Independent(law), mf.Interacting(1, substrate=mf.BondedLayer(), contact=law)
     alone, full = (mf.friction_law(surface, model, load=[0.02, 0.1], unloading=True) for model in models)
     change = full.area / alone.area - 1.0
     assert f"by up to {100.0 * change[np.abs(change).argmax()]:+.2g} %" in said(alone)

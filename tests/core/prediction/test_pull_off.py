@@ -15,7 +15,7 @@ def rough(spread):
 
 
 def test_one_contact():
-    for model in [mf.Independent(mf.JKR(ENERGY)), mf.Interacting(contact=mf.JKR(ENERGY))]:
+    for model in [mf.Independent(mf.JKR(ENERGY)), mf.Interacting(1, contact=mf.JKR(ENERGY))]:
         surface = mf.Surface([[0.0, 0.0]], [0.1], RADIUS, mf.Material(1.36))
         assert mf.pull_off(surface, model, load=0.01) == pytest.approx(SINGLE, rel=1e-12)
 
@@ -27,7 +27,7 @@ def test_equal_independent_contacts_break_together():
 
 @pytest.mark.parametrize(
     "model",
-    [mf.Independent(mf.JKR(ENERGY)), mf.Interacting(contact=mf.JKR(ENERGY))],
+    [mf.Independent(mf.JKR(ENERGY)), mf.Interacting(1, contact=mf.JKR(ENERGY))],
 )
 def test_path_ends_at_the_pull_off_force(model):
     surface = rough(0.003)

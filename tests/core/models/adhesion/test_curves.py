@@ -14,7 +14,7 @@ JKR = mf.JKR(ENERGY)
 MODELS = [
     mf.Independent(JKR),
     mf.Interacting(order=1, contact=JKR),
-    mf.Interacting(order=3, substrate=mf.BondedLayer(), contact=JKR, pedestal=True),
+    mf.Interacting(order=1, substrate=mf.BondedLayer(), contact=JKR, pedestal=True),
 ]
 HEIGHT = 0.15 - np.random.default_rng(4).uniform(0.0, 0.03, 9)
 

@@ -14,12 +14,12 @@ ENERGY = 9e-6
 LOCATED = 1e-6
 
 
-def scene_of(height, substrate, order=3):
+def scene_of(height, substrate):
     surface = lattice(height)
     bound = substrate.for_surface(surface)
-    coupling, regular = coupling_between(surface, bound, order)
+    coupling, regular = coupling_between(surface, bound, 1)
     law = mf.JKR(ENERGY).for_material(surface.material)
-    return surface, Scene(law, surface.radius, surface.gap, coupling, regular)
+    return surface, Scene(law, surface.radius, surface.gap, coupling.influence, regular)
 
 
 def check_jumps(scene, largest, unloading, rows):
@@ -53,9 +53,9 @@ def test_one_among_many_stiff_contacts_jumps():
         place = 1e6 * np.stack(np.divmod(np.arange(25), 5), axis=1)
         surface = scene(place, height, 0.526)
         model = mf.Independent(mf.JKR(ENERGY)).curve(surface, np.array([0.0, 1.3]), unloading=unloading)
-        coupling, regular = coupling_between(surface, mf.HalfSpace(), 3)
+        coupling, regular = coupling_between(surface, mf.HalfSpace(), 1)
         law = mf.JKR(ENERGY).for_material(surface.material)
-        apart = Scene(law, surface.radius, surface.gap, coupling, regular)
+        apart = Scene(law, surface.radius, surface.gap, coupling.influence, regular)
         jumps = follow(apart, np.array([0.0, 1.3]), True, unloading, 1.0).jumps
         assert said(model).startswith(f"{len(jumps)} jumps of A0")
         assert len(jumps) == 5 + (not unloading)
@@ -68,9 +68,9 @@ def test_two_contacts_that_break_together_are_followed():
     for lower in (0.0, 1e-5, -1e-5):
         height_of = height - np.where(np.arange(64) == 36, lower, 0.0)
         surface = mf.Surface.square_lattice(height_of, radius=0.526, material=mf.Material(1.36))
-        coupling, regular = coupling_between(surface, mf.HalfSpace(), 3)
+        coupling, regular = coupling_between(surface, mf.HalfSpace(), 1)
         law = mf.JKR(ENERGY).for_material(surface.material)
-        asperities = Scene(law, surface.radius, surface.gap, coupling, regular)
+        asperities = Scene(law, surface.radius, surface.gap, coupling.influence, regular)
         found.append(follow(asperities, np.array([2.2e-3, 0.07]), True, True, 1.0))
     # heights that differ by 10 nm separate the two breaks; afterwards all states are the same
     assert [len(path.jumps) for path in found] == [1, 2, 2]
@@ -82,10 +82,10 @@ def test_two_contacts_that_break_together_are_followed():
 
 
 def test_states_are_stable():
-    """The second variation of the potential by contact radii and approach, order 1, is positive."""
+    """The second variation of the potential by contact radii and approach is positive."""
     for unloading in (False, True):
         height = 0.15 - np.random.default_rng(1).uniform(0.0, 0.03, 9)
-        _, scene = scene_of(height, mf.HalfSpace(), 1)
+        _, scene = scene_of(height, mf.HalfSpace())
         for state in follow(scene, np.linspace(0.0, 0.05, 9), True, unloading, 1.0).states:
             a, law = state.a, scene.law
             s = law.deficit(a)

@@ -71,7 +71,7 @@ def test_batch_agrees_with_single_laws():
 
 
 def test_batch_of_adhesive_contacts_agrees_with_single_laws():
-    model, surface = mf.Interacting(contact=mf.JKR(9e-6)), lattice(0.12 - 0.004 * np.arange(9))
+    model, surface = mf.Interacting(1, contact=mf.JKR(9e-6)), lattice(0.12 - 0.004 * np.arange(9))
     heights, load = np.stack([surface.height, surface.height[::-1]]), np.array([0.2, 0.05])
     _, carried, area, stiffness = model.curves(surface, heights, load)
     assert_allclose(carried, np.broadcast_to(load, carried.shape), rtol=1e-9)

@@ -50,7 +50,7 @@ def test_shifted_and_wrapped_sites_are_the_same_surface():
 
 
 def test_adhesive_contacts_have_images():
-    model = mf.Interacting(contact=mf.JKR(9e-6))
+    model = mf.Interacting(1, contact=mf.JKR(9e-6))
     single, several = (
         mf.equilibrium(surface, model, load=0.02 * surface.count) for surface in (ONE, repeated(ONE, 2))
     )
