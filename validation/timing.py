@@ -27,21 +27,12 @@ def took(work: Callable[[], Any]) -> tuple[float, Any]:
     return time.perf_counter() - start, result
 
 
-@dataclass(frozen=True)
-class Spent:
-    """What a process took: seconds on the clock and of its processor, and its peak memory [GiB]."""
-
-    seconds: float
-    processor: float
-    memory: float
-
-
-def spent(command: Sequence[str], **options: Any) -> Spent:
-    """Run a command, with options of `subprocess.Popen`, and measure what it takes; it must end with 0."""
+def spent(command: Sequence[str], **options: Any) -> tuple[float, float]:
+    """Run a command, which must end with 0, and return its seconds and its peak memory [GiB]."""
     quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
     process = subprocess.Popen(command, **quiet, **options)
     seconds, (_, status, used) = took(lambda: os.wait4(process.pid, 0))
     process.returncode = os.waitstatus_to_exitcode(status)
     if process.returncode:
         raise subprocess.CalledProcessError(process.returncode, command)
-    return Spent(seconds, used.ru_utime + used.ru_stime, used.ru_maxrss / 2**20)
+    return seconds, used.ru_maxrss / 2**20

@@ -41,10 +41,9 @@ TRIALS = 2000
 # Simulated laws for each trial. Their error, about 0.1 of the growth of chi-square, averages out over trials.
 DRAWS = 300
 
-# Loads P/E* [mm²], by colour, and the number of points of the first line in Fig. 5.
+# Loads P/E* [mm²], by colour.
 STEP = 0.01
 LOADS = {"red": 0.011 + STEP * np.arange(11), "blue": 0.023 + STEP * np.arange(16)}
-FIRST = {"red": 4, "blue": 8}
 
 # Coverage that the intervals state, and its tolerance.
 WANTED, TOLERANCE = 0.68, 0.03

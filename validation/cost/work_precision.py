@@ -1,4 +1,4 @@
-"""Seconds against error in A0(P) and P(δ), for every model on seven surfaces, and for other public codes."""
+"""Seconds against error in A0(P) and P(δ), for every model on seven surfaces, and for tamaas."""
 
 from __future__ import annotations
 

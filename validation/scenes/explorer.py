@@ -79,13 +79,12 @@ def _address(process: subprocess.Popen[str], log: Path) -> str:
 
 @dataclass
 class Visit:
-    """A page of the explorer: its errors and requests, their size [bytes], and the time to its law [s]."""
+    """A page of the explorer: its errors and requests, and the time to its law [s]."""
 
     page: Page
     server: Server
     errors: list[str] = field(default_factory=list)
     requests: list[str] = field(default_factory=list)
-    size: float = 0.0
     seconds: float = 0.0
 
     @property
@@ -173,13 +172,6 @@ def visited(
         context.add_init_script(path=SCRIPT)
         page = context.new_page()
         visit = Visit(page, server)
-        counted = context.new_cdp_session(page)
-        counted.send("Network.enable")
-
-        def loaded(event: dict[str, Any]) -> None:
-            visit.size += event["encodedDataLength"]
-
-        counted.on("Network.loadingFinished", loaded)
         page.on("request", lambda asked: visit.requests.append(asked.url))
         page.on("console", lambda said: visit.errors.append(said.text) if said.type == "error" else None)
         page.on("pageerror", lambda error: visit.errors.append(str(error)))
