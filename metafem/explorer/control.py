@@ -5,20 +5,19 @@ from __future__ import annotations
 import asyncio
 import math
 import time
-from collections.abc import Awaitable, Callable, Iterable, Mapping
+from collections.abc import Awaitable, Callable, Iterable, Mapping, MutableMapping
 from dataclasses import replace
 from functools import partial
 from typing import Any, NamedTuple
 
-from nicegui import ui
+from nicegui import app, ui
 
 from metafem.errors import InvalidInput
 from metafem.explorer.answer import Answer, answered
-from metafem.explorer.browser import Browser, record_of
 from metafem.explorer.queue import LOG, PATIENCE, Queue, in_words
 from metafem.explorer.session import Session, State
 from metafem.explorer.text.document import loses_comments
-from metafem.explorer.text.link import from_link, restored
+from metafem.explorer.text.link import from_link, to_link
 from metafem.explorer.text.names import on_page
 
 # What shows an answer in a panel, with the data that were prepared for it.
@@ -31,6 +30,9 @@ PATIENCE_WITH_DRAFTS = 5.0
 
 # Said once, when an edit by hand ends the comments that the user wrote.
 COMMENTS_END = "The comments in your specification end with this first edit by hand. Undo brings them back."
+
+# Returns the link in the address, and reports each other link that is pasted there.
+LINKED = "(addEventListener('hashchange', () => emitEvent('linked', location.hash)), location.hash)"
 
 
 class Panel:
@@ -90,8 +92,10 @@ class Control:
         self.queue: Queue[Request, tuple[Answer, list[Show]]] = Queue(
             self._work, self._show, self._failed, patience=patience, better=whole_of
         )
-        self.browser = Browser(self._restored, self.open_link)
+        self.kept: MutableMapping[str, Any] = {}  # what NiceGUI keeps of the tab as long as the server runs
         self.client = ui.context.client
+        self.client.on_connect(self._begin)
+        ui.on("linked", lambda event: self.open_link(event.args))
         self.client.on_delete(self.queue.stop)
         self.client.on_exception(self.wrong)
 
@@ -137,21 +141,22 @@ class Control:
         """
         number = self.asked + 1
 
-        def make() -> tuple[Session, dict[str, Any]]:
+        def make() -> tuple[Session, str]:
             session = change(self.session)
-            return session, {} if draft else record_of(session)
+            return session, "" if draft else to_link(session.state)
 
-        def use(number: int, made: tuple[Session, dict[str, Any]]) -> None:
-            session, record = made
+        def use(number: int, made: tuple[Session, str]) -> None:
+            session, link = made
             if not draft:
-                self.session = session
-                self.browser.run_method("keep", record)
+                self.session = self.kept["session"] = session
+                address = f"'#{link}'" if link else "location.pathname"
+                self.client.run_javascript(f"history.replaceState(null, '', {address})")
             self._ask(number, session.state, draft, stopped)
 
         if by is not None:
             by.asked = number
         if not draft:
-            self.browser.run_method("asks", number)
+            self.client.run_javascript(f"document.body.dataset.asked = {number}")  # for tests
         try:
             return await self.queue.change(make, use, replaceable=draft or replaceable)
         except Exception:
@@ -279,14 +284,23 @@ class Control:
         """Show the state in a link as a new step of the history."""
         await self.told(self.step(lambda state: from_link(link)))
 
-    async def _restored(self, kept: Any) -> None:
-        """Show the state from the history in the browser or from the address, otherwise the first state."""
+    async def _begin(self) -> None:
+        """Show the history of the tab, with the state in the address, otherwise the first state."""
+        if self.number:
+            return  # connected again
+        self.kept = app.storage.tab
+        link = await self.client.run_javascript(LINKED)
         problem = ""
 
         def begun(session: Session) -> Session:
             nonlocal problem
-            session, problem = restored(kept, session)
-            return session
+            session = self.kept.get("session", session)
+            try:
+                same = link.strip("#") in ("", to_link(session.state))
+                return session if same else session.after(from_link(link))
+            except InvalidInput as error:
+                problem = str(error)
+                return session
 
         await self.change(begun)
         if problem:

@@ -23,7 +23,7 @@ def token_and_port(wanted: int | None) -> tuple[str, int]:
 
     The port is `wanted` or, if this is None, the port of the last run or any free port. Token and port are
     saved in the cache folder in a file that only the user can read; if that is impossible, each run has new
-    ones. While another run has the port of the last run, a run without `wanted` does not save its own port.
+    ones. A run beside the last one, whose port is in use, does not save its own, unless it is `wanted`.
     """
     token, last = _kept()
     port = _free(wanted) if wanted is not None else _first_free(last)

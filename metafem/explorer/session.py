@@ -1,4 +1,4 @@
-"""The state of a page and its history, which the browser stores."""
+"""The state of a page and its history."""
 
 from __future__ import annotations
 
@@ -9,8 +9,7 @@ from typing import Any
 
 from metafem.errors import InvalidInput
 
-# Largest number of states in the history. The browser stores them and allows a few megabytes for each page;
-# each state needs a few kilobytes.
+# Largest number of states in the history; each needs a few kilobytes.
 MOST_STATES = 200
 
 
@@ -84,14 +83,10 @@ def _names(given: Any) -> tuple[Any, ...]:
 
 @dataclass(frozen=True)
 class Session:
-    """The history of a page: its states in order, and the index `at` of the current state.
-
-    States are numbered from the start of the history; `first` is the number of the oldest state in the list.
-    """
+    """The history of a page: its states in order, and the index `at` of the current state."""
 
     states: tuple[State, ...]
     at: int = 0
-    first: int = 0
 
     @property
     def state(self) -> State:
@@ -105,25 +100,10 @@ class Session:
         """
         if state.as_shown_in(self.state) == self.state:
             return replace(self, states=(*self.states[: self.at], state, *self.states[self.at + 1 :]))
-        states = (*self.states[: self.at + 1], state)
-        first = self.first + max(0, len(states) - MOST_STATES)
-        states = states[-MOST_STATES:]
-        return Session(states, len(states) - 1, first)
+        states = (*self.states[: self.at + 1], state)[-MOST_STATES:]
+        return Session(states, len(states) - 1)
 
     def moved(self, steps: int) -> Session:
         """Return the history at the state so many steps later; the same history without such a state."""
         at = self.at + steps
         return replace(self, at=at) if 0 <= at < len(self.states) else self
-
-    @classmethod
-    def restored(cls, record: Any) -> Session | None:
-        """Return the stored history, or None if none is stored; raise InvalidInput if it is damaged."""
-        if not isinstance(record, dict) or not record.get("states"):
-            return None
-        states, first, at = record["states"], record.get("first"), record.get("at")
-        damaged = InvalidInput("the history that the browser kept is damaged; the page begins anew")
-        if not (isinstance(states, list) and isinstance(first, int) and isinstance(at, int)):
-            raise damaged
-        if not 0 <= at - first < len(states) <= MOST_STATES:
-            raise damaged
-        return cls(tuple(State.from_json(str(state)) for state in states), at - first, first)

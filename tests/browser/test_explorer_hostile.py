@@ -13,16 +13,6 @@ pytestmark = pytest.mark.nightly
 # What runs if a page takes it for HTML.
 HTML = "</script><img src=x onerror='window.hacked=1'><script>window.hacked=1</script>"
 
-# A table with a long remark, and a store that has so many characters left.
-LARGE = b"load_N,friction_force_N\n0.1,0.12\n0.3,0.4\n#" + b"x" * 95_000
-FILLED = """left => {
-  let text = "x".repeat(1e7);
-  while (text.length > 1) {
-    try { sessionStorage.setItem("filled", text); break; } catch { text = text.slice(0, 0.99 * text.length); }
-  }
-  sessionStorage.setItem("filled", text.slice(left));
-}"""
-
 
 @pytest.fixture
 def visit(visit):
@@ -55,30 +45,3 @@ def test_no_text_is_taken_for_html(visit):
     visit.at_rest()
     assert page.evaluate("() => window.hacked") is None
     assert page.locator("img[src=x]").count() == 0
-
-
-def test_a_large_history_outlives_a_reload_and_a_full_store(visit):
-    """Some hundred kilobytes a state are more than a message takes, and soon more than the browser keeps."""
-    page = visit.page
-    drop(visit, ".law-plot", "m.csv", LARGE)
-    visit.page.locator(".law-legend li", has_text="m.csv").wait_for()
-    for number in range(11):
-        visit.entered("limits.max_height", f"{271 + number} um")
-    before = visit.history
-    assert sum(map(len, before["states"])) > 1e6
-    page.reload()
-    visit.settled()
-    assert visit.history == before
-    page.evaluate(FILLED, 250_000)
-    for number in range(4):
-        visit.entered("limits.max_height", f"{290 + number} um")
-    kept = [each for each in visit.history["states"] if each]
-    assert 1 < len(kept) < len(before["states"]) + 4
-    page.reload()
-    visit.settled()
-    assert visit.history["states"] == kept
-    assert '"293 um"' in visit.text
-    page.evaluate("() => sessionStorage.setItem('metafem', '{')")  # the address has the state, too
-    page.reload()
-    visit.settled()
-    assert '"293 um"' in visit.text

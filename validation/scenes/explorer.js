@@ -24,14 +24,7 @@ window.probe = {
     field.dispatchEvent(new Event('change', { bubbles: true }));
   },
 
-  // The states that the browser keeps, and which of them is shown.
-  history: () => {
-    const { first, end, at } = JSON.parse(sessionStorage.getItem('metafem'));
-    const numbers = Array.from({ length: end - first }, (_, i) => first + i);
-    return { at: at - first, states: numbers.map(each => sessionStorage.getItem(`metafem.${each}`)) };
-  },
-
-  // Times of pointer moves, and of the frames after which the answers are on the screen.
+  // Times of pointer moves and of the last release, and of the frames after which the answers are on the screen.
   watch: () => {
     const seen = { moves: [], drawn: [], sent: 0 };
     const emit = socket.emit;

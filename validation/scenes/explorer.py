@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import re
 import subprocess
@@ -13,7 +12,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from metafem.explorer.text.link import from_link
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Locator, Page
@@ -88,16 +89,9 @@ class Visit:
     seconds: float = 0.0
 
     @property
-    def history(self) -> dict[str, Any]:
-        """The history that the browser keeps."""
-        kept: dict[str, Any] = self.page.evaluate("probe.history")
-        return kept
-
-    @property
     def text(self) -> str:
         """The specification of the state that is shown."""
-        history = self.history
-        return str(json.loads(history["states"][history["at"]])["text"])
+        return from_link(self.page.evaluate("() => location.hash")).text
 
     @property
     def asked(self) -> int:

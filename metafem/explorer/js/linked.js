@@ -1,8 +1,7 @@
-// What the parts of the page tell each other in the browser, and what it keeps for them. Events:
+// What the parts of the page tell each other in the browser. Events:
 //   load     { load, moving }   rescaled load [mm²] at which the contacts are shown; `moving` while it is dragged or played
 //   entries  { entry, exact }   rescaled load at which each site comes into contact; null while it is not known
 //   sites    sites              the sites under the pointer or in focus
-//   lost     lost               whether the connection to the server is lost
 //   table    files              files that were dropped onto the plot of the law
 const links = new EventTarget();
 
@@ -28,21 +27,12 @@ export class Chosen {
   }
 }
 
-// Keeps a text in the browser, of the tab or beyond it. A full or forbidden store forgets, and nothing else.
-export function remember(key, text, store = localStorage) {
+// Keeps a text in the browser. A full or forbidden store forgets, and nothing else.
+export function remember(key, text) {
   try {
-    store.setItem(key, text);
+    localStorage.setItem(key, text);
   } catch (error) {
     console.info(`${key} cannot be kept by the browser: ${error.message}`);
-  }
-}
-
-// Returns the values that the tab keeps at a key, {} if there are none or if they are damaged.
-export function kept(key) {
-  try {
-    return JSON.parse(sessionStorage.getItem(key)) ?? {};
-  } catch {
-    return {};
   }
 }
 

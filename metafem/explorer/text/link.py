@@ -6,17 +6,16 @@ import base64
 import json
 import zlib
 from contextlib import suppress
-from typing import Any
 
 from metafem.errors import InvalidInput
-from metafem.explorer.session import Session, State
+from metafem.explorer.session import State
 
 # First characters of a link: the version of its format.
 VERSION = "1."
 
-# Longest link that browsers accept in an address [characters], and largest state [bytes]. A state with a
-# thousand measured points has 40 kB.
-LONGEST, LARGEST = 2**20, 2**24
+# Longest link [characters], because NiceGUI drops messages of a megabyte, and largest state [bytes]. A state
+# with a thousand measured points has 40 kB.
+LONGEST, LARGEST = 900_000, 2**24
 
 
 def to_link(state: State) -> str:
@@ -64,22 +63,3 @@ def from_link(link: str) -> State:
     if len(plain) > LARGEST:
         raise InvalidInput(f"the link holds more than {LARGEST / 2**20:g} MiB")
     raise InvalidInput("the link is cut off or damaged; copy the whole address again")
-
-
-def restored(kept: Any, first: Session) -> tuple[Session, str]:
-    """Return the history that the browser stored, or else `first`, and the error messages, "" if none.
-
-    If the address contains a different state, this state becomes the last step of the history.
-    """
-    session, problems = first, list[str]()
-    try:
-        session = Session.restored(kept) or first
-    except InvalidInput as error:
-        problems.append(str(error))
-    try:
-        link = kept.get("link") if isinstance(kept, dict) else ""
-        if link and link != to_link(session.state):
-            session = session.after(from_link(link))
-    except InvalidInput as error:
-        problems.append(str(error))
-    return session, "; ".join(problems)

@@ -1,11 +1,10 @@
 // The head of the page: the target in words, the status, the model, undo and redo, and the menu.
 // It also takes the files that are dropped, and hands those on the plot of the law to it.
-import { ARROWS, hear, remember, tell } from "metafem-page/linked.js";
+import { ARROWS, remember, tell } from "metafem-page/linked.js";
 
 const THEMES = { light: "Light", auto: "Auto", dark: "Dark" };
 const CALM = 700;  // milliseconds without a new status, after which screen readers are told
 const THEME = "metafem-theme";
-const LOST = ["no server: changes must wait", "What is shown is the last answer. It can be changed again as soon as metafem explore runs."];
 const MAC = navigator.platform.startsWith("Mac");
 const CTRL = MAC ? "⌘" : "Ctrl+";
 
@@ -21,28 +20,28 @@ export default {
       <h1>metafem</h1>
       <p class="title" :title="title">{{ title }}</p>
       <span class="status">
-        <span class="told"><span :class="['chip', lost || part ? 'warn' : kind]" tabindex="0" :title="details" aria-describedby="status-details">{{ words }}</span>
+        <span class="told"><span :class="['chip', part ? 'warn' : kind]" tabindex="0" :title="details" aria-describedby="status-details">{{ words }}</span>
           <span id="status-details" class="details">{{ details }}</span></span>
-        <button v-if="stopped && !late" class="act stop" :disabled="lost" @click="$emit('compute')">Compute again</button>
-        <button v-else :class="['act', 'stop', { idle: !late || lost }]" title="Stop this computation, and return to what is shown" @click="$emit('stop')">Stop</button>
+        <button v-if="stopped && !late" class="act stop" @click="$emit('compute')">Compute again</button>
+        <button v-else :class="['act', 'stop', { idle: !late }]" title="Stop this computation, and return to what is shown" @click="$emit('stop')">Stop</button>
       </span>
       <span class="unseen" role="status">{{ announced }}</span>
       <span class="tools">
         <label class="row"><span>Model</span>
-          <select :class="['text', { pending: model !== solved }]" aria-label="Model" :disabled="lost" :value="model" :title="model === solved ? '' : 'Being computed; what is shown is the law under ' + solved" @change="model = $event.target.value; $emit('model', model)">
+          <select :class="['text', { pending: model !== solved }]" aria-label="Model" :value="model" :title="model === solved ? '' : 'Being computed; what is shown is the law under ' + solved" @change="model = $event.target.value; $emit('model', model)">
             <option v-if="!models.includes(model)" :value="model">{{ model }}</option>
             <option v-for="each in models" :key="each" :value="each">{{ each }}</option>
           </select>
         </label>
         <span class="row pair">
-          <button class="act icon" :aria-disabled="!undo || lost" title="Undo (${CTRL}Z)" aria-label="Undo" @click="undo && !lost && $emit('undo')">↶</button>
-          <button class="act icon" :aria-disabled="!redo || lost" title="Redo (${CTRL}${MAC ? "⇧" : "Shift+"}Z)" aria-label="Redo" @click="redo && !lost && $emit('redo')">↷</button>
+          <button class="act icon" :aria-disabled="!undo" title="Undo (${CTRL}Z)" aria-label="Undo" @click="undo && $emit('undo')">↶</button>
+          <button class="act icon" :aria-disabled="!redo" title="Redo (${CTRL}${MAC ? "⇧" : "Shift+"}Z)" aria-label="Redo" @click="redo && $emit('redo')">↷</button>
         </span>
-        <button class="act" title="A part of your own from a few values; undo brings back what was" :disabled="lost" @click="$emit('part')">New part</button>
+        <button class="act" title="A part of your own from a few values; undo brings back what was" @click="$emit('part')">New part</button>
         <button class="act" aria-haspopup="menu" :aria-expanded="opened" @click="$refs.menu.toggle()">Menu
           <q-menu ref="menu" v-model="opened" no-parent-event class="bar-menu" aria-label="Menu" anchor="bottom right" self="top right" transition-duration="0" @show="step(0)" @keydown="walk">
             <div role="group" aria-labelledby="menu-starts"><h3 id="menu-starts">Start over</h3>
-              <button v-for="name in starts" :key="name" role="menuitem" title="Undo brings back what was" :disabled="lost" @click="begin(name)">{{ name }}</button></div>
+              <button v-for="name in starts" :key="name" role="menuitem" title="Undo brings back what was" @click="begin(name)">{{ name }}</button></div>
             <div role="group" aria-labelledby="menu-colours"><h3 id="menu-colours">Colours of the page</h3>
               <button v-for="(word, name) in themes" :key="name" role="menuitemradio" :aria-checked="theme === name" @click="choose(name)">{{ word }}</button></div>
             <div role="group" aria-labelledby="menu-help"><h3 id="menu-help">How to use it</h3>
@@ -57,12 +56,12 @@ export default {
   data() {
     return {
       title: "", status: "designing …", kind: "", meaning: "", part: "", announced: "", model: this.models[0], solved: this.models[0], late: false, stopped: false,
-      undo: false, redo: false, opened: false, theme: localStorage.getItem(THEME) ?? "auto", lost: false, themes: THEMES,
+      undo: false, redo: false, opened: false, theme: localStorage.getItem(THEME) ?? "auto", themes: THEMES,
     };
   },
   computed: {
-    words() { return this.lost ? LOST[0] : this.part ? `${this.status}; no part can be made` : this.status; },
-    details() { return this.lost ? LOST[1] : [this.meaning, this.part].filter(Boolean).join(" "); },
+    words() { return this.part ? `${this.status}; no part can be made` : this.status; },
+    details() { return [this.meaning, this.part].filter(Boolean).join(" "); },
     keys() { return MAC ? this.help.replaceAll("Ctrl+Shift+", "⌘⇧").replaceAll("Ctrl+", "⌘") : this.help; },
   },
   mounted() {
@@ -72,7 +71,6 @@ export default {
     document.addEventListener("keydown", this.key, { signal });
     document.addEventListener("dragover", this.over, { signal });
     document.addEventListener("drop", this.drop, { signal, capture: true });
-    hear("lost", this.wait, signal);
   },
   unmounted() {
     this.closed.abort();
@@ -108,7 +106,6 @@ export default {
       if (event.altKey || event.defaultPrevented || typing(event.target)) return;
       const [name, control] = [event.key.toLowerCase(), event.ctrlKey || event.metaKey];
       if (event.key === "?" && !control && !writing(event.target)) this.open();
-      else if (this.lost) return;
       else if (control && (name === "y" || (name === "z" && event.shiftKey))) this.$emit("redo");
       else if (control && name === "z") this.$emit("undo");
       else return;
@@ -137,10 +134,6 @@ export default {
       if (event.target.closest?.(".law-plot") && !given) return tell("table", files);
       const { textsIn, textsOf } = await import("metafem-workshop/files.js");
       this.$emit("load", { files: await (folder ? textsIn(folder) : textsOf(files)) });
-    },
-    wait(lost) {  // a server that is started again knows no change that was made meanwhile
-      this.lost = lost;
-      document.querySelector(".explorer").inert = lost;
     },
     skip() {  // not by the fragment of the address, which holds the state
       document.querySelector(".explorer > .law")?.focus();

@@ -49,7 +49,7 @@ STATUS = {
 STOPPED = "stopped: change something, or compute again"
 
 
-class Bar(Widget, component="header.js", esm={"metafem-workshop": "js"}):
+class Bar(Widget, component="header.js", esm={"metafem-workshop": "js", "metafem-page": "../js"}):
     """Shows the data of `header_data`; emits an event for each change that it offers."""
 
 

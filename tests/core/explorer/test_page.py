@@ -3,21 +3,23 @@
 import asyncio
 import threading
 from importlib import import_module
+from types import SimpleNamespace
 
 import pytest
 from nicegui import Client
 from nicegui.page import page as page_of
 
 from metafem.errors import InvalidInput
-from metafem.explorer import queue
+from metafem.explorer import control, queue
 from metafem.explorer.control import Panel, Request, patience, whole_of
 from metafem.explorer.law.panel import LawPanel
 from metafem.explorer.page import build
-from metafem.explorer.session import State
+from metafem.explorer.session import Session, State
 from metafem.explorer.surface.panel import SurfacePanel
 from metafem.explorer.surface.sites_text import asked_sites
 from metafem.explorer.take.panel import Taking
 from metafem.explorer.text.document import Document
+from metafem.explorer.text.link import to_link
 from metafem.explorer.widget import Widget
 from metafem.explorer.workshop.header import FIRST, Header
 from metafem.explorer.workshop.panel import Workshop
@@ -33,7 +35,7 @@ UNIT = 1.0 / (0.37 * 0.85)
 
 # What takes long where texts are long or surfaces large.
 LONG = [
-    "control.answered", "browser.to_link", "law.panel.law_data", "law.panel.moved", "law.panel.removed",
+    "control.answered", "control.to_link", "law.panel.law_data", "law.panel.moved", "law.panel.removed",
     "law.panel.with_point", "law.panel.read_points",
     "law.further.other_law", "law.further.tolerance_band", "surface.panel.site_data",
     "surface.panel.layout_data", "surface.panel.contact_data", "surface.panel.press_data",
@@ -96,6 +98,35 @@ def test_a_change_is_a_step_and_a_draft_is_none():
     assert '"1.7 mm^2"' in draft.state.text
     assert (page.answer.number, page.state) == (5, State(OWN))
     assert page.answer.design == parsed(TEXT).design()
+
+
+def test_a_page_begins_with_the_history_of_its_tab_and_the_state_in_its_address(monkeypatch):
+    monkeypatch.setattr("metafem.explorer.control.app", SimpleNamespace(storage=SimpleNamespace(tab={})))
+    tab, words = control.app.storage.tab, []
+    low, high = (State(TEXT.replace("270 um", f"{height} um")) for height in (260, 280))
+
+    async def begun(page, link):
+        def address(code, **how):
+            found = asyncio.get_running_loop().create_future()
+            found.set_result(link)
+            return found
+
+        page.client.run_javascript, page.say = address, words.append
+        await page._begin()
+        await page._begin()  # connected again
+        await shown(page)
+        return page.session
+
+    def session(link=""):
+        return on_page(lambda page: begun(page, link))
+
+    assert session() == tab["session"] == Session((State(TEXT),))
+    assert session(f"#{to_link(low)}") == tab["session"] == Session((State(TEXT), low), 1)
+    assert session(f"#{to_link(low)}") == Session((State(TEXT), low), 1)  # loaded again
+    assert session("#1.eJyr") == Session((State(TEXT), low), 1)
+    assert ["link" in each for each in words] == [True]
+    tab.clear()  # of a server that was started again
+    assert session(f"#{to_link(high)}").state == high
 
 
 def test_stopping_leads_back_to_what_is_shown():

@@ -15,7 +15,7 @@ from metafem.explorer.answer import Answer, answered, specification_of
 from metafem.explorer.last_run import HOST, token_and_port
 from metafem.explorer.law.dropped import read_points
 from metafem.explorer.law.nearest import reachable, with_nearest
-from metafem.explorer.session import Session, State
+from metafem.explorer.session import State
 from metafem.explorer.start import explore, first_state
 from metafem.explorer.surface.sites_text import edited, typed_height
 from metafem.explorer.text.document import Document
@@ -57,11 +57,6 @@ def link(plain):
 
 def state(**members):
     return lambda: State.from_json(json.dumps({"text": "", **members}))
-
-
-def history(**members):
-    whole = {"states": [State("").to_json()], "first": 0, "at": 0}
-    return lambda: Session.restored(whole | members)
 
 
 def sites(action, numbers, height="", design=demo):
@@ -115,8 +110,6 @@ STATES = [
     (state(tables={"a": 1}), "state", "another kind"),
     (state(newtons=1), "state", "another kind"),
     (state(models=[1]), "state", "another kind"),
-    (history(at=1), "history", "damaged"),
-    (history(first=None), "history", "damaged"),
     (lambda: from_link("1." + "A" * LONGEST), f"{LONGEST + 2:,}", f"{LONGEST:,}"),
     (lambda: from_link("2.abc"), "link", "version"),
     (link(b"{}"), "link", "damaged"),

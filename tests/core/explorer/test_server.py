@@ -70,6 +70,11 @@ def test_the_token_opens_the_page_and_nothing_else_does():
         asked(fails=True, left=False)
 
 
+def run(wanted=None):
+    """Return token and port of a run."""
+    return last_run.token_and_port(wanted)
+
+
 def test_the_next_run_has_the_token_and_the_port_of_the_last(tmp_path, monkeypatch):
     folder = tmp_path / "cache"
     monkeypatch.setenv("METAFEM_CACHE_DIR", str(folder))

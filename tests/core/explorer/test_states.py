@@ -1,17 +1,15 @@
-"""States of a page: their history, what the browser keeps, links, and files that are loaded."""
+"""States of a page: their history, links, and files that are loaded."""
 
-import json
 import re
 from dataclasses import replace
 
 import pytest
 
 from metafem.errors import InvalidInput
-from metafem.explorer.browser import record_of
 from metafem.explorer.session import MOST_STATES, Session, State
 from metafem.explorer.start import first_state
 from metafem.explorer.text import link as module
-from metafem.explorer.text.link import from_link, restored, to_link
+from metafem.explorer.text.link import from_link, to_link
 from metafem.explorer.workshop.loading import Given, loaded, table_names
 from metafem.files import demo_text, read_spec, save
 from tests.explorer.scenes import SAMPLED, WANTED
@@ -33,19 +31,9 @@ def test_the_history_is_that_of_an_editor():
     session = session.after(named("d"))
     assert [each.text for each in session.states] == ["a = 1", "b", "d"]
     assert session.moved(1) == session
-    record = {
-        "states": [each.to_json() for each in session.states],
-        "first": session.first,
-        "at": session.first + session.at,
-    }
-    assert Session.restored(json.loads(json.dumps(record))) == session
-    assert Session.restored({"states": []}) is Session.restored("") is None
     for number in range(MOST_STATES):
         session = session.after(named(str(number)))
-    assert (len(session.states), session.first, session.states[0].text) == (MOST_STATES, 3, "0")
-    found = record_of(session)
-    assert (found["first"], found["end"], found["at"]) == (3, 3 + MOST_STATES, 2 + MOST_STATES)
-    assert State.from_json(found["state"]) == from_link(found["link"]) == session.state
+    assert (len(session.states), session.states[0].text) == (MOST_STATES, "0")
 
 
 def test_display_settings_are_no_step():
@@ -71,19 +59,6 @@ def test_a_state_comes_back_from_its_link_and_damaged_ones_are_refused(monkeypat
     assert refused > 2.9 * len(link)
     monkeypatch.setattr(module, "LARGEST", 1000)
     assert to_link(State("a" * 2000)) == ""
-
-
-def test_a_page_begins_with_its_history_and_what_the_address_holds():
-    states = (State("a"), State("b"))
-    kept = {"first": 0, "at": 1, "states": [state.to_json() for state in states], "link": to_link(states[1])}
-    first = Session((State("first"),))
-    assert restored(kept, first) == (Session(states, 1), "")
-    assert restored({**kept, "link": to_link(State("c"))}, first) == (Session((*states, State("c")), 2), "")
-    session, problem = restored({**kept, "link": "1.eJyr"}, first)
-    assert (session, "link" in problem) == (Session(states, 1), True)
-    session, problem = restored({**kept, "at": 7}, first)
-    assert (session, "history" in problem) == (first.after(states[1]), True)
-    assert restored({}, first) == restored(None, first) == (first, "")
 
 
 def test_a_page_begins_with_a_demo_a_specification_or_a_result(tmp_path):

@@ -32,9 +32,6 @@ export class Requests {
 
   // Takes an answer to the requests up to a number.
   take(number, decided) { Object.assign(this, { received: number, decided }); }
-
-  // The connection is lost: no answer comes.
-  lose() { Object.assign(this, { received: this.sent, decided: true, waiting: null }); }
 }
 
 export class Drag {

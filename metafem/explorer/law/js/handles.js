@@ -55,23 +55,6 @@ export class Handles {
   // Whether the drag is one of a pointer, or of the keys, that has not let go.
   heldBy(by) { return this.drag?.state === HELD && this.drag.by === by; }
 
-  // A place that the server did not take, because the connection was lost; the point returns to its start.
-  park() {
-    const { drag } = this;
-    if (!drag?.moved) return null;
-    Object.assign(this.held ?? {}, drag.start);
-    this.drop();
-    return { id: drag.id, ...drag.place };
-  }
-
-  // Moves a handle as a drag that ends there.
-  put({ id, ...place }) {
-    if (!this.of(id)) return;
-    this.hold(id, "put");
-    this.move(place);
-    this.letGo();
-  }
-
   drop() {
     this.drag = null;
     this.plot.paint();

@@ -1,5 +1,5 @@
 // The law: draws answers, and turns what hands and keys do into events.
-import { Chosen, hear, remember } from "metafem-page/linked.js";
+import { Chosen } from "metafem-page/linked.js";
 import { Cursor } from "./cursor.js";
 import { Requests } from "./drag.js";
 import { Handles } from "./handles.js";
@@ -19,11 +19,6 @@ const WHEEL = 400;
 // Where fingers are the first pointer, a pinch enlarges the page.
 const FINGERS = matchMedia("(pointer: coarse)").matches;
 
-// What the browser keeps of a drag that the server did not take.
-const UNSENT = "metafem-unsent";
-// Milliseconds after which a page that is connected again is not loaded anew.
-const SAME = 1000;
-
 export class Plot {
   view = new View();
   data = null;
@@ -40,24 +35,7 @@ export class Plot {
     this.handles = new Handles(this, made("g", {}, this.svg));
     this.cursor = new Cursor(this, made("g", {}, this.svg), element.$refs.readout, this.closed.signal); // after the points in the order of Tab
     this.listen();
-    hear("lost", (lost) => (lost ? this.lose() : setTimeout(() => this.resume(), SAME)), this.closed.signal);
     this.resize();
-  }
-
-  // A drag that a lost connection ends is made when the server answers again, also on a page that was loaded anew.
-  lose() {
-    this.requests.lose();
-    const place = this.handles.park();
-    if (!place) return;
-    remember(UNSENT, JSON.stringify(place), sessionStorage);
-    this.say("The server has not taken this move; it is made when the connection is back.", true);
-  }
-
-  resume() {
-    if (!window.socket.connected) return; // a server that ends can be connected for a moment
-    const place = sessionStorage.getItem(UNSENT);
-    sessionStorage.removeItem(UNSENT);
-    if (place) this.handles.put(JSON.parse(place));
   }
 
   listen() {
@@ -200,7 +178,6 @@ export class Plot {
     this.element.tools = data.tools;
     this.show();
     this.changed();
-    if (this.root.dataset.answered === "0") this.resume();
     this.root.dataset.answered = data.number;
   }
 
