@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -73,56 +73,39 @@ def tools_data(answer: Answer) -> dict[str, Any]:
     }
 
 
-@dataclass(frozen=True, eq=False)
-class More:
-    """What is shown beside the law of an answer: further laws, and data of the band."""
-
-    answer: Answer
-    laws: tuple[Other, ...]
-    data: Mapping[str, Any]
-
-
 class Further:
     """Computes in a thread the further curves of the newest answer, and passes them to the plot."""
 
     def __init__(self, draw: Callable[[dict[str, Any]], None]) -> None:
-        self.draw = draw
-        self.newest: Queue[Answer, More] = Queue(self._computed, self._show, self._failed)
-        self.last: More | None = None
+        self.newest: Queue[Answer, dict[str, Any]] = Queue(
+            self._computed, draw, lambda answer, error: draw(_data(answer, errors=[in_words(error)]))
+        )
+        self.known: tuple[Design | None, dict[str, Other]] = None, {}
 
     def put(self, answer: Answer) -> None:
         """Compute the further curves of an answer, unless a newer answer replaces it."""
         if answer.design is not None:
             self.newest.put(answer)
 
-    def _computed(self, answer: Answer) -> More:
-        """Return the further curves of an answer; laws already shown for the same design are reused."""
-        design, last = answer.design, self.last
+    def _computed(self, answer: Answer) -> dict[str, Any]:
+        """Return the further curves of an answer; laws already known for the same design are reused."""
+        design, known = answer.design, self.known[1]
         assert design is not None
-        shown = last.laws if last is not None and last.answer.design is design else ()
-        known = {law.name: law for law in shown}
+        if design is not self.known[0]:
+            known = {}
         names = [name for name in QUICK if name in answer.state.models and name != own_name(design)]
-        laws = tuple(known.get(name) or other_law(design, name) for name in names)
+        laws = [known.get(name) or other_law(design, name) for name in names]
+        self.known = design, {law.name: law for law in laws}
         band, units = tolerance_band(answer), Units.of_design(answer, answer.state.newtons)
-        data = None if band is None else band_data(band, units, name=band_words(answer))
-        return More(answer, laws, {"tolerance": data})
-
-    def _show(self, more: More) -> None:
-        """Draw the curves, and keep them for a newer answer with the same design."""
-        self.last, units = more, Units.of_design(more.answer, more.answer.state.newtons)
-        self.draw(
-            {
-                **more.data,
-                "number": more.answer.number,
-                "others": [
-                    units.curve(law.load, law.friction) | {"name": law.words}
-                    for law in more.laws
-                    if not law.error
-                ],
-                "errors": [law.error for law in more.laws if law.error],
-            }
+        return _data(
+            answer,
+            tolerance=None if band is None else band_data(band, units, name=band_words(answer)),
+            others=[
+                units.curve(law.load, law.friction) | {"name": law.words} for law in laws if not law.error
+            ],
+            errors=[law.error for law in laws if law.error],
         )
 
-    def _failed(self, answer: Answer, error: Exception) -> None:
-        """Show the error, and no further curves of the answer."""
-        self._show(More(answer, (Other("", error=in_words(error)),), {"tolerance": None}))
+
+def _data(answer: Answer, **found: Any) -> dict[str, Any]:
+    return {"number": answer.number, "tolerance": None, "others": [], "errors": [], **found}
