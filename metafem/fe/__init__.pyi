@@ -4,8 +4,4 @@ from .axisymmetric.prescribed_radius import PressedContact as PressedContact
 from .axisymmetric.press import measure_pedestal as measure_pedestal
 from .axisymmetric.press import press as press
 from .block3d.substrate import Block3D as Block3D
-from .large_strain.body import FiniteContact as FiniteContact
-from .large_strain.body import NewtonStatus as NewtonStatus
-from .large_strain.press import press_finite as press_finite
-from .large_strain.press import tabulated_contact as tabulated_contact
 from .linear_solve import LinearStatus as LinearStatus

@@ -14,12 +14,12 @@ from metafem._validate import FloatArray
 from metafem.calibration import ContactCalibration, Sample, fit_compression
 from metafem.drawing import ACHIEVED, QUIET
 from metafem.fe.axisymmetric.geometry import Cap
-from metafem.fe.large_strain.press import press_sequence
 from metafem.reference.single_contacts import hertz, sneddon_sphere
 from validation.check import Claim, Picture, Row, below, near, reported
 from validation.figures import panels
 from validation.finite_elements.checks import BLOCK_RADIUS, THICKNESS
 from validation.finite_elements.frozen_meshes import FOLDER, SOFT_HEIGHT, deep_caps
+from validation.finite_elements.large_strain.press import press_sequence
 from validation.scenes.compression_tests import ENERGY, ERRORS, MODULUS, RADII, RADIUS
 from validation.sources import closed_form, known_input, second_method
 

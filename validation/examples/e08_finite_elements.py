@@ -3,7 +3,8 @@
 You learn how to press the true spherical cap on its block with finite elements, how exact that
 solution is, and how it compares with closed forms. At small strain the load agrees with the law of
 the sphere, and is 11 % above Hertz's where the contact radius is half that of the cap. The strain
-is then large, and the load of a soft cap is within 3 % of Hertz's law: see `metafem.fe.press_finite`.
+is then large, and the load of a soft cap is within 3 % of Hertz's law: see
+`python -m validation fe_finite_strain`.
 """
 
 import numpy as np

@@ -11,12 +11,12 @@ from metafem import fe
 from metafem.caps.shapes import sphere_profile
 from metafem.fe.axisymmetric.geometry import Cap
 from metafem.fe.axisymmetric.mesh import graded_mesh
-from metafem.fe.large_strain.body import SoftBody
-from metafem.fe.large_strain.press import FiniteContact, press_sequence
 from metafem.reference import single_contacts as exact
 from validation.check import Claim, Picture, Row, below, near, reported
 from validation.figures import panels
 from validation.finite_elements.frozen_meshes import FOLDER
+from validation.finite_elements.large_strain.body import SoftBody
+from validation.finite_elements.large_strain.press import FiniteContact, press_sequence
 from validation.sources import known_input, second_method, self_consistency
 
 # Ten contacts on two meshes take a minute.

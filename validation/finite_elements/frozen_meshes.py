@@ -9,11 +9,11 @@ import numpy as np
 from skfem import MeshQuad
 
 from metafem._validate import FloatArray
-from metafem.fe import tabulated_contact
 from metafem.fe.axisymmetric.geometry import Cap
 from metafem.fe.axisymmetric.mesh import graded_mesh, half_space_mesh
 from metafem.material import Material
 from validation.finite_elements.checks import BLOCK_RADIUS, PITCH, RADIUS, THICKNESS
+from validation.finite_elements.large_strain.press import tabulated_contact
 
 FOLDER = Path(__file__).parents[2] / "meshes"
 

@@ -168,8 +168,8 @@ def _notes(found: ContactCalibration, cap: Contact) -> Iterator[Note]:
     if widest > KNOWN and not table:
         yield Note(
             f"contact radii reach {widest:.2f} R; beyond {KNOWN} R large strain changes the load of a soft "
-            "cap, which appears as adhesion. Leave out the largest loads, or use the table of "
-            "metafem.fe.tabulated_contact as the contact law"
+            "cap, which appears as adhesion. Leave out the largest loads, or use a table of "
+            "finite elements as the contact law, metafem.TabulatedContact"
         )
     if found.adhesion_energy_interval[0] == 0.0:
         modulus, sd = found.modulus_without_adhesion

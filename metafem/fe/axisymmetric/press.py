@@ -93,7 +93,7 @@ def press(
     -----
     Small strain overestimates P(a) of a soft sphere at large a/R. Relative to Hertz's law, P is 1.11 at
     a/R = 0.5, whereas finite strain gives 0.974 at a/R = 0.43. Hertz's law with a fitted modulus is then more
-    accurate than small strain. `press_finite` computes finite strain.
+    accurate than small strain.
 
     Examples
     --------

@@ -8,7 +8,6 @@ from tests.refusals import faults
 
 BLOCK, MATERIAL = mf.Block(20.0, 20.0, 7.2), mf.Material(1.36)
 LAYER = {"contact_radius": 0.1, "radius": 0.526, "thickness": 7.2}
-CAP = {**LAYER, "height": 0.2, "block_radius": 10.0}
 
 
 def press(**change):
@@ -17,14 +16,6 @@ def press(**change):
 
 def search(**change):
     mf.fe.search_contact(**{"indentation": 0.01, "radius": 1.0, "cell": 0.01, **change})
-
-
-def finite(**change):
-    mf.fe.press_finite(**{**CAP, **change})
-
-
-def table(radii, material=MATERIAL):
-    mf.fe.tabulated_contact(**{**CAP, "contact_radius": radii}, material=material)
 
 
 def block(position=((0.0, 0.0),), block=BLOCK, **values):
@@ -49,10 +40,6 @@ REFUSALS = [
     (lambda: mf.fe.measure_pedestal(0.1, 0.5), "contact_ratio = 0.5", "0.43"),
     (lambda: search(cell=0.5), "cell", "0.5"),
     (lambda: search(height=0.2), "height", "together"),
-    (lambda: finite(contact_radius=0.42), "contact_radius = 0.42", "0.412"),
-    (lambda: finite(stick="no"), "stick", "no"),
-    (lambda: table([0.2, 0.1, 0.3]), "contact_radius[1]", "0.1"),
-    (lambda: table([0.1, 0.2], mf.Material(1.36, 0.3)), "poisson_ratio", "0.5"),
     (lambda: block(block=None), "block", "Block3D"),
     (lambda: block([[0.0, 0.0], [11.0, 0.0]]), "position[1]", "(11, 0)"),
     (lambda: block(cell=0.0), "cell", "0"),

@@ -8,10 +8,10 @@ from numpy.testing import assert_allclose
 
 import metafem as mf
 from metafem.fe.axisymmetric.geometry import Cap
-from metafem.fe.large_strain import body as soft_body
-from metafem.fe.large_strain import press
-from tests.core.fe.test_large_strain import BODY, CAP, R
+from tests.validation.test_large_strain import BODY, CAP, R
 from validation.finite_elements import frozen_meshes as tables
+from validation.finite_elements.large_strain import body as soft_body
+from validation.finite_elements.large_strain import press
 
 
 @functools.cache
@@ -28,7 +28,7 @@ def test_small_strain_limit():
     # The coarse mesh's own error is 1.5e-3.
     assert contact.rescaled_load == pytest.approx(small.rescaled_load, rel=2e-3)
     assert contact.indentation == pytest.approx(small.indentation, rel=2e-3)
-    assert contact.status is mf.fe.NewtonStatus.CONVERGED
+    assert contact.status is soft_body.NewtonStatus.CONVERGED
     assert contact.residual <= soft_body.RESIDUAL
 
 
@@ -63,7 +63,7 @@ def test_stick_is_stiffer_than_slip():
 
 @pytest.mark.nightly
 def test_the_public_history_agrees_with_another():
-    contact = mf.fe.press_finite(0.5 * R, **BODY, stick=True)
+    contact = press.press_finite(0.5 * R, **BODY, stick=True)
     other = coarse(True)[-1]
     assert contact.error_estimate < 2e-3
     assert contact.rescaled_load == pytest.approx(other.rescaled_load, rel=contact.error_estimate)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from metafem.fe.large_strain import neo_hookean
+from validation.finite_elements.large_strain import neo_hookean
 
 MU = 0.25
 

@@ -14,8 +14,8 @@ from metafem._validate import FloatArray, IntArray
 from metafem.errors import NotConverged
 from metafem.fe.axisymmetric.elasticity import Body, assembled
 from metafem.fe.axisymmetric.prescribed_radius import Profile, contact_data
-from metafem.fe.large_strain import neo_hookean
 from metafem.fe.linear_solve import THRESHOLD, solve
+from validation.finite_elements.large_strain import neo_hookean
 
 # Largest number of Newton steps; each step doubles the number of correct digits. If Newton's method has not
 # converged by then, the load step is halved.

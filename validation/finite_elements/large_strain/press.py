@@ -16,9 +16,9 @@ from metafem.contact import TabulatedContact
 from metafem.errors import NotConverged, refuse_if
 from metafem.fe.axisymmetric.geometry import Cap, checked_cap
 from metafem.fe.axisymmetric.mesh import graded_mesh
-from metafem.fe.large_strain.body import FiniteContact, SoftBody
 from metafem.material import Material
 from metafem.substrate import BondedLayer
+from validation.finite_elements.large_strain.body import FiniteContact, SoftBody
 
 # Size of the smallest elements at the contact's edge, over the contact radius. The error due to the position
 # of the edge is of this order, which is below the error of the quadratic elements.
