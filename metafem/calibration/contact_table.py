@@ -25,7 +25,7 @@ class ContactTable(Value):
 
     If an image does not show a contact, the contact counts as open: its area is 0, and the error of its area
     is the smallest detectable area in the image. If a contact could not be measured, because it is at the
-    edge of the frame or merged with another contact, its area is nan and `remarks` names it.
+    edge of the frame or merged with another contact, its area is nan.
 
     Attributes
     ----------
@@ -46,8 +46,6 @@ class ContactTable(Value):
     sheared_area, sheared_area_error : ndarray, (k, n)
         Contact areas and their standard deviations in the images at the peak of the friction force [mm^2];
         nan where there is no such image.
-    remarks : tuple of str
-        Sentences that state what could not be measured, with image and contact.
 
     Examples
     --------
@@ -71,7 +69,6 @@ class ContactTable(Value):
     area_error: FloatArray
     sheared_area: FloatArray
     sheared_area_error: FloatArray
-    remarks: tuple[str, ...] = ()
 
     def name_of(self, contact: int) -> str:
         """Return the name of a contact in tables and remarks.

@@ -12,13 +12,7 @@ import numpy as np
 from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem._values import Value
-from metafem.calibration.measured_law.bent_line import (
-    deviations,
-    fitted,
-    growths,
-    kink_grid,
-    least,
-)
+from metafem.calibration.measured_law.bent_line import deviations, fitted, kink_grid, least
 from metafem.calibration.measured_law.law import MeasuredLaw
 from metafem.calibration.verdict import Verdict, judged
 from metafem.errors import refuse_if
@@ -31,6 +25,9 @@ LEAST = 7
 
 # Smallest number of different loads, equal to the number of parameters.
 DIFFERENT = 4
+
+# Growth of chi-square at the ends of a 68 % interval.
+GROWTH = 0.98894665
 
 # Numbers of crossovers that are tried for the estimate and for the ends of its interval.
 TRIED, SCANNED = 41, 201
@@ -68,9 +65,6 @@ class SegmentedFit(Value):
         68 % interval of the crossover [mm^2].
     slope_intervals : ((float, float), (float, float))
         68 % intervals of the slopes; an end is infinite if the points do not limit the slope.
-    growth : (float, float, float)
-        Growth of chi-square from its minimum to the ends of the intervals of the crossover and the two
-        slopes; 0.989 for many points or small errors.
     residual : ndarray, (k,)
         Distances of the points from the lines along the friction axis, in standard deviations.
     verdict : Verdict
@@ -92,7 +86,6 @@ class SegmentedFit(Value):
     slopes: tuple[float, ...]
     crossover_interval: tuple[float, float]
     slope_intervals: tuple[tuple[float, float], ...]
-    growth: tuple[float, ...]
     residual: FloatArray
     verdict: Verdict
     notes: tuple[Note, ...] = ()
@@ -109,26 +102,20 @@ class SegmentedFit(Value):
         )
 
 
-def fit_segments(law: MeasuredLaw, *, draws: int = 2000, rng: Any = 0) -> SegmentedFit:
+def fit_segments(law: MeasuredLaw) -> SegmentedFit:
     """Return the fit of two straight lines that meet at a crossover, with errors on both axes.
 
     Chi-square is the sum of the squared distances of the points from the bent line, in standard deviations
     along both axes. An interval contains the values of a parameter for which chi-square, minimised over the
-    other parameters, exceeds its overall minimum by at most q. For many points or small errors, q would be
-    the 68 % quantile of chi-square with one degree of freedom, 0.989. However, if the error of the crossover
-    is not small compared with the spacing of the points, several divisions of the points into two branches
-    fit similarly well. Intervals with q = 0.989 then contain the true value less often: in 62 to 68 % of
-    trials for the data of Fig. 5. Therefore laws on the fitted lines are simulated, and q is the 68 %
-    quantile of the growth of their chi-square.
+    other parameters, exceeds its overall minimum by at most 0.989, the 68 % quantile of chi-square with one
+    degree of freedom. If the error of the crossover is not small compared with the spacing of the points,
+    several divisions of the points into two branches fit similarly well, and the intervals hold the true
+    value less often: in 61 to 70 % of trials for the data of Fig. 5.
 
     Parameters
     ----------
     law : MeasuredLaw
         Law with at least seven points. The crossover is sought between the third load and the last but two.
-    draws : int
-        Number of simulated laws, at least 100; default: 2,000.
-    rng : int or numpy.random.Generator
-        Seed or generator; default: 0.
 
     Returns
     -------
@@ -159,8 +146,6 @@ def fit_segments(law: MeasuredLaw, *, draws: int = 2000, rng: Any = 0) -> Segmen
     """
     check.instance("law", law, MeasuredLaw, "a metafem.calibration.MeasuredLaw")
     law = law.known()
-    count = check.integer("draws", draws, at_least=100)
-    generator = check.generator(rng)
     few = len(law.load)
     refuse_if(few < LEAST, f"law has {few} points; two lines that meet need at least {LEAST}")
     points = points_of(law)
@@ -171,16 +156,15 @@ def fit_segments(law: MeasuredLaw, *, draws: int = 2000, rng: Any = 0) -> Segmen
         f"law has {different} different loads; two lines that meet need {DIFFERENT}",
     )
     p, chi_square = least(points, TRIED)
-    growth = growths(points, p, count, generator)[:, 0]
     kink, level, *slopes = p[0].tolist()
-    limit, *limits = (chi_square[0] + growth).tolist()
+    limit = float(chi_square[0]) + GROWTH
     crossover = _crossover_interval(points, kink, limit)
 
     def profile(side: str, values: FloatArray) -> FloatArray:
         return least(np.repeat(points, len(values), axis=1), TRIED, **{side: values})[1]
 
-    sides = zip(("left", "right"), slopes, limits, strict=True)
-    intervals = [_interval(partial(profile, side), *ends) for side, *ends in sides]
+    sides = zip(("left", "right"), slopes, strict=True)
+    intervals = [_interval(partial(profile, side), slope, limit) for side, slope in sides]
     unbound = [
         (
             "crossover: its interval ends at the third load from an end",
@@ -197,7 +181,6 @@ def fit_segments(law: MeasuredLaw, *, draws: int = 2000, rng: Any = 0) -> Segmen
         slopes=tuple(slopes),
         crossover_interval=crossover,
         slope_intervals=tuple(intervals),
-        growth=tuple(growth.tolist()),
         residual=signed,
         verdict=judged(signed, parameters=4),
         notes=tuple(

@@ -270,7 +270,6 @@ class _Stack:
             area_error=area_error,
             sheared_area=sheared_area,
             sheared_area_error=sheared_area_error,
-            remarks=tuple(remarks),
         )
         of_match = () if match is None else match.notes
         notes = [replace(note, text=f"{self.image[reference]}: {note.text}") for note in of_match]
@@ -279,7 +278,7 @@ class _Stack:
             for image, one in zip(self.image, placed[0], strict=True)
             if one is not None and one.unclear
         ]
-        return TrackedContacts(table, reference, match, *placed, tuple(notes))
+        return TrackedContacts(table, reference, match, *placed, tuple(remarks), tuple(notes))
 
 
 def _at_sites(
@@ -310,6 +309,8 @@ class TrackedContacts(Value):
     placed, placed_sheared : tuple, (k,)
         Sites in each image: their ``position`` (m, 2) [mm], and the ``site`` of each contact (n,), -1 if it
         has none; None if there is no image.
+    remarks : tuple of str
+        Sentences that state what could not be measured, with image and contact.
     notes : tuple of Note
 
     Examples
@@ -328,4 +329,5 @@ class TrackedContacts(Value):
     match: SiteMatch | None
     placed: Views
     placed_sheared: Views
+    remarks: tuple[str, ...] = ()
     notes: tuple[Note, ...] = ()

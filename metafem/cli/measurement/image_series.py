@@ -125,7 +125,7 @@ class Series:
             "site": table.site.tolist(),
             "area_mm2": [[_known(value) for value in row] for row in table.area.tolist()],
             "failed": self.failed,
-            "remarks": list(table.remarks),
+            "remarks": list(self.tracked.remarks),
             "notes": notes_data(self.notes),
         }
 

@@ -22,9 +22,6 @@ if TYPE_CHECKING:
 
     from metafem.cli.measurement.image_series import Series
 
-# Largest number of remarks that are printed; CONTACTS.csv contains all remarks.
-PRINTED = 20
-
 
 @main.command(short_help="Measure contact areas in images.")
 @click.argument("source", type=Name(), nargs=-1, required=True, metavar="FOLDER|FILE...")
@@ -95,10 +92,10 @@ def images(
     With --sites, the image with the most contacts is used to match the contacts to the sites of the design.
     Without --sites, the contacts are numbered. CONTACTS.csv has one line for each image and contact; metafem
     calibrate and metafem compare read it. An open contact has the area 0. An area that could not be measured
-    is empty and has a remark.
+    is empty, and a remark states why.
 
     A contact that is cut by the edge of an image, or that has merged with another contact, has no area in
-    that image, but a remark. Its area is measured in the images that show it completely. Without --sites, the
+    that image. Its area is measured in the images that show it completely. Without --sites, the
     contacts are numbered in the image with the most contacts. A contact at the edge of this image has a
     number if another image shows it completely; merged contacts have no number.
 
@@ -165,8 +162,5 @@ def _print(found: Series, files: list[Path]) -> None:
     say(console, *found.sentences())
     print_notes(console, found.notes)
     said = {str(note) for note in found.notes}
-    remarks = [remark for remark in found.tracked.table.remarks if remark not in said]
-    say(console, *(f"remark: {remark}" for remark in remarks[:PRINTED]))
-    if len(remarks) > PRINTED:
-        say(console, f"remark: {len(remarks) - PRINTED} more; all are in the column remark of the table")
+    say(console, *(f"remark: {remark}" for remark in found.tracked.remarks if remark not in said))
     print_written(files)

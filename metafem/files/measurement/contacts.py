@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -14,12 +13,11 @@ from metafem._given import printable, shown
 from metafem._validate import FloatArray
 from metafem.calibration import ContactTable
 from metafem.errors import InvalidInput, refuse_if
-from metafem.files.measurement.remarks import cells_of_remarks, remarks_of_cells
 from metafem.files.tables import Columns, Entries, Table, read_table
 
 HEADER = (
     "image,test,load_N,friction_force_N,contact,site,x_mm,y_mm,area_mm2,area_error_mm2,"
-    "sheared_area_mm2,sheared_area_error_mm2,remark"
+    "sheared_area_mm2,sheared_area_error_mm2"
 )
 
 COLUMNS = Columns(HEADER, ("image,load,contact,x,y,area,area_error",), "contact")
@@ -37,7 +35,6 @@ def contacts_table(table: ContactTable) -> str:
     for i, (test, image) in enumerate(images):
         must = f"image {printable(image)} of test {printable(test)!r} is in the table twice"
         refuse_if((test, image) in images[:i], must)
-    remarks = cells_of_remarks(table)
     lines = [HEADER]
     for i, (test, image) in enumerate(images):
         for j, site in enumerate(table.site.tolist()):
@@ -46,7 +43,6 @@ def contacts_table(table: ContactTable) -> str:
                 *(image, test, table.load[i], table.friction_force[i], j + 1),
                 *(site if table.matched else "", *table.position[j]),
                 *(values[i, j] for values in numbers),
-                remarks.get((i, j), ""),
             )
             lines.append(",".join(map(_cell, row)))
     return "\n".join(lines) + "\n"
@@ -55,8 +51,8 @@ def contacts_table(table: ContactTable) -> str:
 def read_contacts(path: str | Path) -> ContactTable:
     """Return the contact areas in a table that `contacts_table` wrote, or in a table with the same columns.
 
-    All images must have the same contacts. The columns of tests, friction forces, sites, sheared areas and
-    remarks may be absent. Lengths, areas and forces may be in other units.
+    All images must have the same contacts. The columns of tests, friction forces, sites and sheared areas
+    may be absent. Lengths, areas and forces may be in other units.
     """
     return contacts_of(read_table(path, HEADER))
 
@@ -122,7 +118,7 @@ class _Rows:
         position = np.column_stack([self._common(name, values[name], 0) for name in ("x", "y")])
         sites = self._sites()
         tests, names = zip(*self.images, strict=True)
-        found = ContactTable(
+        return ContactTable(
             image=names,
             test=tests,
             position=position,
@@ -131,9 +127,6 @@ class _Rows:
             **of_image,
             **{name: values[name] for pair in ERROR_OF.items() for name in pair},
         )
-        remarks = self.entries.texts("remark")
-        cells = {(i, j): remarks[index] for (i, j), index in np.ndenumerate(self.place)}
-        return replace(found, remarks=remarks_of_cells(found, cells))
 
     def _sites(self) -> NDArray[np.intp] | None:
         """Return the site of each contact, (n,), or None if no contact has a site."""

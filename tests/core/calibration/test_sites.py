@@ -60,7 +60,7 @@ def test_areas_stand_at_their_sites_in_all_images():
     assert tracked.reference == 5
     assert table.matched
     assert table.site.tolist() == list(range(64))
-    assert table.remarks == ()
+    assert tracked.remarks == ()
     assert np.isnan(table.sheared_area).all()
     np.testing.assert_array_equal(table.position, SITES)
     for areas, placed in zip(found, tracked.placed, strict=True):
@@ -116,13 +116,13 @@ def test_what_cannot_be_measured_is_named():
     beside = where.copy()
     beside[5] += 0.15
     stack = [contacts(where, 0.3), second, third, fourth, contacts(beside, 0.3)]
-    found = track_contacts(stack, list("abcde"), sites=DesignSites(SITES)).table
+    found = track_contacts(stack, list("abcde"), sites=DesignSites(SITES))
     assert [remark.partition(":")[0] for remark in found.remarks] == [
         *("b", "b, site 0", "b, site 20", "b, site 61", "b, site 62", "c"),
         *("d", "e, site 5"),
     ]
     assert "(2.95, 3.95) mm" in found.remarks[0]
-    assert [np.flatnonzero(np.isnan(area)).tolist() for area in found.area] == [
+    assert [np.flatnonzero(np.isnan(area)).tolist() for area in found.table.area] == [
         *([], [0, 61, 62], list(range(64)), list(range(56, 64)), [5]),
     ]
 
@@ -207,7 +207,7 @@ def test_contacts_cut_by_the_frame_at_large_load_do_not_shift_the_others():
     assert near[measured].tolist() == sorted(closed)
     np.testing.assert_allclose(table.area[0, measured], few.area[np.argsort(closed)], rtol=1e-12)
     assert near[np.isnan(table.area[1])].tolist() == [39, 63]
-    alone = track_contacts([full], ["b"]).table
-    assert len(alone.site) == 62
+    alone = track_contacts([full], ["b"])
+    assert len(alone.table.site) == 62
     assert "2 regions" in alone.remarks[0]
     assert "0.251 mm²" in alone.remarks[0]

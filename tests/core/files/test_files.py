@@ -26,7 +26,6 @@ CONTACTS = ContactTable(
     np.array([[0.1, 0.0], [np.nan, 2.0 / 3.0]]),
     np.array([[0.001, 0.0], [np.nan, 0.01]]), np.array([[0.08, np.nan], [np.nan, 0.5]]),
     np.array([[0.001, np.nan], [np.nan, 0.01]]),
-    ("dark", '1, "a".tif:1: its background', "#2.tif, site 3: at the edge"),
 )  # fmt: skip
 A = np.linspace(0.08, 0.4, 20)
 PRESSED = fit_compression(1.36 * 4.0 / 3.0 * A**3 / 0.526, np.pi * A**2, 0.526)
