@@ -34,6 +34,9 @@ COMMENTS_END = "The comments in your specification end with this first edit by h
 # Returns the link in the address, and reports each other link that is pasted there.
 LINKED = "(addEventListener('hashchange', () => emitEvent('linked', location.hash)), location.hash)"
 
+# Time within which a browser that is busy with the first page answers [s].
+BUSY = 60.0
+
 
 class Panel:
     """A part of the page, which shows every answer.
@@ -289,7 +292,7 @@ class Control:
         if self.number:
             return  # connected again
         self.kept = app.storage.tab
-        link = await self.client.run_javascript(LINKED)
+        link = await self.client.run_javascript(LINKED, timeout=BUSY)
         problem = ""
 
         def begun(session: Session) -> Session:

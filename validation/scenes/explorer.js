@@ -18,6 +18,7 @@ window.probe = {
   // Types a text into a field and leaves it.
   typed: ([key, text]) => {
     const field = document.querySelector(`.fields input[data-key="${key}"]`);
+    if (!field) return; // gone with the kind of a section
     field.focus();
     field.value = text;
     field.dispatchEvent(new Event('input', { bubbles: true }));
