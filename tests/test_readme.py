@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from metafem import _caches, cli
+from metafem import cli
 from metafem.drawing import svg
 from metafem.files import demo_text, read_spec
 from validation import laboratory
@@ -94,7 +94,6 @@ def test_studies_print_the_answers_that_it_shows(demo_results, tmp_path, monkeyp
     text = re.search(r"```text\n(.*?)```", section, re.S).group(1)
     answers = text.replace("\n  ", " ").splitlines()  # long lines are continued
     folder, _ = demo_results("linear")
-    monkeypatch.setattr(_caches, "study_folder", lambda: tmp_path / "studies")
     shutil.copytree(folder / "linear", tmp_path / "linear")
     monkeypatch.chdir(tmp_path)
     for command, answer in zip(commands, answers, strict=True):
