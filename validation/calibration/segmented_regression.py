@@ -40,8 +40,8 @@ TRIALS = 2000
 STEP = 0.01
 LOADS = {"red": 0.011 + STEP * np.arange(11), "blue": 0.023 + STEP * np.arange(16)}
 
-# Coverage that the intervals state, and its tolerance: where several divisions of the points into branches fit
-# similarly well, profile intervals hold the true value less often.
+# Coverage that the intervals state, and its tolerance: where several divisions of the points into branches
+# fit similarly well, profile intervals hold the true value less often.
 WANTED, TOLERANCE = 0.68, 0.07
 
 # Relative accuracy of the search for the least chi-square, about 4e-6, with a margin.
