@@ -25,14 +25,9 @@ from .errors import NotConverged as NotConverged
 from .files import load as load
 from .files import read_spec as read_spec
 from .files import save as save
-from .inversion import Arrangement as Arrangement
 from .inversion import Band as Band
 from .inversion import BilinearLaw as BilinearLaw
-from .inversion import Correction as Correction
 from .inversion import DesignStatus as DesignStatus
-from .inversion import FollowLaw as FollowLaw
-from .inversion import InsensitiveToTilt as InsensitiveToTilt
-from .inversion import Layout as Layout
 from .inversion import Limits as Limits
 from .inversion import LinearLaw as LinearLaw
 from .inversion import MultilinearLaw as MultilinearLaw
@@ -42,12 +37,9 @@ from .inversion import PowerRange as PowerRange
 from .inversion import RadiusRange as RadiusRange
 from .inversion import SampledLaw as SampledLaw
 from .inversion import Tool as Tool
-from .inversion import WeightedObjectives as WeightedObjectives
 from .inversion import achievable_friction_coefficients as achievable_friction_coefficients
 from .inversion import achievable_load_range as achievable_load_range
 from .inversion import arrange as arrange
-from .inversion import brought_into as brought_into
-from .inversion import design_for_hardness as design_for_hardness
 from .inversion import feasible_region as feasible_region
 from .inversion import plasticity_index as plasticity_index
 from .inversion.design import design as design

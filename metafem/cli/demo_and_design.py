@@ -86,7 +86,7 @@ def design(
 
     A specification has the sections target (of kind operating-points, linear, bilinear, sampled, power,
     multilinear or band), material, lattice and limits. The sections friction, sites, tools, block, cell,
-    layout, robust, model, cap, contact, part and checks are optional. `metafem spec` prints every key with
+    layout, model, cap, contact, part and checks are optional. `metafem spec` prints every key with
     an example; `metafem demo` writes example files.
 
     For a measured law, choose a target of kind sampled and name its table in the key file. The table has the

@@ -52,9 +52,6 @@ class DesignStatus(Enum):
     WITHIN_ERRORS = "reached: the law meets the samples within 1 % and their stated errors"
     REFINED = "refined: the heights were adjusted until the law met the target within 1 %"
     APPROXIMATE = "approximate: the heights follow a density whose law has the target's slopes at large loads"
-    ROBUST = "robust: the made surface has the least expected misfit; the exact heights miss by more than 1 %"
-    # occurs only in results that earlier versions saved
-    UNCORRECTED = "uncorrected: designed for independent asperities; this model's law has the misfit"
     MISSED = (
         "missed: the misfit is above 1 % (and the errors of the samples), or above 10 % for the heights of a "
         "density"
@@ -93,6 +90,31 @@ def assess(problem: Problem, candidate: Candidate, surface: Surface) -> dict[str
         parameters["step_loss"] = misfit - candidate.unrounded
     status = status_of(candidate, misfit)
     return {"law": law, "fits": fits, "misfit": misfit, "status": status, "parameters": parameters}
+
+
+def problem_of(design: Design) -> Problem:
+    """Return the problem of which a design is the result."""
+    return Problem.checked(
+        design.target, design.template, design.law.model, design.limits, tools=design.tools
+    )
+
+
+def candidate_of(design: Design, problem: Problem) -> Candidate:
+    """Return the candidate with the heights of a design on the sites of its problem."""
+    surface = design.surface
+    return Candidate(
+        surface.height,
+        surface.radius,
+        design.parameters,
+        design.target_law,
+        tuple(branch for branch, _ in design.fits),
+        design.density,
+        stepped=design.limits.height_step is not None,
+        lowest_level=float(surface.height.min()) if design.target.exact else None,
+        sites=np.searchsorted(problem.pins.open, design.sites),
+        moved=design.status is DesignStatus.REFINED,
+        cap=surface.cap,
+    )
 
 
 def empty_sites_words(design: Design) -> str:
@@ -178,7 +200,7 @@ def status_of(candidate: Candidate, misfit: float) -> DesignStatus:
     """Return the status of a design; a misfit of nan counts as missed."""
     density = candidate.density is not None
     if not misfit <= largest_misfit(candidate.target_law, density):
-        return DesignStatus.ROBUST if candidate.robust else DesignStatus.MISSED
+        return DesignStatus.MISSED
     if misfit <= EXACT and not density:
         return DesignStatus.EXACT
     if misfit <= REACHED and candidate.moved:

@@ -58,8 +58,6 @@ class Candidate:
     - `sites` (n,): sites of the asperities in the template, increasing.
     - `moved`: whether the heights differ from those of independent asperities.
     - `unrounded` [-]: misfit before the heights were rounded to steps.
-    - `robust`: whether the heights were chosen for a smaller expected misfit than other heights that reach
-      the target.
     - `held` (k,): sites with prescribed heights.
     - `unpinned` [-]: misfit without the prescribed heights.
     - `refusal`: function that returns the error for heights that miss the target under the model, set only if
@@ -79,7 +77,6 @@ class Candidate:
     sites: IntArray = field(default_factory=lambda: np.empty(0, dtype=np.int64))
     moved: bool = False
     unrounded: float | None = None
-    robust: bool = False
     held: IntArray = field(default_factory=lambda: np.empty(0, dtype=np.int64))
     unpinned: float | None = None
     refusal: Callable[[], Infeasible] | None = None

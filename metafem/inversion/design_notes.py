@@ -57,7 +57,7 @@ def design_notes(problem: Problem, candidate: Candidate, found: Design) -> tuple
         words = f"{low} of {surface.count} summits are lower than {HEIGHT_TO_ERROR:g} times height_sd"
         text = f"{words} = {limits.height_sd:g} mm: raise the offset"
         notes.append(Note(text, quantity=LOW, value=low, bound=0.0, remedies=("offset",)))
-    if found.misfit > REACHED and found.status is not DesignStatus.ROBUST:
+    if found.misfit > REACHED:
         law = candidate.target_law
         if candidate.density is not None:
             notes.append(_density(problem, found))

@@ -15,7 +15,6 @@ from metafem import _validate as check
 from metafem.contact import Contact
 from metafem.inversion.bounds import Bounds
 from metafem.inversion.limits import Limits, Pins
-from metafem.inversion.placement.layout import Layout
 from metafem.inversion.search.levenberg_marquardt import DEFAULTS, OTHER_LAWS, SearchOptions
 from metafem.inversion.targets.target import Target
 from metafem.inversion.tools import kit
@@ -25,7 +24,6 @@ from metafem.inversion.tools.radii import Radii
 from metafem.inversion.tools.tool import Tool
 from metafem.models import Independent, Model
 from metafem.models.model import contact_of, has_paraboloids
-from metafem.prediction.perturbation import Tolerances
 from metafem.surface import Surface
 
 # The interaction margin is computed at these fractions of the last load of the target.
@@ -116,8 +114,6 @@ class Problem:
     model: Model
     limits: Limits
     pins: Pins
-    layout: Layout | None = None
-    robust: Tolerances | None = None
     options: SearchOptions = DEFAULTS
     effort: Effort = WHOLE
 
@@ -128,9 +124,7 @@ class Problem:
         template: Surface,
         model: Model | None = None,
         limits: Limits | None = None,
-        layout: Layout | None = None,
         tools: Given | None = None,
-        robust: Tolerances | None = None,
     ) -> Problem:
         """Return the problem of these arguments, or raise InvalidInput if one has the wrong type.
 
@@ -145,13 +139,9 @@ class Problem:
         checks: tuple[tuple[str, Any, Any, str], ...] = (
             ("model", solver, Model, "a model such as metafem.Independent()"),
             ("limits", bounds, Limits, "metafem.Limits"),
-            ("layout", layout, Layout | None, "metafem.Layout"),
-            ("robust", robust, Tolerances | None, "metafem.Tolerances"),
         )
         for each in checks:
             check.instance(*each)
-        if robust is not None:
-            robust.refuse_shape("robust")
         pins = Pins.given(template, bounds)
         template = pins.reduced
         kit.refuse_misfits(choice, template, bounds.top, contact_of(solver))
@@ -159,7 +149,7 @@ class Problem:
         # messages state loads in N and in mm^2
         any_kind: Any = target
         target = replace(any_kind, wording=target.wording.of_part(template.material))
-        return cls(target, template, choice, solver, bounds, pins, layout, robust, options, EFFORT.get())
+        return cls(target, template, choice, solver, bounds, pins, options, EFFORT.get())
 
     @cached_property
     def _pressed(self) -> tuple[Contact, Any]:
@@ -209,11 +199,6 @@ class Problem:
     def restarts(self) -> int:
         """Number of restarts of a search for independent asperities."""
         return self.effort.adhesive_restarts if self.contact.adhesive else self.effort.restarts
-
-    @property
-    def tolerances(self) -> Tolerances:
-        """Tolerances of a robust design; all zero for other designs."""
-        return self.robust or Tolerances()
 
     @property
     def count(self) -> int:

@@ -26,7 +26,6 @@ from metafem.inversion.assessment import (
 from metafem.inversion.candidate import Branch, Parameter
 from metafem.inversion.height_density import ExponentialDensity
 from metafem.inversion.limits import Limits, Pinned
-from metafem.inversion.placement.layout import Layout
 from metafem.inversion.search.target_law import TargetLaw
 from metafem.inversion.strategies import exponential
 from metafem.inversion.strategies.mixture import Mixture
@@ -36,7 +35,6 @@ from metafem.inversion.tools.tool import Tool
 from metafem.models.model import contact_of
 from metafem.notes import Note, late, printed_count
 from metafem.prediction import BranchFit, FrictionLaw
-from metafem.prediction.perturbation import Tolerances
 from metafem.surface import Surface
 
 if TYPE_CHECKING:
@@ -77,10 +75,6 @@ class Design(Value):
         The density that the heights follow, as a function of the height above `limits.foot`.
     notes : tuple of Note
         Limitations of the design and of its model that matter for manufacturing.
-    layout : Layout or None
-        The layout for which the sites were chosen.
-    robust : Tolerances or None
-        The tolerances for which the expected misfit of the manufactured surface was minimised.
     pinned : mapping of int to float or None
         Prescribed height above the base plane [mm] of each pinned site, None for an empty site; read-only.
 
@@ -119,8 +113,6 @@ class Design(Value):
     density: ExponentialDensity | None = None
     notes: tuple[Note, ...] = late(())
     tools: RadiusRange | PowerRange | tuple[float | Tool, ...] | None = None
-    layout: Layout | None = None
-    robust: Tolerances | None = None
     pinned: Pinned = field(default_factory=dict)
 
     def __post_init__(self) -> None:

@@ -90,7 +90,7 @@ class Independent:
         return Interacting(self.contact.largest_order, contact=self.contact)
 
     def _equation(self, surface: Surface) -> LoadEquation:
-        return load_equation(self.contact.bound(surface), self, surface.friction_weights)
+        return load_equation(self.contact.bound(surface), self)
 
     def curve(
         self,

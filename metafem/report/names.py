@@ -119,8 +119,7 @@ def all_notes(design: Design, hardness: float | None = None) -> tuple[Note, ...]
         Hardness H of the softer material [MPa]; default: None, without the plasticity index.
     """
     found = [*design.notes]
-    # a design that was made with a hardness already has notes on the index
-    if hardness is not None and "plasticity_index" not in design.parameters:
+    if hardness is not None:
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always", MetafemWarning)
             psi = plasticity_index(design.surface, hardness)

@@ -27,7 +27,6 @@ from metafem.report.sections.measured import measured_section
 from metafem.report.sections.sliding import sliding_section
 from metafem.report.views import MOST_SHAPED, contact_figure, height_figure
 from metafem.studies.summaries import summary
-from metafem.studies.summaries.tolerances import TOLERANCES
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -67,9 +66,7 @@ PARAMETERS = {
     "adjustment_counts": ("numbers of adjustment asperities", "", 1.0),
     "load_range": ("rescaled loads over which friction is proportional to load", "mm²", 1.0),
     "span": ("depth of the lowest summit below the tallest", "µm", MICROMETRES),
-    "radius": ("radius", "µm", MICROMETRES),
     "tried_radii": ("radii tried", "µm", MICROMETRES),
-    "radius_misfits": ("misfits with these radii", "%", 100.0),
     "lowest_coefficients": ("lowest friction coefficients of linear laws with them", "", 1.0),
     "highest_coefficients": ("highest friction coefficients of linear laws with them", "", 1.0),
     "used_radii": ("radii in use", "µm", MICROMETRES),
@@ -82,18 +79,10 @@ PARAMETERS = {
     "level_radii": ("radii of the levels", "µm", MICROMETRES),
     "adjustment_radii": ("radii of the adjustment asperities", "µm", MICROMETRES),
     "reachable_coefficients": ("achievable friction coefficients of linear laws: from, to", "", 1.0),
-    "layout_before": ("misfit with the initial assignment of heights to sites", "%", 100.0),
-    "layout_after": ("misfit with the optimised assignment", "%", 100.0),
-    "expected_misfit": ("expected misfit of made surfaces, rms", "%", 100.0),
-    "plain_expected_misfit": ("the same of the design without robust", "%", 100.0),
-    "robust_gain": ("decrease of its square by robust", "%", 100.0),
-    "robust_gain_error": ("standard error of the decrease", "%", 100.0),
-    "irreducible_share": ("share of the square that no heights with this law remove", "%", 100.0),
-    "plasticity_index": ("plasticity index ψ; contacts stay elastic below 0.6", "", 1.0),
-    "largest_modulus_ratio": ("E*/H below which these contacts stay elastic", "", 1.0),
+    "tilt_before": ("rms change of A0 by the tilt, heights at random sites", "%", 100.0),
+    "tilt_after": ("the same after exchanges of heights", "%", 100.0),
     "step_levels": ("levels after quantisation, above the base", "µm", MICROMETRES),
     "step_counts": ("numbers of asperities on these levels", "", 1.0),
-    "band_margin": ("margin to the band, relative to half its width", "%", 100.0),
     "step_loss": ("change of the misfit by quantisation", "%", 100.0),
 }
 
@@ -274,11 +263,6 @@ def _inputs(design: Design) -> list[Row]:
     empty = [str(site) for site, height in design.pinned.items() if height is None]
     if empty:
         rows.append(("sites that stay empty by the specification", ", ".join(empty), ""))
-    if design.robust is not None:
-        for name, value in vars(design.robust).items():
-            if value > 0.0:
-                _, unit, factor = TOLERANCES[name]
-                rows.append((f"robust.{name}", f"{value * factor:.4g}", unit.split()[0]))
     words = "load at which the plane reaches the base plane"
     try:
         onset = surface.material.composite_modulus * base_contact_load(design.surface, design.law.model)

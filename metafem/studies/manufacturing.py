@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from metafem import _validate as check
 from metafem._validate import FloatArray
-from metafem.errors import NotConverged, refuse_if
+from metafem.errors import NotConverged
 from metafem.inversion import Design
 from metafem.models import Independent, Model
 from metafem.models.model import checked_model
@@ -103,10 +103,6 @@ def manufacturing(
     count, seed = check.integer("draws", draws, at_least=2), entropy(rng)
     slope = Slope.of(surface, load_range, used)
     loads = [slope.load] if design is None else [slope.load, law_loads(design)]
-    if design is not None:
-        kind = design.target.of.replace("_", " ")
-        words = f"design is for the {kind}; this study compares A0 with its target, the friction"
-        refuse_if(design.target.of != "friction", words)
     every = np.unique(np.concatenate(loads))
     nominal = _quantities(used.curve(surface, slope.load).checked().area[None], slope)[0]
     dimensions = replace(others, height_sd=1.0).dimensions(surface)

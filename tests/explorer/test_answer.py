@@ -15,7 +15,7 @@ TEXT = demo_text("operating-points")
 TRIALS = {"operating-points": 30, "sampled": 20, "linear": 6, "bilinear": 8, "power": 12, "multilinear": 8}
 
 # A section by which each asperity can have one of two radii.
-TOOLS = "[tools]\nradii = ['300 um', '526 um']\nmixed = true\n"
+TOOLS = "[tools]\nradii = ['300 um', '526 um']\n"
 
 # Operating points that no levels meet, whose heights a draft does not find: rows of the lattice, offset [um],
 # rescaled loads and frictions [mm^2]. They lie on laws of random surfaces.

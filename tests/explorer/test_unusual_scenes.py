@@ -16,7 +16,7 @@ from metafem.files import demo_text
 
 LINEAR = Document(demo_text("linear")).with_values({"lattice.shape": [4, 4], "limits.height_step": None})
 PINS = {"sites.pinned": [5], "sites.heights": ["150 um"], "sites.empty": [9]}
-TOOLS = {"lattice.radius": None, "tools.radii": ["300 um", "526 um"], "tools.mixed": True}
+TOOLS = {"lattice.radius": None, "tools.radii": ["300 um", "526 um"]}
 POINTS = {"target.kind": "sampled", "target.slope": None}
 MANY = np.linspace(0.01, 0.1, 1000)
 TABULATED = "indentation_um,load_mN,area_mm2\n" + "".join(
@@ -36,7 +36,6 @@ SCENES = {
     "kept heights of several radii": TOOLS | PINS,
     "kept heights with adhesion": PINS
     | {"lattice.shape": [2, 5], "contact.kind": "jkr", "contact.adhesion_energy": "9 mJ/m^2"},
-    "kept heights, robust": PINS | {"robust.height_sd": "3 um"},
     "incompressible layer": {"model.kind": "layer", "material.poisson_ratio": 0.5},
     "plastic": {"contact.kind": "jackson-green", "contact.yield_strength": "4 MPa"},
     "a tabulated contact": {"contact.kind": "tabulated", "contact.file": "contact.csv"},

@@ -14,7 +14,6 @@ from metafem._values import MICROMETRES
 from metafem.errors import MetafemError
 from metafem.explorer.answer import Answer
 from metafem.inversion import Design
-from metafem.inversion.targets.wording import listed
 from metafem.prediction import Tolerances
 
 # A band, or a further law beside it, is computed at every n-th load of the law: at 34 of 100 loads. Straight
@@ -38,14 +37,9 @@ _BANDS: dict[int, Band | None] = {}
 def tolerances_of(answer: Answer) -> Tolerances | None:
     """Return the manufacturing errors that a specification states; None if it states none.
 
-    These are the errors in ``[robust]`` or, without this section, ``limits.height_sd``.
+    These are those of the heights, ``limits.height_sd``.
     """
-    design = answer.design
-    if design is None:
-        return None
-    if design.robust is not None and design.robust.dimensions(design.surface):
-        return design.robust
-    deviation = design.limits.height_sd
+    deviation = None if answer.design is None else answer.design.limits.height_sd
     return Tolerances(height_sd=deviation) if deviation else None
 
 
@@ -54,18 +48,10 @@ def tolerance_words(tolerances: Tolerances) -> str:
 
     Examples
     --------
-    >>> tolerance_words(Tolerances(height_sd=0.0009, angle=0.001))
-    'errors of the heights of 0.9 µm (SD) and tilts within ±0.057°'
+    >>> tolerance_words(Tolerances(height_sd=0.0009))
+    'errors of the heights of 0.9 µm (SD)'
     """
-    sds = {
-        "heights": tolerances.height_sd,
-        "radii": tolerances.radius_sd,
-        "sites": tolerances.position_sd,
-    }
-    parts = [f"errors of the {name} of {MICROMETRES * sd:.3g} µm (SD)" for name, sd in sds.items() if sd]
-    if tolerances.angle:
-        parts.append(f"tilts within ±{np.degrees(tolerances.angle):.2g}°")
-    return listed(parts)
+    return f"errors of the heights of {MICROMETRES * tolerances.height_sd:.3g} µm (SD)"
 
 
 def tolerance_band(answer: Answer) -> Band | None:

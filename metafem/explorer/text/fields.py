@@ -105,10 +105,9 @@ def typed_value(form: KeyForm, typed: str, unit: str = "") -> Any:
     >>> typed_value(forms["shape"], "8 x 12"), typed_value(forms["pitch"], "1,5", "mm")
     ([8, 12], '1.5 mm')
     """
-    several = form.listed or (form.several and ", " in typed)  # one value for each site
-    if form.value == "quantity" or (form.value != "text" and (not several or ";" in typed)):
+    if form.value == "quantity" or (form.value != "text" and (not form.listed or ";" in typed)):
         typed = with_points(typed)
-    if not several:
+    if not form.listed:
         return _entry(form, typed, unit)
     if not form.pairs:
         return _entries(form, typed.strip("[] "), unit)

@@ -11,7 +11,7 @@ from metafem.files import KeyForm, SectionForm, section_forms
 # Titles of sections whose names do not explain themselves.
 TITLES: Mapping[str, str] = {
     "target": "Target law", "part": "Part files", "lattice": "Sites and radius", "tools": "Choice of tools",
-    "sites": "Given heights, empty sites", "limits": "Heights", "robust": "Design for these errors",
+    "sites": "Given heights, empty sites", "limits": "Heights",
     "contact": "Contact law", "contact.cap": "Cap under adhesion",
 }  # fmt: skip
 
@@ -33,15 +33,8 @@ LABELS: Mapping[str, str] = {
     "tools.step": "step of these radii",
     "tools.exponent_range": "any exponent within",
     "tools.exponent_step": "step of these exponents",
-    "tools.mixed": "mixed tools",
-    "robust.height_sd": "error of heights (SD)",
-    "robust.angle": "largest tilt",
-    "robust.radius_sd": "error of radii (SD)",
-    "robust.position_sd": "error of positions (SD)",
     "layout.seed": "random seed",
-    "layout.follow_law": "against interaction",
     "layout.tilt": "against a tilt of",
-    "layout.tilt_weight": "weight of the tilt",
     "sites.empty": "empty sites",
     "sites.pinned": "sites with given heights",
     "sites.heights": "their heights",

@@ -16,7 +16,7 @@ from metafem.files import KeyForm, SectionForm, section_forms
 # Sections of the form, in the order in which a designer needs them. The model is in the header of the page.
 SECTIONS = (
     "target", "lattice", "limits", "friction", "material", "block", "contact", "contact.cap", "tools",
-    "sites", "layout", "robust", "part", "checks", "cell", "cap",
+    "sites", "layout", "part", "checks", "cell", "cap",
 )  # fmt: skip
 
 # Sections that are open on a new page.
@@ -34,11 +34,7 @@ FURTHER = {
     "friction.area_ratio": "It is measured: contacts shrink when they are sheared.",
     "limits.offset": "It lifts all summits above the base plane, which then is touched at a larger load.",
     "limits.height_sd": "It is assessed, not designed for: the band about the law and How sure follow from "
-    "it. “Design for these errors” takes errors into the choice of the heights (a robust design).",
-    **dict.fromkeys(
-        ("robust.height_sd", "robust.angle", "robust.radius_sd", "robust.position_sd"),
-        "The heights are chosen for the least misfit expected under it.",
-    ),
+    "it.",
     "part.chord_error": "Solids have flat triangles: this is how far they may lie below the round caps.",
 }
 

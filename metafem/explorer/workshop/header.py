@@ -41,8 +41,6 @@ STATUS = {
     DesignStatus.WITHIN_ERRORS: ("meets the target", "good"),
     DesignStatus.REFINED: ("meets the target", "good"),
     DesignStatus.APPROXIMATE: ("approximate", ""),
-    DesignStatus.ROBUST: ("least expected misfit", ""),
-    DesignStatus.UNCORRECTED: ("approximate", ""),
     DesignStatus.MISSED: ("misses the target", "warn"),
 }
 

@@ -32,7 +32,7 @@ RECORDED, MEMORY, TIME = 250, 1_800, 4.5e-5
 WORTH_A_LINE = 5.0
 
 # Sections that are converted into one value each.
-VALUES = ("material", "friction", "block", "limits", "layout", "tools", "robust", "contact", "part")
+VALUES = ("material", "friction", "block", "limits", "tools", "contact", "part")
 
 
 class Sections(Section):
@@ -52,9 +52,6 @@ class Sections(Section):
     cell: sections.CellSection | None = optional("period of an infinite surface; default: no repetition")
     limits: sections.LimitsSection = key("manufacturing limits")
     layout: sections.LayoutSection = key("assignment of heights to sites", default=sections.LayoutSection())
-    robust: sections.RobustSection | None = optional(
-        "errors of the part, under which the expected misfit is least"
-    )
     model: sections.ModelSection = key(
         "model under which the target is to be met", default=sections.ModelSection()
     )
@@ -68,7 +65,7 @@ class Sections(Section):
     def build(self) -> tuple[dict[str, Any], list[InvalidInput]]:
         """Return the members of a `Specification` by name, and the problems of the sections.
 
-        The members are target, template, model, limits, layout, tools, robust, part and pinned.
+        The members are target, template, model, limits, tools, part and pinned.
         """
         problems: list[InvalidInput] = []
 

@@ -32,10 +32,9 @@ class Section(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
-    # Alternative sets of keys, of which exactly one must be present; further valid sets; least number of keys
+    # Alternative sets of keys, of which exactly one must be present; further valid sets
     choices: ClassVar[Choices] = ()
     also: ClassVar[Choices] = ()
-    fewest: ClassVar[int] = 0
     makes: ClassVar[Callable[..., Any]]
 
     @model_validator(mode="after")
@@ -53,9 +52,8 @@ class Section(BaseModel):
 
     @classmethod
     def __get_pydantic_json_schema__(cls, core: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
-        """Return the JSON schema, to which the alternative sets and the least number of keys are added."""
-        found = {**handler.resolve_ref_schema(handler(core)), "x-choices": cls.choices}
-        return {**found, "minProperties": cls.fewest} if cls.fewest else found
+        """Return the JSON schema, to which the alternative sets are added."""
+        return {**handler.resolve_ref_schema(handler(core)), "x-choices": cls.choices}
 
 
 @dataclass(frozen=True)
@@ -119,4 +117,3 @@ Angle = Annotated[float, measured("rad")]
 PositiveLength = Annotated[float, Field(gt=0.0), measured("mm")]
 PositiveStress = Annotated[float, Field(gt=0.0), measured("MPa")]
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
-Whether = Annotated[bool, Field(strict=True)]

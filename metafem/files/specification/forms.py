@@ -62,11 +62,6 @@ class KeyForm:
         return self.listed and "anyOf" in self._entry
 
     @property
-    def several(self) -> bool:
-        """Whether the value can be one value or a list with one for each site."""
-        return not self.listed and "anyOf" in self.schema
-
-    @property
     def value(self) -> str:
         """Kind of the value or of a list's entries: quantity, number, integer, truth, text or section."""
         if sections_of(self.schema):
@@ -105,8 +100,6 @@ class SectionForm:
         One sentence on each kind; empty for a section without kinds.
     keys : mapping of str to tuple of KeyForm
         Keys by kind, in the order of the manual; the kind is "" in a section without kinds.
-    fewest : int
-        Least number of keys.
     """
 
     name: str
@@ -114,7 +107,6 @@ class SectionForm:
     optional: bool
     kinds: dict[str, str]
     keys: dict[str, tuple[KeyForm, ...]]
-    fewest: int = 0
 
 
 @cache
@@ -178,8 +170,7 @@ def _forms(name: str, schema: Schema, optional: bool) -> list[SectionForm]:
     sections = sections_of(schema)
     keys = {kind: tuple(_keys(name, kind, section)) for kind, section in sections.items()}
     kinds = {kind: section["description"].splitlines()[0] for kind, section in sections.items() if kind}
-    fewest = sections.get("", {}).get("minProperties", 0)
-    found = [SectionForm(name, schema.get("description", ""), optional, kinds, keys, fewest)]
+    found = [SectionForm(name, schema.get("description", ""), optional, kinds, keys)]
     for key in (key for of_kind in keys.values() for key in of_kind if key.value == "section"):
         found += _forms(f"{name}.{key.name}", {**key.schema, "description": key.meaning}, key.optional)
     return found

@@ -6,6 +6,7 @@ import hashlib
 import re
 import tomllib
 from collections.abc import Mapping
+from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -22,18 +23,16 @@ from metafem.files.specification.problems import problem
 from metafem.files.units import written_units
 from metafem.inversion import (
     Design,
-    Layout,
     Limits,
     PowerRange,
     RadiusRange,
     Target,
     Tool,
+    arrange,
     design,
-    design_for_hardness,
 )
 from metafem.inversion.problem import drafting
 from metafem.models import Model
-from metafem.prediction import Tolerances
 from metafem.substrate import Substrate
 from metafem.surface import Surface
 
@@ -41,9 +40,6 @@ __all__ = ["Specification", "parsed", "read_spec", "toml_table"]
 
 # Default of the tables that the text of a specification names: none.
 NO_TABLES: Mapping[str, bytes] = {}
-
-# Keys of the section [radii] of earlier versions, and of the section [tools] that has replaced it.
-RADII = {"tools": "radii", "range": "radius_range"}
 
 # Hint on the most common mistakes in TOML.
 REMEDY = 'a value with a unit stands in quotes, such as "1.5 mm", and decimals have a point'
@@ -66,20 +62,16 @@ class Specification:
     model : Model
     seed : int
         Seed of the random assignment of heights to sites.
-    layout : Layout or None
-        Objectives of the assignment of heights to sites.
+    tilt : float or None
+        Tilt of the plane [rad], whose effect is reduced by exchanges of heights between sites.
     tools : RadiusRange, PowerRange, tuple of Tool or of float, or None
         Tools to choose from, or radii of tools [mm]; they replace the radius of the template.
-    robust : Tolerances or None
-        Errors of the made surface; the design minimises the expected misfit under these errors.
     pinned : mapping of int to float or None
         Prescribed height above the base plane [mm] of some sites; None for a site that stays empty.
-    mixed : bool
-        Whether each asperity may have its own radius.
     part : PartOptions
         Alignment asperities, chord error and file formats of the part.
     hardness : float or None
-        H [MPa]; if it is stated, `design_for_hardness` makes the design.
+        H [MPa], for the plasticity index.
     text : str
         The file's text.
     sha256 : str
@@ -93,11 +85,9 @@ class Specification:
     limits: Limits
     model: Model
     seed: int
-    layout: Layout | None
+    tilt: float | None
     tools: RadiusRange | PowerRange | tuple[Tool | float, ...] | None
-    robust: Tolerances | None
     pinned: Mapping[int, float | None]
-    mixed: bool
     part: PartOptions
     hardness: float | None
     text: str
@@ -107,29 +97,16 @@ class Specification:
     def design(self, model: Model | None = None, *, draft: bool = False) -> Design:
         """Return the design for the target of the file; the default model is also that of the file.
 
-        If the file states a hardness, `design_for_hardness` keeps the contacts elastic, or a note states that
-        they are not. A draft ignores hardness, robustness and layout, and omits most of the search.
+        A draft ignores the tilt and omits most of the search.
         """
         chosen = self.model if model is None else model
         remedy = "add [block] with width, length and thickness"
         refuse_missing_block(chosen, self.template, remedy)
         tell_cost(self.template.count)
-        common = self.tools is not None and not self.mixed
         limits = replace(self.limits, pinned=self.pinned)
-        options: dict[str, Any] = {
-            "limits": limits,
-            "rng": self.seed,
-            "layout": None if draft else self.layout,
-            "tools": self.tools,
-            "common_radius": common,
-            "robust": None if draft else self.robust,
-        }
-        if draft:
-            with drafting():
-                return design(self.target, self.template, chosen, **options)
-        if self.hardness is None:
-            return design(self.target, self.template, chosen, **options)
-        return design_for_hardness(self.target, self.template, self.hardness, chosen, **options)
+        with drafting() if draft else nullcontext():
+            found = design(self.target, self.template, chosen, limits, self.seed, tools=self.tools)
+        return found if draft or self.tilt is None else arrange(found, self.tilt, self.seed)
 
     def with_chord_error(self, chord_error: float) -> Specification:
         """Return the specification with another chord error of the part [mm].
@@ -162,7 +139,7 @@ def read_spec(path: str | Path) -> Specification:
     ----------
     path : str or Path
         A TOML file with the sections target, material, lattice and limits, and the optional sections
-        friction, sites, tools, block, cell, layout, robust, model, cap, contact, part and checks;
+        friction, sites, tools, block, cell, layout, model, cap, contact, part and checks;
         ``metafem spec`` lists their keys. Lengths, areas, forces, stresses and angles are strings with a
         unit, such as ``"120 um"``.
 
@@ -237,7 +214,7 @@ def parsed(text: str, tables: Mapping[str, bytes] = NO_TABLES, name: str = "spec
 def _specification(name: str, raw: bytes, source: Source) -> Specification:
     """Return the specification in the UTF-8 text `raw`; errors call it `name`, `source` reads its tables."""
     text = raw.decode("utf-8")
-    table = _with_tools(toml_table(text, name))
+    table = toml_table(text, name)
     try:
         kept = with_tables(text, table, source)
     except InvalidInput as error:
@@ -254,20 +231,12 @@ def _specification(name: str, raw: bytes, source: Source) -> Specification:
     return Specification(
         **parts,
         seed=sections.layout.seed,
-        mixed=sections.tools is not None and sections.tools.mixed,
+        tilt=sections.layout.tilt,
         hardness=sections.checks.hardness,
         text=text,
         sha256=hashlib.sha256(raw).hexdigest(),
         files=kept,
     )
-
-
-def _with_tools(table: dict[str, Any]) -> dict[str, Any]:
-    """Return the sections, in which the section [radii] of earlier versions has become [tools]."""
-    if not isinstance(table.get("radii"), dict) or "tools" in table:
-        return table
-    tools = {RADII.get(key, key): value for key, value in table["radii"].items()}
-    return {**{name: value for name, value in table.items() if name != "radii"}, "tools": tools}
 
 
 def toml_table(text: str, name: str = "spec.toml") -> dict[str, Any]:

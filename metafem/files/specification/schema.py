@@ -101,7 +101,7 @@ def section(form: SectionForm, description: str) -> Schema:
     properties = {name: _merged(of_kinds) for name, of_kinds in found.items()}
     whole = {"description": description, "type": "object", "additionalProperties": False}
     if not form.kinds:
-        return {**whole, **_needed(form.keys[""], fewest=form.fewest), "properties": properties}
+        return {**whole, **_needed(form.keys[""]), "properties": properties}
     words = list(form.kinds.values())
     kind = {
         "description": "\n".join(f"- {name}: {text}" for name, text in form.kinds.items()),
@@ -132,12 +132,10 @@ def refused(names: Iterable[str]) -> Schema:
     return {"properties": dict.fromkeys(sorted(names), False), "additionalProperties": True}
 
 
-def _needed(keys: Sequence[KeyForm], kind: str = "", fewest: int = 0) -> Schema:
+def _needed(keys: Sequence[KeyForm], kind: str = "") -> Schema:
     """Return the schema of the keys that a section requires, and of those that exclude each other."""
     needed = [key.name for key in keys if not key.optional]
     found: Schema = {"required": needed} if needed else {}
-    if fewest:
-        found["minProperties"] = fewest
     return {**found, **_choice(keys, kind)}
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, field_validator
 
 from metafem import _validate as check
 from metafem._given import Given, printable
@@ -21,14 +21,12 @@ from metafem.files.specification.fields import (
     PositiveStress,
     Section,
     Stress,
-    Whether,
     key,
     one_of,
     optional,
 )
 from metafem.files.specification.models import MODELS, suggestion
-from metafem.inversion import Layout, Limits, PowerRange, RadiusRange, Tool
-from metafem.prediction import Tolerances
+from metafem.inversion import Limits, PowerRange, RadiusRange, Tool
 from metafem.surface import Block, Friction, Material
 
 Integer = Annotated[int, Field(strict=True)]
@@ -95,7 +93,6 @@ class ToolsSection(Section):
         "with exponent_range: exponents between are multiples of it; default: 0.1", 0.1
     )
     coefficient: Number | None = optional("with exponent_range: of the power caps; default: 0.5", 0.5)
-    mixed: Whether = key("a tool for each asperity instead of one for all", True, default=False)
 
     def value(self) -> RadiusRange | PowerRange | tuple[Tool | float, ...]:
         """Return the range of radii or exponents, or the tools."""
@@ -209,39 +206,7 @@ class LayoutSection(Section):
     seed: Annotated[int, Field(strict=True, ge=0)] = key(
         "of the random assignment of heights to sites", 0, default=0
     )
-    follow_law: Whether | None = optional(
-        "reduce the effect of interaction; default: true with tilt, else false", True
-    )
-    tilt: Angle | None = optional("reduce the effect of a tilt of this angle", "0.1 deg")
-    tilt_weight: Number | None = optional("weight of the tilt relative to interaction; default: 1", 2.0)
-
-    def value(self) -> Layout | None:
-        """Return the objectives of the assignment of heights to sites."""
-        alone = self.tilt is None and self.tilt_weight is not None
-        refuse_if(alone, "needs tilt", key="tilt_weight", example='tilt = "0.1 deg"')
-        if self.tilt is None and not self.follow_law:
-            return None
-        return Layout(
-            self.follow_law is not False, self.tilt, 1.0 if self.tilt_weight is None else self.tilt_weight
-        )
-
-
-class RobustSection(Section):
-    """The section ``[robust]``."""
-
-    makes = Tolerances
-    fewest = 1
-
-    height_sd: Length = key("standard deviation of the heights", "3 um", default=0.0)
-    angle: Angle = key("largest tilt about either axis", "0.05 deg", default=0.0)
-    radius_sd: Length = key("standard deviation of the radii", "2 um", default=0.0)
-    position_sd: Length = key("standard deviation of x and y of each site", "5 um", default=0.0)
-
-    @model_validator(mode="after")
-    def _some(self) -> RobustSection:
-        if not any(self.model_dump().values()):
-            raise InvalidInput(f"needs an error above 0 of {', '.join(RobustSection.model_fields)}")
-        return self
+    tilt: Angle | None = optional("exchange heights to reduce the effect of a tilt of this angle", "0.1 deg")
 
 
 class ModelSection(Section):

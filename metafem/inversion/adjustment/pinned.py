@@ -76,22 +76,21 @@ def space_of(problem: Problem, candidate: Candidate) -> Bounded:
 
 def with_pinned(
     problem: Problem, plain: Candidate, unrounded: Candidate, rng: np.random.Generator
-) -> tuple[Candidate, Candidate]:
-    """Return two candidates with the prescribed heights at their sites: on height steps, and not rounded.
+) -> Candidate:
+    """Return the candidate on height steps with the prescribed heights at their sites.
 
-    The other heights are adjusted. `plain` and `unrounded` are the corresponding candidates without the
-    prescribed heights. The results state the misfit of `plain` as `unpinned`.
+    The other heights are adjusted. `plain` and `unrounded` are the candidates without the prescribed heights,
+    on height steps and not rounded. The result states the misfit of `plain` as `unpinned`.
     """
     pins, span = problem.pins, problem.limits.span
     unpinned = model_misfit(problem, plain)
     same = _in_place(plain, pins.rows, pins.heights, span)
     if np.array_equal(same.sites, plain.sites) and np.array_equal(same.height, plain.height):
-        same = replace(same, unpinned=unpinned)
-        return same, same
+        return replace(same, unpinned=unpinned)
     problem = replace(problem, options=replace(problem.options, start_damping=SMALL_STEPS))
     with doing("adjusting the heights to the given ones"):
         result = replace(_best(problem, unrounded, unpinned, rng), unpinned=unpinned, stepped=False)
-    return rounded_to_steps(problem, result), result
+    return rounded_to_steps(problem, result)
 
 
 def _best(problem: Problem, candidate: Candidate, unpinned: float, rng: np.random.Generator) -> Candidate:

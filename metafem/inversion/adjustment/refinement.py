@@ -180,9 +180,7 @@ def _initial_guesses(
     residual = residual_of_surface(problem.uncoupled, surface, divided)
     space, restarts = Heights(problem.limits.span), problem.effort.ratio_restarts
     corrected = search(residual, [surface.height], space, GOAL, restarts, rng, problem.options)
-    # if the layout was chosen for this model, the heights should change as little as possible
-    guesses = [corrected.unknowns, start.height]
-    return guesses if problem.layout is None else guesses[::-1]
+    return [corrected.unknowns, start.height]
 
 
 def filled(candidate: Candidate, problem: Problem) -> Candidate:

@@ -12,7 +12,6 @@ from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem._values import Value, percent
 from metafem.errors import Infeasible
-from metafem.inversion.adjustment.band_margin import widest
 from metafem.inversion.bounds import ROUNDING
 from metafem.inversion.feasibility import margin_words, refuse_load
 from metafem.inversion.search.target_law import TargetLaw
@@ -30,10 +29,9 @@ if TYPE_CHECKING:
 class Band(Value, Target):
     """Any law between two curves.
 
-    The design is the law with the largest margin found. The margin ``min_k min(A_k - l_k, u_k - A_k)/w_k`` is
-    the smallest distance to the nearer curve, relative to half the width ``w_k = (u_k - l_k)/2`` of the band:
-    1 in the middle, 0 on a curve. The parameter ``band_margin`` [-] of the design states it. The misfit of a
-    design is its largest relative distance from the band at a load of the target, and 0 within the band.
+    The search aims at the middle of the band, or at its inner half if the middle cannot be reached. The
+    misfit of a design is its largest relative distance from the band at a load of the target, and 0 within
+    the band.
 
     Parameters
     ----------
@@ -53,8 +51,8 @@ class Band(Value, Target):
     >>> import metafem as mf
     >>> template = mf.Surface.square_lattice(0.12, radius=0.526, material=mf.Material(1.36))
     >>> design = mf.design(Band([0.1, 0.2, 0.3], [0.8, 1.4, 2.1], [0.9, 1.6, 2.4]), template)
-    >>> design.misfit, design.parameters["band_margin"] > 0.99
-    (0.0, True)
+    >>> design.misfit
+    0.0
     """
 
     rescaled_load: FloatArray
@@ -164,25 +162,27 @@ class Band(Value, Target):
                 )
 
     def candidate(self, problem: Problem, rng: np.random.Generator, restarts: int | None = None) -> Candidate:
-        """Return independent asperities whose law is near the middle, or within the band otherwise."""
-        band = self.curve()
+        """Return independent asperities whose law is near the middle, or in the inner half of the band."""
+        low, high = (0.5 * (end + self.middle) for end in (self.lowest, self.highest))
+        inner = Band(self.rescaled_load, low, high)
         near = SampledLaw(self.rescaled_load, self.middle).candidate(problem, rng, restarts)
-        area = problem.independent.curve_of(near.height, near.radius, band.load).area
-        if band.misfit(area) > 0.0:
-            found = super().candidate(problem, rng, restarts)
-            new = problem.independent.curve_of(found.height, found.radius, band.load).area
-            near = found if band.misfit(new) < band.misfit(area) else near
-        return replace(near, target_law=band)
+        law = inner.curve()
+        area = problem.independent.curve_of(near.height, near.radius, law.load).area
+        if law.misfit(area) > 0.0:
+            found = super(Band, inner).candidate(problem, rng, restarts)
+            new = problem.independent.curve_of(found.height, found.radius, law.load).area
+            near = found if law.misfit(new) < law.misfit(area) else near
+        return replace(near, target_law=law)
 
     def judged(self, problem: Problem, candidate: Candidate) -> Candidate:
-        """Return the candidate with the largest margin found, or raise Infeasible if its law is outside."""
-        found, area = widest(problem, candidate)
+        """Return the candidate with the whole band as its target, or raise Infeasible if it is outside."""
         band = self.curve()
-        violation = float(np.abs(band.difference(area)).max())
-        if violation > 0.0:
-            i = int(np.abs(band.difference(area)).argmax())
+        area = problem.model.curve(candidate.surface(problem.template), band.load).checked().area
+        violation = np.abs(band.difference(area))
+        if violation.any():
+            i = int(violation.argmax())
             parts = ("no law within the band was found: at load ", ("loads", band.load[i]))
-            words = f" the nearest law found is outside by {percent(violation, '.3g')}"
+            words = f" the nearest law found is outside by {percent(float(violation[i]), '.3g')}"
             nearest = SampledLaw(self.rescaled_load, area, wording=self.wording)
             raise Infeasible(Message((*parts, words), self.wording), nearest, by_search=True)
-        return found
+        return replace(candidate, target_law=band)

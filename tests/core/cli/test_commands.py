@@ -17,17 +17,6 @@ def test_spec_prints_every_key(run):
     assert [(key["section"], key["name"]) for key in data] == [(key.section, key.name) for key in all_keys()]
 
 
-@pytest.mark.slow
-def test_a_robust_design_is_made_from_a_specification(run):
-    errors = '\n[robust]\nheight_sd = "3 um"\nangle = "0.05 deg"\n'
-    Path("robust.toml").write_text(demo_text("linear").replace("[8, 8]", "[6, 6]") + errors, "utf-8")
-    result = run("design", "robust.toml", "-o", "robust", "--json")
-    assert result.exit_code in (0, 1), result.output
-    found = mf.load("robust")
-    assert found.robust == mf.Tolerances(0.003, 0.05 * 3.141592653589793 / 180.0)
-    assert found.parameters["expected_misfit"] <= found.parameters["plain_expected_misfit"]
-
-
 @pytest.mark.usefixtures("plain_reports")
 @pytest.mark.parametrize(
     "model",

@@ -109,13 +109,11 @@ def test_marks_and_grids_are_drawn_to_scale(ax):
     assert (place.left, place.right, place.bottom, place.top) == pytest.approx((0.1, 0.8, 0.1, 0.7))
 
 
-def test_onsets_and_trade_offs_are_drawn():
-    left, right = drawing.new_figure(9.0, 4.0).subplots(1, 2)
+def test_onsets_are_drawn():
+    left = drawing.new_figure(9.0, 4.0).subplots()
     drawing.onset(left, X, 0.1 * X)
     assert points(left.lines[0]) == [[0.0, 0.0], [1.0, 0.1], [2.0, 0.2], [4.0, 0.4]]
     assert points(left.lines[1]) == [[1.0, 0.1], [2.0, 0.2]]
-    drawing.trade_off(right, PLACES, 2, ["a", "b"])
-    assert (points(right.lines[0]), points(right.lines[1])) == (PLACES.tolist(), [[3.0, 1.0]])
 
 
 def test_an_image_lies_in_its_frame():

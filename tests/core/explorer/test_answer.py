@@ -106,7 +106,7 @@ def test_a_draft_is_simplified_where_it_would_be_slow_and_followed_by_the_design
     draft = to(with_field(adhesive, "model.kind", "layer"), draft=True)
     assert draft.design.law.model == Independent(draft.specification.model.contact)
     arranged = to(with_field(TEXT, "layout.tilt", "0.1 deg"), draft=True)
-    assert "layout_after" not in arranged.design.parameters
+    assert "tilt_after" not in arranged.design.parameters
     again = answered(State(TEXT), 2, to(TEXT, draft=True), draft=True)
     found = answered(State(TEXT), 3, again)
     assert (again.draft, found.draft) == (True, False)

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from metafem.errors import InvalidInput
-from metafem.explorer.answer import Answer, answered, specification_of
+from metafem.explorer.answer import Answer, answered
 from metafem.explorer.last_run import HOST, token_and_port
 from metafem.explorer.law.dropped import read_points
 from metafem.explorer.law.nearest import reachable, with_nearest
@@ -78,9 +78,6 @@ def in_use():
         token_and_port(other.getsockname()[1])
 
 
-STIFFNESS = text_of(
-    'kind = "sampled"\nof = "stiffness"\nrescaled_load = ["0.1 mm^2"]\nrescaled_friction = ["3.5 mm"]'
-)
 STEEP = 'kind = "power"\nexponent = 500\nload_range = ["0.1 N", "0.4 N"]\nprefactor = 7'
 
 # Each a call, the name of what is wrong, and the value that the message has.
@@ -89,7 +86,6 @@ TEXTS = [
     (lambda: Document("limits = 3").with_values({"limits.offset": "1 um"}), "section", "limits"),
     (lambda: with_field(TEXT, "limits.depth", "3 um"), "no key", "limits.depth"),
     (lambda: with_kind(State(TEXT), None, "cubic"), "kind", "cubic"),
-    (lambda: specification_of(State(STIFFNESS)), "target.of", "stiffness"),
     (lambda: scene_of(TEXT, None, None), "specification", "problems"),
     (lambda: moved(target("points"), "point-7", 0.1, 1.0), "handle", "point-7"),
     (lambda: moved(target("points"), "point-0", -0.1, 1.0), "load", "-0.1"),

@@ -34,7 +34,7 @@ VALUES = {
     "limits.offset": "µ'\"\\\n",
     "layout.seed": 2**63 - 1,
     "target.weight": [1e-300, 2.5],
-    "layout.follow_law": True,
+    "layout.mine": True,
     "target.crossover_loads": [["0.1 mm^2", "0.2 mm^2"], "0.3 mm^2"],
 }
 
@@ -168,12 +168,10 @@ TYPED = [
     ("target.slopes", "9, 8.5, 7", [9, 8.5, 7]),
     ("material.poisson_ratio", " .45 ", 0.45),
     ("material.poisson_ratio", "0,45", 0.45),
-    ("layout.follow_law", "true", True),
     ("target.load_range", '"0.1 N"; "0.4 N"', ["0.1 N", "0.4 N"]),
     ("target.load_range", "0,1; 0,4 mm^2", ["0.1 mm^2", "0.4 mm^2"]),
     ("target.load_range", "0.1, 0.4", ["0.1 mm^2", "0.4 mm^2"]),
     ("target.crossover_loads", "[0.07, 0.1], 0,15", [["0.07 mm^2", "0.1 mm^2"], "0.15 mm^2"]),
-    ("friction.shear_strength", "0.3, 0.35", ["0.3 MPa", "0.35 MPa"]),
     ("limits.max_height", "0,13 mm", "0.13 mm"),
     ("limits.max_height", ".5", "0.5 um"),
     ("limits.max_height", "1,300", "1,300"),  # or one thousand three hundred
@@ -246,8 +244,6 @@ def test_the_form_has_a_field_for_each_key_and_the_names_of_messages():
     largest = fields["limits.max_height"]
     assert largest["help"].startswith("Largest height (limits.max_height): ")
     assert largest["help"].endswith(f"Example: {largest['example']}.")
-    assert [value for value, _ in fields["tools.mixed"]["options"]] == ["", "true", "false"]
-    assert fields["tools.mixed"]["options"][0][1] == "default (no)"
     (target,) = [part for part in form() if part["name"] == "target"]
     assert {kind: target["kind_names"][kind] for kind in target["kinds"]} == {
         kind: KINDS[kind][0] for kind in section_forms()[0].kinds

@@ -17,7 +17,7 @@ CAPS = [mf.Power(4, 0.3), mf.Sphere(), mf.Paraboloid(), mf.Power(4, 0.3)]
 MIXED = mf.Surface.square_lattice(
     [0.1, 0.11, 0.1 + 0.047, 0.13], (2, 2), radius=[0.5, 0.5, 0.6, 0.7], material=MATERIAL, cap=CAPS,
     block=BLOCK,
-    friction=mf.Friction([0.4, 0.1, 0.1, 0.4], 0.85),
+    friction=mf.Friction(0.4, 0.85),
 )  # fmt: skip
 NONE = np.full((2, 2), np.nan)
 CONTACTS = ContactTable(
@@ -62,7 +62,7 @@ FILES = {
     ),
     "heights.csv": (
         lambda path: path.write_text(files.heights_table(MIXED, np.arange(4)), "utf-8"),
-        lambda path: files.read_surface(path, MATERIAL, block=BLOCK),
+        lambda path: files.read_surface(path, MATERIAL, friction=MIXED.friction, block=BLOCK),
         lambda: MIXED.replaced(height=[0.1, 0.11, 0.147, 0.13]),  # without the rounding error of a sum
     ),
     "contacts.csv": (

@@ -42,11 +42,11 @@ def number(column):
 # Names of the files of a folder, and of the members of its design.
 NAMES = "block.stl design.json heights.csv law.csv mould.csv mould.stl report.html spec.toml surface.vtu"
 MEMBERS = {
-    "": "density fits law layout limits misfit notes parameters pinned robust sites status surface target "
+    "": "density fits law limits misfit notes parameters pinned sites status surface target "
     "template tools type",
-    "target": "of rescaled_friction rescaled_load type wording",
+    "target": "rescaled_friction rescaled_load type wording",
     "surface": "block cap cell friction height material position radius type",
-    "law": "approach area cell friction friction_area material model model_error notes rescaled_load "
+    "law": "approach area cell friction material model model_error notes rescaled_load "
     "rescaled_stiffness residual separation status type",
     "limits": "height_sd height_step max_height min_height offset pinned type",
 }
@@ -122,12 +122,10 @@ def test_heights_law_and_mould_have_their_columns(folder):
     assert "-0.0" not in (folder / "mould.csv").read_text("utf-8")
 
 
-def test_caps_frictions_cells_and_errors_have_columns_where_they_differ():
+def test_caps_cells_and_errors_have_columns_where_they_differ():
     heights = columns(files.heights_table(MIXED, np.arange(4)))
-    assert list(heights)[4:] == ["radius_mm", "cap", "shear_strength_MPa", "area_ratio"]
+    assert list(heights)[4:] == ["radius_mm", "cap"]
     assert heights["cap"] == ["power 4.0 0.3", "sphere", "paraboloid", "power 4.0 0.3"]
-    assert heights["shear_strength_MPa"].tolist() == [0.4, 0.1, 0.1, 0.4]
-    assert set(heights["area_ratio"]) == {0.85}
     assert "0.147" in files.heights_table(MIXED, np.arange(4))  # 0.1 + 0.047 without its rounding error
     _, design = small()
     caps = design.surface.replaced(cap=mf.Power(4, 0.3))
@@ -159,9 +157,6 @@ def test_tables_of_summits_are_read_with_other_units_separators_and_decimals(tmp
         path.write_bytes(table.encode("utf-8-sig"))
         surface = files.read_surface(path, material)
         assert surface == mf.Surface([[0.0, 0.0], [1.5, 0.0]], [0.1205, 0.0943], 0.5, material)
-    path.write_text("x_mm,y_mm,height_um,shear_strength_kPa\n0,0,100,400\n1.5,0,110,100\n", "utf-8")
-    surface = files.read_surface(path, material, radius=0.526)
-    assert (set(surface.radius), surface.friction) == ({0.526}, mf.Friction([0.4, 0.1]))
 
 
 def test_the_field_file_holds_the_contacts_at_the_largest_load(folder, tmp_path):
@@ -184,7 +179,6 @@ def test_the_field_file_holds_the_contacts_at_the_largest_load(folder, tmp_path)
     write_surface(other, tmp_path / "a.vtu")
     data = meshio.read(tmp_path / "a.vtu").point_data
     assert data["cap"].tolist() == [0, 1, 0, 1]
-    assert (data["shear_strength_MPa"].tolist(), set(data["area_ratio"])) == ([0.4, 0.1, 0.1, 0.4], {0.85})
 
 
 def through_json(value):
@@ -205,7 +199,7 @@ def test_every_value_is_read_back_from_its_record():
     values = [
         *(make() for make in files.MODELS.values()), *(mf.Independent(law) for law in laws), lattice, MIXED,
         mf.Surface([[1e-7, -1.0 / 3.0]], [1e7], 1e7 / 3.0, mf.Material(1e-30)),
-        mf.LinearLaw(1.0 / 3.0), mf.LinearLaw(6.87, (0.1, 0.2), of="stiffness"),
+        mf.LinearLaw(1.0 / 3.0), mf.LinearLaw(6.87, (0.1, 0.2)),
         mf.PowerLaw(1.2, (0.1, 0.4), 7.0),
         mf.BilinearLaw((7.15, 12.52), 0.038), mf.MultilinearLaw([9.5, 7.0], [(0.07, 0.18)], (0.03, 0.26)),
         mf.SampledLaw([0.1, 0.2], [0.8, 1.5], weight=[1.0, 2.0]), mf.Band([0.1], [0.8], [0.9]),
@@ -226,7 +220,7 @@ def test_designs_with_all_members_are_read_back():
     target, template = mf.OperatingPoints([0.02], [0.2]), small()[1].template
     for options in (
         {"limits": mf.Limits(0.12, height_step=0.006, height_sd=0.01, pinned={8: 0.1, 3: None})},
-        {"layout": mf.Layout(tilt=0.002), "tools": [0.3, 0.526], "robust": mf.Tolerances(0.003)},
+        {"tools": [0.3, 0.526]},
     ):
         design = mf.design(target, template, **options)
         assert through_json(design) == design

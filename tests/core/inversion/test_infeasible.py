@@ -8,7 +8,6 @@ LATTICE = mf.Surface.square_lattice(0.3, radius=0.526, material=mf.Material(1.36
 HIGH, TALL, LOW = mf.Limits(0.3), mf.Limits(0.27), mf.Limits(0.12, offset=0.05)
 PAIR = LATTICE.material, LATTICE.friction
 TOOLS, RANGE = [mf.Tool(0.526), mf.Tool(0.3, mf.Power(4))], mf.PowerRange(1.2, 6.0)
-COATED = [mf.Tool(0.526, mf.Paraboloid()), mf.Tool(0.526, mf.Paraboloid(), shear_strength=0.1)]
 ONE = LATTICE.only(slice(1))
 FEW = dict.fromkeys(range(62))
 
@@ -35,7 +34,6 @@ BOUNDS = [
     (mf.LinearLaw.from_friction_coefficient(0.9, *PAIR), LOW, {}, ("friction coefficient 0.9", "1.45")),
     (mf.LinearLaw(1e3), LOW, under(mf.PowerCap(1.1, 0.3)), ("slope 1000", "contact law")),
     (mf.LinearLaw(1.0), HIGH, {"tools": [0.2, 0.8]}, ("0.2 mm", "0.8 mm")),
-    (mf.LinearLaw(1.0), HIGH, {"tools": [0.2, 0.8], "common_radius": True}, ("0.2 mm", "0.8 mm")),
     (mf.BilinearLaw((7.15, 12.0), 5.0), LOW, {}, ("crossover_load = 5", "0.4354")),
     (mf.BilinearLaw((7.15, 12.0), 0.4), LOW, {}, ("second slope", "7.78")),
     (coefficients(1.6, 90.0), LOW, {}, ("friction_coefficients[1] = 90", "0.05168 N")),
@@ -49,8 +47,6 @@ BOUNDS = [
     (mf.PowerLaw(1.2, (0.1, 0.4)), HIGH, under(mf.PowerCap(1.0)), ("1.2", "at least 1 and at most 1")),
     (mf.PowerLaw(0.62, (0.1, 0.4)), HIGH, {"tools": [0.2, 0.8]}, ("0.62", "0.6283")),
     (mf.PowerLaw(0.1, (0.1, 0.4)), HIGH, {"tools": RANGE}, ("0.1", "0.1647")),
-    (mf.PowerLaw(0.1, (0.1, 0.4)), HIGH, {"tools": COATED}, ("0.1", "2 tools")),
-    (mf.PowerLaw(0.25, (0.05, 0.2), of="stiffness"), HIGH, {}, ("0.25", "0.3333")),
     (mf.PowerLaw(1.35, (0.02, 0.4)), HIGH, {"model": mf.Interacting()}, ("1.35", "margin")),
     (mf.SampledLaw([0.1, 0.2], [0.1, 1.0]), HIGH, {}, ("sample 1", "single asperity")),
     (mf.SampledLaw([0.1, 0.2, 0.3], [0.8, 2.0, 2.2]), HIGH, {}, ("sample 3", "F/P")),
@@ -100,21 +96,3 @@ def test_the_refused_and_the_nearest_target(first):
 def test_one_asperity_has_no_line():
     with pytest.raises(mf.Infeasible, match="with 1 "):
         mf.achievable_load_range(mf.LinearLaw(7.0), ONE, TALL)
-
-
-def test_one_asperity_is_in_no_other_band():
-    area = mf.Independent().curve(ONE, [0.02]).area
-    with pytest.raises(mf.Infeasible, match="outside by"):
-        mf.brought_into(ONE, mf.Band([0.02], 1.1 * area, 1.2 * area))
-
-
-def test_scaled_heights_have_no_larger_force():
-    pair = LATTICE.only(slice(4), height=[0.1, 0.099, 0.098, 0.097])
-    with pytest.raises(mf.Infeasible, match=r"8\.923e-05"):
-        mf.scaled_to_pull_off(pair, 1e-3, mf.Independent(mf.JKR(9e-6)), load=0.05)
-
-
-def test_what_no_plastic_contacts_reach():
-    points = mf.OperatingPoints([0.144, 0.336], [0.84, 1.68])
-    with pytest.raises(mf.Infeasible, match=r"KogutEtsion\(hardness=0\.1\)"):
-        mf.design_for_hardness(points, LATTICE, 0.1, limits=TALL)

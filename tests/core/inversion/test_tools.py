@@ -13,10 +13,10 @@ from metafem.inversion.search.target_law import TargetLaw
 from metafem.inversion.strategies.mixture import Mixture
 from metafem.inversion.tools.kit_bounds import least_ratio
 from metafem.inversion.tools.radii import Radii
-from tests.core.inversion.test_coatings import UNCOATED as KIT
 
 LATTICE = mf.Surface.square_lattice(0.3, radius=0.526, material=mf.Material(1.36))
 CELL = LATTICE.only(slice(6))
+KIT = [mf.Tool(0.526), mf.Tool(0.3, mf.Power(4)), mf.Tool(0.6, mf.Power(1.5))]
 LIMITS, ELASTIC = mf.Limits(0.3), mf.Independent(mf.Elastic())
 COMMON, THREE = mf.Limits(0.12, offset=0.05, height_sd=0.0009), [0.8, 0.2, 0.526]
 
@@ -37,9 +37,8 @@ def test_gradients_by_radii_and_exponents_are_those_of_differences():
     for cap in (mf.Hertz(), mf.PowerCap(4), mf.SphericalCap()):
         residual = space.residual(mf.Independent(contact=cap), target)
         assert_gradients(residual, space.joined(height, radius), range(9, 18))
-    for area in ((math.pi, 2.0), (2.0, 1.0)):  # of the area, and of the stiffness
-        space = OfExponents(1.0, 9, range=mf.PowerRange(1.1, 7.0), radius=0.526, depth=0.05, area=area)
-        assert_gradients(space.residual(ELASTIC, target), space.joined(height, exponent), range(18))
+    space = OfExponents(1.0, 9, range=mf.PowerRange(1.1, 7.0), radius=0.526, depth=0.05)
+    assert_gradients(space.residual(ELASTIC, target), space.joined(height, exponent), range(18))
 
 
 def test_no_random_contacts_have_a_smaller_local_exponent_than_the_bound():
@@ -100,12 +99,12 @@ def test_a_mixture_reaches_between_the_tools(template):
 
 
 def test_radii_of_a_range_are_those_of_its_steps(template):
-    for step, common in [(0.07, False), (0.6, True)]:
+    for step in (0.07, 0.6):
         radii = mf.RadiusRange(0.2, 0.8, step)
-        result = mf.design(mf.LinearLaw(4.5), template, limits=LIMITS, tools=radii, common_radius=common)
+        result = mf.design(mf.LinearLaw(4.5), template, limits=LIMITS, tools=radii)
         steps = {0.2, 0.8, *(round(i * step, 12) for i in range(12) if 0.2 < i * step < 0.8)}
         assert {*result.surface.radius, *result.parameters["tried_radii"]} <= steps
-        assert common or result.tools == radii
+        assert result.tools == radii
         tried = Radii.given(mf.RadiusRange(0.207, 0.803)).tried
         assert (tried[0], tried[-1]) == (0.207, 0.803)
 
@@ -116,8 +115,9 @@ def test_levels_of_different_radii_meet_points():
     built = three.replaced(height=[0.3, 0.3, 0.27, 0.25], radius=[0.1, 0.1, 2.0, 2.0])
     law = mf.friction_law(built, separation=[0.265, 0.2])
     target = mf.OperatingPoints(law.rescaled_load, law.rescaled_friction)
-    with pytest.raises(mf.Infeasible):
-        mf.design(target, three, limits=LIMITS, tools=[0.1, 2.0], common_radius=True)
+    for radius in (0.1, 2.0):
+        with pytest.raises(mf.Infeasible):
+            mf.design(target, three, limits=LIMITS, tools=[radius])
     result = mf.design(target, three, limits=LIMITS, tools=[0.1, 2.0])
     assert result.misfit <= 1e-9
     assert set(result.surface.radius) == {0.1, 2.0}
@@ -132,24 +132,16 @@ def test_one_tool_is_used_where_it_reaches_the_target():
         mixed = mf.design(mf.PowerLaw(1.2, (0.1, 0.4)), LATTICE, limits=LIMITS, tools=given)
         assert mixed.tools == (0.2, 0.8)
         assert len(set(mixed.surface.radius)) == 1
-    kit = mf.design(mf.LinearLaw(7.0), LATTICE, limits=LIMITS, tools=KIT, common_radius=True)
+    kit = mf.design(mf.LinearLaw(7.0), LATTICE, limits=LIMITS, tools=KIT)
     assert sorted(kit.parameters["tool_counts"].tolist()) == [0, 0, kit.surface.count]
-
-
-def test_the_best_common_radius_is_that_of_the_law():
-    """Six equal asperities of R carry A0 = pi R^(2/3) 6^(1/3) (3p/4)^(2/3), the most that N = 6 can."""
-    load = np.linspace(0.01, 0.1, 8)
-    target = mf.SampledLaw(load, mf.Independent().curve(CELL.replaced(radius=0.4), load).area)
-    result = mf.design(target, CELL, limits=LIMITS, tools=[0.3, 0.4, 0.5], common_radius=True)
-    assert result.misfit < 1e-3
-    np.testing.assert_array_equal(result.surface.radius, 0.4)
 
 
 def test_points_below_those_of_one_radius_are_met_by_two():
     """F grows by less than P^(2/3)."""
     target = mf.OperatingPoints([0.144, 0.336], [0.84, 0.84 * (0.336 / 0.144) ** 0.65])
-    with pytest.raises(mf.Infeasible, match=r"no radius .* point 2"):
-        mf.design(target, LATTICE, limits=LIMITS, tools=[0.2, 0.8], common_radius=True)
+    for radius in (0.2, 0.8):
+        with pytest.raises(mf.Infeasible, match="point 2"):
+            mf.design(target, LATTICE, limits=LIMITS, tools=[radius])
     assert mf.design(target, LATTICE, limits=LIMITS, tools=[0.2, 0.8]).misfit <= 1e-9
 
 
@@ -167,14 +159,8 @@ def test_exponents_of_periodic_cells_are_corrected_for_interaction():
 
 
 def test_reach_of_each_tool_is_told(template):
-    result = mf.design(mf.LinearLaw(7.0), template, limits=COMMON, tools=THREE, common_radius=True)
-    found = result.parameters
+    found = mf.design(mf.LinearLaw(7.0), template, limits=COMMON, tools=THREE).parameters
     assert found["tried_radii"].tolist() == sorted(THREE)
-    assert result.misfit == found["radius_misfits"].min()
     for i, radius in enumerate(found["tried_radii"]):
         bounds = mf.achievable_friction_coefficients(template.replaced(radius=radius), COMMON)
         assert (found["lowest_coefficients"][i], found["highest_coefficients"][i]) == bounds
-    # a slope below 3 pi/4 sqrt(R/h) asks for a smaller radius
-    result = mf.design(mf.LinearLaw(4.5), template, limits=COMMON, tools=THREE, common_radius=True)
-    assert result.parameters["radius"] == 0.2
-    assert "0.526, 0.8; slope 4.5" in result.notes[-1].text

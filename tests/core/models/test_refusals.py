@@ -127,11 +127,6 @@ REFUSALS = [
     (lambda: mf.equilibrium(SOME, mf.Interacting(), load=0.1).field, "field", "Interacting("),
     (law(mf.Interacting(1, contact=PLASTIC), load=[5e-4], unloading=True), "unloading", "True"),
     (law(mf.Independent(PLASTIC), load=[5e-4], unloading=True), "unloading", "True"),
-    (
-        law(Plain(), SOME.replaced(friction=mf.Friction(np.arange(1.0, 10.0))), load=[0.1]),
-        "friction",
-        "differ",
-    ),
     (capped("sphere"), "cap", "'sphere'"),
     (capped([mf.Sphere()]), "cap", "1"),
     (capped([mf.Sphere(), 2, mf.Sphere(), mf.Sphere()]), "cap[1]", "2"),

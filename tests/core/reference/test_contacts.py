@@ -69,3 +69,8 @@ def test_contacts_on_a_thin_layer_do_not_interact():
     # A cell ten thicknesses wide is the layer alone.
     cell = layer.cell_influence(0.05, 10.0, 1.0, 0.5)
     assert cell == pytest.approx(float(layer.regular_influence(0.0, 1.0, 0.5)), rel=1e-3)
+
+
+def test_conductance_of_one_contact_is_that_of_a_disc():
+    """A disc of radius a between half-spaces has G = 4 a/(rho_1 + rho_2); its stiffness is 2 E* a."""
+    assert exact.conductance(2.0 * 1.36 * 0.2, 1.36, 3.0) == pytest.approx(4.0 * 0.2 / 3.0, rel=1e-14)

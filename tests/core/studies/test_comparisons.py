@@ -57,14 +57,6 @@ def test_fidelity_states_what_is_left_out(design):
     assert "6 different radii" in found.attrs["notes"]
 
 
-def test_fidelity_compares_areas_under_any_friction(design):
-    coated = design.template.replaced(friction=mf.Friction([0.4, 0.1, 0.2, 0.4, 0.3, 0.1]), block=None)
-    coated = mf.design(design.target, coated)
-    found = mf.studies.fidelity(coated, elements=False)
-    alone = mf.friction_law(coated.surface.replaced(friction=None), load=coated.law.load)
-    np.testing.assert_allclose(found.area.sel(model="independent"), alone.area, rtol=1e-12)
-
-
 def test_the_summary_of_an_interaction_holds_each_substrate_and_order(interaction):
     rows, change = summary(interaction).rows, 100.0 * interaction.area_change.values
     assert [row[:2] for row in rows] == [

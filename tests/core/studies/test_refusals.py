@@ -19,7 +19,6 @@ SURFACE = mf.Surface.square_lattice(
     [0.1, 0.11, 0.12, 0.13], (2, 2), radius=0.526, material=MATERIAL, friction=FRICTION
 )
 FLAT, BARE = SURFACE.replaced(height=np.full(4, 0.1)), SURFACE.replaced(friction=None)
-COATED = SURFACE.replaced(friction=mf.Friction([0.4, 0.1, 0.2, 0.4], 0.85))
 SIX = mf.Surface.square_lattice(
     0.12, (2, 3), radius=np.linspace(0.4, 0.6, 6), material=MATERIAL, block=mf.Block(20, 20, 7.2)
 )
@@ -49,7 +48,6 @@ REFUSALS = {
         (manufacturing(0.001, others=mf.Tolerances(radius_sd=0.1)), "radius", "0.1"),
         (manufacturing(0.001, rng=-1), "rng", "-1"),
         (manufacturing(0.001, draws=1), "draws", "1"),
-        (manufacturing(0.001, COATED), "friction.shear_strength", "manufacturing"),
     ],
     "misalignment": [
         (misalignment(0.0), "angle", "0"),
@@ -58,7 +56,6 @@ REFUSALS = {
         (misalignment([0.2, 0.1]), "angle[1]", "0.1"),
         (misalignment(0.001, axes="z"), "axes", "z"),
         (misalignment(0.001, shuffles=-1), "shuffles", "-1"),
-        (misalignment(0.001, COATED), "friction.shear_strength", "misalignment"),
     ],
     "uncertainty": [
         (uncertainty(load=[0.1, -0.1]), "load[1]", "-0.1"),
@@ -72,7 +69,6 @@ REFUSALS = {
         (uncertainty(BARE, parameters={"shear_strength": 0.01}), "parameters.shear_strength", "Friction"),
         (uncertainty(BARE, load=[0.1], friction_force=[0.1]), "friction_force", "Friction"),
         (uncertainty(model="layer"), "model", "layer"),
-        (uncertainty(COATED, load=[0.03]), "friction.shear_strength", "uncertainty"),
         (
             uncertainty(parameters={"composite_modulus": 0.05}, model=PLASTIC, load=[0.01]),
             "composite_modulus",

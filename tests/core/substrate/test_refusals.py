@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.substrate import GroundedLayer
 from tests.refusals import faults
 
 BLOCK = mf.Block(20.0, 20.0, 7.2)
@@ -29,16 +28,10 @@ REFUSALS = [
     (lambda: mf.BondedLayer(5.0).for_surface(SURFACE), "thickness = 5", "7.2"),
     (lambda: mf.BondedLayer(7.2, 0.3).for_surface(SURFACE), "poisson_ratio = 0.3", "0.45"),
     (lambda: mf.BondedLayer().for_surface(FREE), "BondedLayer", "block"),
-    (lambda: GroundedLayer(0.0), "thickness", "0"),
-    (lambda: GroundedLayer(1.0, 1.5), "share", "1.5"),
-    (lambda: GroundedLayer().influence(1.0), "thickness", "for_surface"),
-    (lambda: GroundedLayer(5.0).for_surface(SURFACE), "thickness = 5", "7.2"),
-    (lambda: GroundedLayer().for_surface(FREE), "GroundedLayer", "block"),
     (lambda: mf.HalfSpace().influence(0.0), "distance", "0.0"),
     (lambda: mf.HalfSpace().influence(np.nan), "distance", "nan"),
     (lambda: mf.HalfSpace().influence("far"), "distance", "far"),
     (lambda: mf.equilibrium(PERIODIC, mf.Interacting(substrate=Mine()), load=0.01), "transform", "Mine"),
-    (lambda: Mine().conductor(1.0), "conduction", "Mine"),
 ]
 
 

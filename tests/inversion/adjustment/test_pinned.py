@@ -17,13 +17,11 @@ from tests.core.inversion.test_pinned import (
 
 STEPS = mf.Limits(0.12, offset=0.08, height_step=0.006)
 PINNED = {7: 0.19, 3: None, 20: 0.15, 35: 0.17}
-LAYER, TILT = mf.Interacting(substrate=mf.BondedLayer()), mf.Layout(tilt=0.001)
+LAYER = mf.Interacting(substrate=mf.BondedLayer())
 OPTIONS = {
-    "layout": {"layout": TILT, "model": mf.Interacting()},
+    "half-space": {"model": mf.Interacting()},
     "layer": {"model": LAYER},
     "radii": {"tools": [0.3, 0.526]},
-    "common radius": {"tools": [0.5, 0.526], "common_radius": True},
-    "robust": {"robust": mf.Tolerances(height_sd=0.002, angle=0.001)},
     "power cap": {"model": mf.Independent(contact=mf.PowerCap(4.0))},
 }
 

@@ -1,0 +1,192 @@
+"""Assignment of the heights of a design to its sites that makes the law insensitive to a tilt of the plane.
+
+A tilt by (t_x, t_y) raises the summits by ``x_i t_x + y_i t_y``. For independent asperities, this changes A0
+at a fixed load by the change of ``sum_i A(d_i) - dA0/dP sum_i P(d_i)``, with the indentations d_i at a fixed
+separation. An exchange of two asperities changes the terms of two sites alone, so that the effects of all
+exchanges are predicted at once. The best exchanges are made, and kept if the change under the model is less.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from metafem import _validate as check
+from metafem._validate import FloatArray, IntArray
+from metafem._values import percent
+from metafem.inversion.adjustment.refinement import refined
+from metafem.inversion.assessment import assess, candidate_of, problem_of
+from metafem.inversion.result import Design
+from metafem.models.model import contact_of
+from metafem.notes import information, when_read
+from metafem.progress import doing, each
+from metafem.surface import STEEPEST, Surface
+
+# Number of loads, and of evenly spaced directions of the tilt: five or more give the exact mean square over
+# all directions for changes of up to second order in the tilt.
+LOADS, DIRECTIONS = 10, 6
+
+# Number of searches from random exchanges of the best assignment, for up to FEW asperities; one for more.
+ROUNDS, FEW = 8, 128
+
+# Maximum number of sites among which exchanges are predicted, of exchanges before the model is evaluated, and
+# of evaluations of one search.
+SITES, EXCHANGES, EVALUATIONS = 96, 16, 24
+
+
+@doing("assigning heights to sites")
+def arrange(design: Design, tilt: float, rng: Any = 0) -> Design:
+    """Return the design with its asperities exchanged between their sites, to reduce the effect of a tilt.
+
+    The rms change of A0 over the loads of the target and six directions of the tilt is reduced under the
+    model of the design, or under its `gradient_model`. Under a model with interaction the heights are then
+    refined again, unless they are on steps or some are prescribed. Prescribed heights keep their sites.
+
+    Parameters
+    ----------
+    design : Design
+    tilt : float
+        Misalignment of the plane [rad], up to pi/4.
+    rng : int or numpy Generator
+        Seed of the random exchanges.
+
+    Returns
+    -------
+    Design
+        Its parameters ``tilt_before`` and ``tilt_after`` [-] are the rms changes before and after the
+        exchanges.
+
+    Raises
+    ------
+    InvalidInput
+        If an argument is outside its range or of the wrong kind, or the surface has a periodic cell.
+
+    Examples
+    --------
+    >>> import metafem as mf
+    >>> template = mf.Surface.square_lattice(0.12, radius=0.526, material=mf.Material(1.36))
+    >>> found = mf.arrange(mf.design(mf.PowerLaw(0.9, (0.1, 0.2)), template), tilt=0.001)
+    >>> found.parameters["tilt_after"] < 0.2 * found.parameters["tilt_before"]
+    True
+    """
+    check.instance("design", design, Design, "a metafem.Design")
+    angle = check.number("tilt", tilt, above=0.0, at_most=STEEPEST)
+    design.surface.refuse_tilt()
+    generator, problem = check.generator(rng), problem_of(design)
+    load = design.target_law.load
+    some = np.unique(np.linspace(0, len(load) - 1, min(len(load), LOADS)).round().astype(np.int64))
+    held = np.array([site for site, height in design.pinned.items() if height is not None])
+    free = np.flatnonzero(~np.isin(design.sites, held))
+    search = _Search(design.surface, free, design.law.model.gradient_model, load[some], angle)
+    first, found = search.measured(np.arange(design.surface.count)), search.best(generator)
+    surface = found.surface
+    rms = {"tilt_before": first.misfit, "tilt_after": found.misfit}
+    changed = replace(design, surface=surface, parameters={**design.parameters, **rms})
+    candidate = candidate_of(changed, problem)
+    if not (held.size or candidate.stepped):
+        candidate = refined(problem, candidate, generator)
+        surface = candidate.surface(problem.template)
+    state = assess(problem, candidate, surface)
+    words = f"a tilt of {math.degrees(angle):.3g} deg changes A0 by {percent(found.misfit)} (rms)"
+    note = information(f"{words}; before heights were exchanged between sites it was {percent(first.misfit)}")
+    kept = [each for each in design.notes if each not in design.law.notes]
+    size = surface.count + len(state["law"].load)
+    notes = when_read(lambda: (*kept, *candidate.notes, note, *state["law"].notes), size=size)
+    sites = problem.pins.open[candidate.sites]
+    return replace(design, surface=surface, sites=sites, notes=notes, **state)
+
+
+@dataclass(frozen=True, eq=False)
+class _Measured:
+    """An assignment: the asperity at each site, (n,), the surface and its changes (q,) by the tilts [-]."""
+
+    order: IntArray
+    surface: Surface
+    change: FloatArray
+
+    @property
+    def misfit(self) -> float:
+        """Root mean square of the changes [-]."""
+        return float(np.sqrt((self.change**2).mean()))
+
+
+@dataclass(frozen=True, eq=False)
+class _Search:
+    """The surface, its sites that may be exchanged, the model, the loads [mm^2] and the tilt [rad]."""
+
+    surface: Surface
+    free: IntArray
+    model: Any
+    load: FloatArray
+    angle: float
+
+    def measured(self, order: IntArray) -> _Measured:
+        """Return an assignment with its relative changes of A0 under the model, over tilts and loads."""
+        surface = self.surface.only(order, position=self.surface.position)
+        heights = surface.height + np.vstack([np.zeros(surface.count), self._lifts])
+        level, *tilted = self.model.areas(surface, self.load, heights)
+        return _Measured(order, surface, np.ravel(tilted / level - 1.0))
+
+    def best(self, rng: np.random.Generator) -> _Measured:
+        """Return the best assignment of searches from the given one and from random exchanges of the best."""
+        best = self.measured(np.arange(self.surface.count))
+        for k in each("round", range(ROUNDS if self.surface.count <= FEW else 1)):
+            order = best.order.copy()
+            for _ in range(max(2, len(self.free) // 10) if k else 0):
+                pair = rng.choice(self.free, 2)
+                order[pair] = order[pair[::-1]]
+            best = min(best, self._descended(self.measured(order), rng), key=lambda one: one.misfit)
+        return best
+
+    def _descended(self, best: _Measured, rng: np.random.Generator) -> _Measured:
+        """Return the assignment after exchanges, of which fewer are made at a time after a failed step."""
+        most = max(EXCHANGES, len(self.free) // 4)
+        for _ in range(EVALUATIONS):
+            found = self.measured(self._exchanged(best, most, rng))
+            if found.misfit < best.misfit:
+                best = found
+            elif most == 1:
+                break
+            else:
+                most = max(1, most // 3)
+        return best
+
+    def _exchanged(self, start: _Measured, most: int, rng: np.random.Generator) -> IntArray:
+        """Return the assignment (n,) after at most `most` exchanges, each with the least predicted change."""
+        sites = self.free if len(self.free) <= SITES else rng.choice(self.free, SITES, replace=False)
+        values, change, at = self._values(start.surface, sites), start.change, np.arange(len(sites))
+        for _ in range(most):
+            moved = values[:, at]
+            own = np.diagonal(moved, axis1=1, axis2=2)
+            trial = change[:, None, None] + moved + moved.transpose(0, 2, 1)
+            trial -= own[:, :, None] + own[:, None, :]
+            squares = (trial**2).sum(axis=0)
+            a, b = np.unravel_index(int(squares.argmin()), squares.shape)
+            if a == b:
+                break
+            change, at[[a, b]] = trial[:, a, b], at[[b, a]]
+        order = start.order.copy()
+        order[sites] = start.order[sites[at]]
+        return order
+
+    def _values(self, surface: Surface, sites: IntArray) -> FloatArray:
+        """Return the predicted terms of the asperity of each site at each site, (q, m, m) [-]."""
+        found, law = self.model.sensitivity(surface, self.load), contact_of(self.model).bound(surface)
+        radius = np.broadcast_to(law.summits(surface), surface.count)
+        a = law.contact_radius(found.indentation, radius)
+        rate = law.area_slope(a, radius).sum(axis=1) / law.stiffness(a, radius).sum(axis=1)
+        depth = found.indentation[:, sites][None, :, :, None] + self._lifts[:, sites][:, None, None, :]
+        size = radius[sites][:, None]
+        a = law.contact_radius(depth, size)
+        terms = law.area(a) - rate[:, None, None] * law.load(a, size)
+        return np.asarray((terms / found.curve.area[:, None, None]).reshape(-1, len(sites), len(sites)))
+
+    @property
+    def _lifts(self) -> FloatArray:
+        """Rise of each site by each tilt, (t, n) [mm]."""
+        direction = 2.0 * math.pi * np.arange(DIRECTIONS) / DIRECTIONS
+        slope = math.tan(self.angle) * np.stack([np.cos(direction), np.sin(direction)], axis=1)
+        return np.asarray(slope @ self.surface.position.T)
