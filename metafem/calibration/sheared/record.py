@@ -31,6 +31,10 @@ def at_peak(displacement: ArrayLike, friction_force: ArrayLike, values: ArrayLik
         Values to interpolate at the peak, such as contact areas, nan between the frames of the camera;
         default: the friction forces.
 
+    Returns
+    -------
+    float
+
     Raises
     ------
     InvalidInput
@@ -61,7 +65,18 @@ def over_plateau(
     """Return the mean friction force from 100 to 200 um after the peak [N], or the mean of other values.
 
     Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234, supplementary text "Applying the
-    design strategy to the sliding friction force". Parameters and errors are those of `at_peak`.
+    design strategy to the sliding friction force".
+
+    Parameters
+    ----------
+    displacement, friction_force : array_like, (m,)
+        As of `at_peak`; the record must end 200 um after the peak or later.
+    values : array_like, (m,), optional
+        Values to average, such as contact areas; default: the friction forces.
+
+    Returns
+    -------
+    float
 
     Examples
     --------

@@ -37,7 +37,7 @@ STUDIES = {
     "metafem study misalignment surface": "How level must the plane be?",
     "metafem study uncertainty surface": "Which input matters most?",
     "metafem study fidelity surface": "What do the model, the block and point contacts leave out?",
-    "metafem report surface --checks": "Do the finite elements meet closed forms? The report shows it all.",
+    "metafem report surface": "Where does all of this stand on one page?",
 }
 FOLDER = "These commands read the folder of “metafem design spec.toml -o surface”."
 

@@ -30,7 +30,7 @@ def test_multiple_is_added_in_double_precision():
 
 def test_shortage_is_that_of_the_face():
     v, face = np.array([0.1, 0.5, 0.9]), np.array([True, False, True])
-    np.testing.assert_array_equal(vectors.shortage(v, 0.5, face), np.float32([0.4, 0.0, -0.4]))
+    np.testing.assert_array_equal(vectors.shortage(v, 0.5, face), [0.4, 0.0, -0.4])
 
 
 def test_violations_are_largest_error_inside_and_overlap_outside():

@@ -309,9 +309,6 @@ TABLES = {
         (f"{IMAGES}\na,,1,3,0,0,.1,.01\n", "t.csv", "no image has a load"),
     ],
     partial(calibration, sliding=True): [("load_mN,area_mm2\n1,2\n", "--sliding", "displacement_um")],
-    partial(calibration, sliding_range=(0.1, 0.2)): [
-        ("load_mN,area_mm2\n1,2\n", "--sliding-range", "area_mm2"),
-    ],
     partial(files.shots, [files.ImageFile(name, Path("a")) for name in ("1.tif", "s.tif:1", "s.tif:2")]): [
         ("image,load_mN\n1.tif,\n", "line 2: load_mN", "empty"),
         ("image,load_mN\n3.tif,5\n", "line 2: image", "1.tif?"),
@@ -329,7 +326,7 @@ def test_a_wrong_table_is_refused_by_its_line_column_and_entry(read, tmp_path):
 
 
 # Records that are not those of a value, with the member and its wrong content.
-SHEAR = {"type": "Friction", "area_ratio": 1.0, "reference": None}
+SHEAR = {"type": "Friction", "area_ratio": 1.0}
 RECORDS = [
     ({"type": "os.system", "command": "ls"}, "record", "os.system"),
     ({"type": "Status", "name": "FINE"}, "record", "FINE"),

@@ -17,7 +17,7 @@ MIXED = (
     mf.Profile(lambda rho: rho**2 / 1.1 + rho**4, 0.6),
 )
 LOADS = np.array([0.005, 0.02, 0.06, 0.15])
-OWN, COATED = mf.Elastic(), mf.Friction(np.linspace(0.2, 0.4, 9), 0.8)
+OWN = mf.Elastic()
 MODELS = [
     mf.Independent(OWN),
     mf.Interacting(1, contact=OWN),
@@ -42,7 +42,7 @@ def difference(surface, model, i, load, step=2e-7):
     for change in (step, step / 2.0, step / 4.0):
         moved = change * (np.arange(surface.count) == i)
         up, down = (
-            model.curve(surface.replaced(height=surface.height + sign * moved), load).rescaled_friction
+            model.curve(surface.replaced(height=surface.height + sign * moved), load).area
             for sign in (1.0, -1.0)
         )
         slopes.append((up - down) / (2.0 * change))
@@ -60,9 +60,9 @@ def assert_derivatives(surface, model, load=LOADS, some=None, tolerance=1e-7):
         assert (error <= tolerance * scale).all(), (i, error / scale)
 
 
-def test_coated_asperities_have_the_derivatives_of_their_friction():
+def test_mixed_caps_have_the_derivatives_of_their_law():
     for model in MODELS:
-        assert_derivatives(scene(MIXED, friction=COATED), model)
+        assert_derivatives(scene(MIXED), model)
 
 
 def test_every_model_has_the_derivatives_of_its_law():
@@ -76,14 +76,14 @@ def test_every_model_has_the_derivatives_of_its_law():
 
 def test_pedestals_change_with_the_height():
     model = mf.Interacting(3, mf.BondedLayer(), mf.Hertz(), pedestal=True)
-    assert_derivatives(scene(mf.Sphere(), friction=COATED), model, some=(0, 4))
+    assert_derivatives(scene(mf.Sphere()), model, some=(0, 4))
 
 
-def test_adhesive_contacts_have_the_derivatives_of_their_friction():
+def test_adhesive_contacts_have_the_derivatives_of_their_law():
     jkr = LAWS["jkr"](1.0, 1.0)
     coupled = mf.Interacting(1, contact=jkr), mf.Interacting(1, mf.BondedLayer(), jkr, pedestal=True)
     for model in (*with_law("jkr"), *coupled):
-        assert_derivatives(scene(mf.Sphere(), friction=COATED), model, some=(0, 4))
+        assert_derivatives(scene(mf.Sphere()), model, some=(0, 4))
 
 
 def test_a_periodic_cell_has_the_derivatives_of_its_law():
@@ -92,8 +92,7 @@ def test_a_periodic_cell_has_the_derivatives_of_its_law():
 
 
 def test_fast_sums_have_the_derivatives_of_dense_matrices(monkeypatch):
-    friction = mf.Friction(np.linspace(0.2, 0.4, 49))
-    surface, model = scene(MIXED, 49, friction=friction), mf.Interacting(3, mf.BondedLayer(), OWN)
+    surface, model = scene(MIXED, 49), mf.Interacting(3, mf.BondedLayer(), OWN)
     dense = model.sensitivity(surface, LOADS[1:]).gradient
     monkeypatch.setattr(interacting, "LATTICE_LIMIT", 10)
     monkeypatch.setattr(interacting, "DENSE_LIMIT", 10)
