@@ -15,7 +15,6 @@ from metafem.explorer.text.fields import shown
 from metafem.explorer.text.names import on_page
 from metafem.files import Specification, parsed, planned, section_forms, toml_table
 from metafem.inversion import Design, OperatingPoints, SampledLaw
-from metafem.inversion.strategies.proportional import steepest_line
 from metafem.inversion.targets.target import Target
 from metafem.inversion.targets.wording import Wording
 from metafem.models import Independent, Model
@@ -158,17 +157,8 @@ def _refused(answer: Answer, error: Infeasible) -> Answer:
     answer = replace(answer, undecided=draft and error.by_search, nearest_target=error.nearest)
     if given is None:
         return replace(answer, refusal=on_page(str(error)))
-    refusal = on_page(_in_units_of(answer.state, given, error))
-    steepest = None
-    if not draft:
-        contact = contact_of(given.model)
-        steepest = steepest_line(given.target, given.template, given.limits, given.tools, contact)
-    if steepest is not None:
-        answer = replace(answer, nearest_target=steepest)
-        refusal += f". The largest over these loads is {steepest.wording.slopes(steepest.slope)}"
-    target = answer.nearest_target
-    nearest = None if target is None else _law_of(given, target, draft)
-    return replace(answer, refusal=refusal, nearest=nearest)
+    nearest = None if error.nearest is None else _law_of(given, error.nearest, draft)
+    return replace(answer, refusal=on_page(_in_units_of(answer.state, given, error)), nearest=nearest)
 
 
 def specification_of(state: State) -> Specification:

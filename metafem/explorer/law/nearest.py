@@ -12,7 +12,7 @@ from metafem.explorer.text.document import Document
 from metafem.explorer.text.handles import added, scene_of
 from metafem.explorer.text.kinds import near_design
 from metafem.explorer.text.marks import members
-from metafem.inversion import LinearLaw, OperatingPoints
+from metafem.inversion import OperatingPoints
 from metafem.inversion.targets.wording import listed
 
 # Largest number of nearest laws, each of the refusal of the one before, that are tried.
@@ -35,8 +35,6 @@ def offer(answer: Answer) -> str:
     if nearest is None or answer.specification is None:
         return ""
     target = answer.specification.target
-    if isinstance(nearest, LinearLaw) and nearest.load_range == getattr(target, "load_range", None):
-        return f"Use {nearest.wording.slopes(nearest.slope)}"
     if not isinstance(nearest, OperatingPoints) or not isinstance(target, OperatingPoints):
         return "Use the nearest law"
     kept, count = len(nearest.rescaled_load), len(target.rescaled_load)
