@@ -9,13 +9,10 @@ from .caps import Power as Power
 from .caps import Profile as Profile
 from .caps import Sphere as Sphere
 from .contact import JKR as JKR
-from .contact import AxisymmetricCap as AxisymmetricCap
 from .contact import Elastic as Elastic
 from .contact import Hertz as Hertz
 from .contact import JacksonGreen as JacksonGreen
 from .contact import KogutEtsion as KogutEtsion
-from .contact import PowerCap as PowerCap
-from .contact import SphericalCap as SphericalCap
 from .contact import TabulatedContact as TabulatedContact
 from .errors import Infeasible as Infeasible
 from .errors import InvalidInput as InvalidInput

@@ -18,8 +18,13 @@ from metafem.files.specification.models import MODELS
 # How the option --contact states each contact law; `form` in files/specification/options.py returns the same
 # texts.
 CONTACTS = (
-    *("hertz", "elastic", "sphere", "power EXPONENT [COEFFICIENT]", "profile FILE"),
-    *("jkr ADHESION_ENERGY [CAP]", "kogut-etsion HARDNESS", "jackson-green YIELD_STRENGTH"),
+    *(
+        "hertz",
+        "elastic",
+        "jkr ADHESION_ENERGY [CAP]",
+        "kogut-etsion HARDNESS",
+        "jackson-green YIELD_STRENGTH",
+    ),
     "tabulated FILE",
 )
 
@@ -140,7 +145,7 @@ def model_option(default: str, multiple: bool = False) -> Callable[[Callable[...
     model = click.option("--model", type=click.Choice(tuple(MODELS)), multiple=multiple, help=text)
     law = default.replace("independent", "hertz")
     text = f"Law of one contact, a kind and its values: {', '.join(CONTACTS)}."
-    text += f' For example --contact "jkr 9 mJ/m^2 sphere".{again} Default: {law}.'
+    text += f' For example --contact "jkr 9 mJ/m^2 elastic".{again} Default: {law}.'
     contact = click.option(
         "--contact", metavar="LAW", multiple=multiple, help=text, shell_complete=_contact_kinds
     )

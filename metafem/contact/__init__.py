@@ -3,24 +3,19 @@
 from metafem.contact.adhesion import JKR
 from metafem.contact.by_profile import Elastic
 from metafem.contact.cap_compliance import pedestal_compliance
-from metafem.contact.caps import PowerCap, SphericalCap
 from metafem.contact.elastic import Hertz
 from metafem.contact.jackson_green import JacksonGreen
 from metafem.contact.kogut_etsion import KogutEtsion
 from metafem.contact.law import Contact
-from metafem.contact.profile import AxisymmetricCap
 from metafem.contact.tabulated import TabulatedContact
 
 __all__ = [
     "JKR",
-    "AxisymmetricCap",
     "Contact",
     "Elastic",
     "Hertz",
     "JacksonGreen",
     "KogutEtsion",
-    "PowerCap",
-    "SphericalCap",
     "TabulatedContact",
     "pedestal_compliance",
 ]

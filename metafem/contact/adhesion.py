@@ -14,7 +14,6 @@ from scipy.optimize import elementwise
 from metafem import _validate as check
 from metafem._given import shown
 from metafem._validate import FloatArray, IntArray
-from metafem.caps import Cap
 from metafem.contact.elastic import PARABOLOID
 from metafem.contact.law import Contact, Values, material_of, sizes_of
 from metafem.errors import InvalidInput, refuse_if
@@ -49,8 +48,7 @@ class JKR(Contact):
     adhesion_energy : float
         w [N/mm], at least 0; 9 mJ/m^2 is 9e-6 N/mm.
     cap : Contact
-        Elastic law without adhesion: `Hertz()` (default), `SphericalCap()`, `PowerCap(...)` or
-        `AxisymmetricCap(...)`.
+        Elastic law without adhesion: `Hertz()` (default) or `Elastic()`.
     material : Material, optional
         Material of the surface; a model sets it by `for_material`.
 
@@ -77,7 +75,7 @@ class JKR(Contact):
 
     def __post_init__(self) -> None:
         check.member(self, "adhesion_energy", at_least=0.0)
-        laws = "an elastic law without adhesion, such as metafem.Hertz() or metafem.PowerCap(4)"
+        laws = "an elastic law without adhesion, such as metafem.Hertz() or metafem.Elastic()"
         check.instance("cap", self.cap, Contact, laws)
         refuse_if(self.cap.adhesive or self.cap.largest_order < 3, f"cap = {shown(self.cap)} must be {laws}")
 
@@ -99,10 +97,6 @@ class JKR(Contact):
     def summits(self, surface: Surface, radius: FloatArray | None = None) -> Any:
         """Return what the methods take as `radius`: that of the law without adhesion."""
         return self.cap.summits(surface, radius)
-
-    def fits(self, cap: Cap) -> bool:
-        """Return whether the law without adhesion describes caps of this shape."""
-        return self.cap.fits(cap)
 
     @property
     def length(self) -> float:

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, NoReturn
 import numpy as np
 
 from metafem._validate import FloatArray
-from metafem.caps import SPHERE, Cap, Caps, Paraboloid, Power, Profile, Sphere
-from metafem.contact.adhesion import JKR
+from metafem.caps import Cap, Caps, Paraboloid, Power, Profile, Sphere
 from metafem.contact.caps import PowerCap, SphericalCap
 from metafem.contact.elastic import PARABOLOID
 from metafem.contact.law import SUMMIT, Contact, Values
@@ -38,11 +37,10 @@ class Elastic(Contact):
     """Frictionless, non-adhesive elastic contact of each cap by its own profile.
 
     With the profile f(rho) of the cap and ``D(s) = s int_0^s f'(rho)/sqrt(s^2 - rho^2) drho``, the
-    indentation at the contact radius a is ``d = D(a)``, the area ``pi a^2``, and
-    ``P/E* = 2 int_0^a s D' ds``: for spheres the law of `SphericalCap`, for paraboloids `Hertz`, for power
-    laws `PowerCap`, and for any other profile `AxisymmetricCap`. The caps of a surface may differ. The law
-    assumes small strain, f' << 1. Popov and Hess, Method of Dimensionality Reduction in Contact Mechanics and
-    Friction (2015), doi:10.1007/978-3-642-53876-6.
+    indentation at the contact radius a is ``d = D(a)``, the area ``pi a^2``, and ``P/E* = 2 int_0^a s D'
+    ds``. Spheres, paraboloids and power laws have closed forms, see `metafem.contact.caps`. The caps of a
+    surface may differ. The law assumes small strain, f' << 1. Popov and Hess, Method of Dimensionality
+    Reduction in Contact Mechanics and Friction (2015), doi:10.1007/978-3-642-53876-6.
 
     Examples
     --------
@@ -91,15 +89,6 @@ def usual_law(surface: Surface) -> Contact:
     except InvalidInput:
         return Elastic()
     return PARABOLOID
-
-
-def cap_of(law: Contact) -> Cap:
-    """Return the caps that a law with a profile of its own describes; for all other laws, spheres."""
-    if isinstance(law, JKR):
-        return cap_of(law.cap)
-    if isinstance(law, PowerCap):
-        return Power(law.exponent, law.coefficient)
-    return Profile(law.profile, law.extent) if isinstance(law, AxisymmetricCap) else SPHERE
 
 
 @dataclass(frozen=True)

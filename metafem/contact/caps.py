@@ -11,10 +11,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from scipy.special import digamma, gammaln
 
-from metafem import _validate as check
 from metafem._validate import FloatArray
-from metafem.caps import SPHERE, Cap, Power
-from metafem.caps.shapes import STEEPEST, sphere_profile
+from metafem.caps.shapes import sphere_profile
 from metafem.contact.law import Contact, Values
 
 if TYPE_CHECKING:
@@ -149,17 +147,9 @@ class PowerCap(ElasticCap):
     exponent: float
     coefficient: float = 0.5
 
-    def __post_init__(self) -> None:
-        check.member(self, "exponent", at_least=1.0, at_most=STEEPEST)
-        check.member(self, "coefficient", above=0.0)
-
     def depth_at(self, distance: Values, radius: Values) -> FloatArray:
         """Return the depth c R (rho/R)^n [mm] of the cap below its summit at a distance from the axis."""
         return np.asarray(self.coefficient * radius * np.divide(distance, radius) ** self.exponent)[()]
-
-    def fits(self, cap: Cap) -> bool:
-        """Return whether the caps have this power-law profile."""
-        return isinstance(cap, Power) and (cap.exponent, cap.coefficient) == (self.exponent, self.coefficient)
 
     @property
     def power(self) -> float:
@@ -217,10 +207,6 @@ class SphericalCap(ElasticCap):
     >>> a.round(6), sphere.load(a, 0.526).round(6)
     (np.float64(0.222061), np.float64(0.029997))
     """
-
-    def fits(self, cap: Cap) -> bool:
-        """Return whether the caps are spheres."""
-        return cap == SPHERE
 
     def depth_at(self, distance: Values, radius: Values) -> FloatArray:
         """Return the depth R - sqrt(R^2 - rho^2) [mm] below the summit at a distance rho from the axis.

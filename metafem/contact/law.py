@@ -9,7 +9,7 @@ import numpy as np
 
 from metafem import _validate as check
 from metafem._validate import FloatArray
-from metafem.caps.cap import Cap, Values
+from metafem.caps.cap import Values
 from metafem.errors import InvalidInput
 from metafem.material import Material
 from metafem.notes import Note
@@ -94,10 +94,6 @@ class Contact(Protocol):
         """
         return surface.cap.summit_radius(surface.radius if radius is None else radius)
 
-    def fits(self, cap: Cap) -> bool:
-        """Return whether the law describes caps of this shape."""
-        return True
-
     def breaks(self, radius: float) -> FloatArray:
         """Return the increasing contact radii [mm] between which the law is smooth, or an empty array."""
         return np.empty(0)
@@ -146,7 +142,7 @@ class Contact(Protocol):
 
 def checked_contact(contact: object) -> Contact:
     """Return `contact` if it is a contact law, else raise InvalidInput."""
-    laws = "a contact law such as metafem.Hertz() or metafem.PowerCap(4)"
+    laws = "a contact law such as metafem.Hertz() or metafem.Elastic()"
     check.instance("contact", contact, Contact, laws)
     return cast("Contact", contact)
 

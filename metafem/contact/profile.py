@@ -12,7 +12,7 @@ from numpy.polynomial import chebyshev
 
 from metafem._validate import FloatArray
 from metafem._values import Value
-from metafem.caps import Cap, Profile
+from metafem.caps import Profile
 from metafem.contact.caps import ElasticCap, root
 from metafem.contact.law import Values
 from metafem.errors import InvalidInput, refuse_if
@@ -105,10 +105,6 @@ class AxisymmetricCap(Value, ElasticCap):
     def _cap(self) -> Profile:
         """Shape of the caps."""
         return Profile(self.profile, self.extent)
-
-    def fits(self, cap: Cap) -> bool:
-        """Return whether the caps have this profile."""
-        return bool(cap == self._cap)
 
     def depth_at(self, distance: Values, radius: Values) -> FloatArray:
         """Return the depth f [mm] of the cap below its summit at a distance from the axis, for any radius.

@@ -186,7 +186,8 @@ def feasible_region(
     >>> low, high = feasible_region(template, [0.1, 0.4], Limits(0.12))
     >>> (high / low).round(12)
     array([4., 4.])
-    >>> low, high = feasible_region(template, [0.1, 0.4], Limits(0.12), contact=mf.PowerCap(4))
+    >>> flat = template.replaced(cap=mf.Power(4))
+    >>> low, high = feasible_region(flat, [0.1, 0.4], Limits(0.12), contact=mf.Elastic())
     >>> (high / low).round(4)
     array([12.1257, 12.1257])
     """

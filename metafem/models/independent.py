@@ -43,8 +43,8 @@ class Independent:
     Parameters
     ----------
     contact : Contact
-        Law of one contact: `Hertz()` (default), `SphericalCap()`, `PowerCap(...)`, or any object with the
-        methods of `metafem.contact.Contact` whose load increases with the indentation.
+        Law of one contact: `Hertz()` (default), `Elastic()`, `JKR(...)`, or any object with the methods of
+        `metafem.contact.Contact` whose load increases with the indentation.
 
     Raises
     ------
@@ -57,8 +57,9 @@ class Independent:
     >>> surface = Surface.square_lattice(0.1, (1, 1), radius=0.526, material=Material(1.36))
     >>> round(equilibrium(surface, Independent(), load=0.01).approach, 6)
     0.038668
-    >>> from metafem import PowerCap
-    >>> round(equilibrium(surface, Independent(PowerCap(4)), load=0.01).approach, 6)
+    >>> from metafem import Elastic, Power
+    >>> flat = surface.replaced(cap=Power(4))
+    >>> round(equilibrium(flat, Independent(Elastic()), load=0.01).approach, 6)
     0.021002
     """
 

@@ -105,7 +105,6 @@ class Validity:
             *_base_notes(surface, model, curve),
             *_wide_notes(surface, model, curve),
             *(self._interaction_notes() if (curve.load > 0.0).any() else ()),
-            *_cap_notes(surface, law),
             *part_notes(surface),
         )
 
@@ -136,15 +135,6 @@ class Validity:
             except MetafemError as reason:
                 return ModelError(math.nan, str(reason), solved=False)
         return compared(surface, without_jumps(surface, reference), curve, self.unloading)
-
-
-def _cap_notes(surface: Surface, law: Contact) -> Iterator[Note]:
-    """Yield a note if the contact law describes other caps than those of the surface."""
-    if not law.fits(surface.cap):
-        yield Note(
-            f"the contact law {law!r} does not describe the caps of the surface and of its part, "
-            f"{surface.cap!r}: set cap of the surface, and use Elastic() as the contact law"
-        )
 
 
 def _resolved_or(law: Contact) -> str:

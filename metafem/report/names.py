@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from metafem._values import percent
-from metafem.contact import JKR, Contact, Hertz, JacksonGreen, KogutEtsion, PowerCap, SphericalCap
+from metafem.contact import JKR, Contact, Hertz, JacksonGreen, KogutEtsion
 from metafem.errors import MetafemWarning
 from metafem.inversion import Design, plasticity_index
 from metafem.inversion.assessment import misfit_text
@@ -59,9 +59,7 @@ def law_words(law: Contact) -> str:
         return f"Kogut and Etsion, hardness {law.hardness:.3g} MPa"
     if isinstance(law, JacksonGreen):
         return f"Jackson and Green, yield strength {law.yield_strength:.3g} MPa"
-    if isinstance(law, PowerCap):
-        return f"power cap, exponent {law.exponent:.3g}"
-    return "spherical caps" if law == SphericalCap() else repr(law)
+    return repr(law)
 
 
 def model_data(model: Model) -> dict[str, str]:

@@ -62,9 +62,9 @@ def test_kinds_and_sections_are_changed(visit):
     assert page.locator('[data-key="target.slopes"]').count() == 1
     assert value(visit, "target.kind") == "bilinear"
     page.locator('[data-section="contact"] summary').click()
-    chosen(visit, "contact.kind", "power")
-    visit.entered("contact.exponent", "2")
-    assert value(visit, "contact") == {"kind": "power", "exponent": 2}
+    chosen(visit, "contact.kind", "jkr")
+    visit.entered("contact.adhesion_energy", "2 N/m")
+    assert value(visit, "contact") == {"kind": "jkr", "adhesion_energy": "2 N/m"}
     chosen(visit, "contact.kind", "")
     assert value(visit, "contact") is None
     page.locator('[data-section="tools"] summary').click()

@@ -3,6 +3,7 @@
 import numpy as np
 
 import metafem as mf
+from metafem.contact.by_profile import law_of
 
 PEDESTAL = mf.Interacting(order=3, substrate=mf.BondedLayer(), pedestal=True)
 
@@ -21,9 +22,9 @@ DEEP = np.geomspace(1e-6, 1.0, 12)
 
 # Every other contact law, in units of length and of the modulus. A new law is one line here.
 LAWS = {
-    "quartic": lambda length, modulus: mf.PowerCap(4, 0.5),
-    "sphere": lambda length, modulus: mf.SphericalCap(),
-    "profile": lambda length, modulus: mf.AxisymmetricCap(length * np.array([BOWL, BOWL**2 / 1.1])),
+    "quartic": lambda length, modulus: law_of(mf.Power(4, 0.5)),
+    "sphere": lambda length, modulus: law_of(mf.Sphere()),
+    "profile": lambda length, modulus: law_of(mf.Profile(length * np.array([BOWL, BOWL**2 / 1.1]))),
     "jkr": lambda length, modulus: mf.JKR(9e-6 * length * modulus),
     "kogut-etsion": lambda length, modulus: mf.KogutEtsion(0.8 * modulus),
     "jackson-green": lambda length, modulus: mf.JacksonGreen(0.4 * modulus),

@@ -18,6 +18,9 @@ import numpy as np
 
 import metafem as mf
 from metafem.contact import Contact
+from metafem.contact.by_profile import law_of
+from metafem.contact.caps import SphericalCap
+from metafem.contact.profile import AxisymmetricCap
 from metafem.models import Model
 from metafem.models.boundary_elements.model import resolvable
 
@@ -93,7 +96,7 @@ def random_scene(seed: int, inside: bool = True) -> Scene:
     law = _law(rng, units)
     if kind == "resolved" and not resolvable(law):
         kind = "automatic"
-    if kind == "design" and (law.adhesive or isinstance(law, mf.AxisymmetricCap)):
+    if kind == "design" and (law.adhesive or isinstance(law, AxisymmetricCap)):
         law = mf.Hertz()
     resolved = kind in ("automatic", "resolved")
     few = law.adhesive and rng.random() >= CROWDED
@@ -147,12 +150,14 @@ def scattered(rng: np.random.Generator, count: int, closest: float, width: float
 def _law(rng: np.random.Generator, units: Units) -> Contact:
     """Return a random law."""
     stress, energy = units.modulus, units.length * units.modulus
-    cap: Contact = (mf.Hertz(), mf.SphericalCap(), mf.PowerCap(rng.uniform(1.5, 4.0)))[int(rng.integers(3))]
+    cap: Contact = (mf.Hertz(), law_of(mf.Sphere()), law_of(mf.Power(rng.uniform(1.5, 4.0))))[
+        int(rng.integers(3))
+    ]
     work = energy * float(np.exp(rng.uniform(np.log(1e-6), np.log(3e-5))))
     laws: tuple[Callable[[], Contact], ...] = (
         mf.Hertz,
-        mf.SphericalCap,
-        lambda: mf.PowerCap(rng.uniform(1.0, 8.0), rng.uniform(0.3, 1.0)),
+        SphericalCap,
+        lambda: law_of(mf.Power(rng.uniform(1.0, 8.0), rng.uniform(0.3, 1.0))),
         lambda: _profile(int(rng.integers(PROFILES)), units),
         lambda: mf.JKR(work, cap),
         lambda: mf.JKR(work),
@@ -175,7 +180,7 @@ PROFILES = 8
 
 
 @cache
-def _profile(which: int, units: Units) -> mf.AxisymmetricCap:
+def _profile(which: int, units: Units) -> AxisymmetricCap:
     """Return one of the caps rho²/(2 b R) + c rho⁴ with R = 0.526 mm."""
     b, c = np.random.default_rng(which).uniform(0.8, 1.5, 2)
     length = units.length
@@ -184,7 +189,7 @@ def _profile(which: int, units: Units) -> mf.AxisymmetricCap:
         at = rho / length
         return np.asarray(length * (at**2 / (1.052 * b) + c * at**4))
 
-    return mf.AxisymmetricCap(depth, 1.2 * length)
+    return law_of(mf.Profile(depth, 1.2 * length))
 
 
 def largest_load(surface: mf.Surface, law: Contact, part: float) -> float:

@@ -11,8 +11,10 @@ import numpy as np
 from metafem import _validate as check
 from metafem._given import Given, shown
 from metafem._validate import FloatArray
-from metafem.contact import JKR, AxisymmetricCap, Contact, Elastic, Hertz, SphericalCap, TabulatedContact
+from metafem.contact import JKR, Contact, Elastic, Hertz, TabulatedContact
+from metafem.contact.caps import SphericalCap
 from metafem.contact.law import checked_contact
+from metafem.contact.profile import AxisymmetricCap
 from metafem.errors import refuse_if
 
 # Default contact law.

@@ -77,7 +77,7 @@ def table_names(text: str) -> tuple[str, ...]:
     >>> table_names('[target]\\nfile = "wanted.csv"')
     ('wanted.csv',)
     """
-    found = [section_of(text, name).get("file") for name in ("target", "contact", "contact.cap")]
+    found = [section_of(text, name).get("file") for name in ("target", "cap", "contact")]
     return tuple(name for name in found if isinstance(name, str))
 
 

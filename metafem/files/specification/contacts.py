@@ -9,14 +9,11 @@ from pydantic import Field
 from metafem.caps import Cap, Paraboloid, Power, Profile, Sphere
 from metafem.contact import (
     JKR,
-    AxisymmetricCap,
     Contact,
     Elastic,
     Hertz,
     JacksonGreen,
     KogutEtsion,
-    PowerCap,
-    SphericalCap,
     TabulatedContact,
 )
 from metafem.files.specification.fields import (
@@ -55,7 +52,7 @@ class PowerLawCap(Section):
     coefficient: Number = key("greater than 0", 0.5, default=0.5)
 
 
-class Tabulated(Section):
+class ProfileCap(Section):
     """Caps with one profile f(rho) from a table.
 
     Before the section is read, the columns of the table replace the key `file`.
@@ -70,10 +67,6 @@ class Tabulated(Section):
         "with it: depths below the summit, from 0", ["0 um", "39 um", "184 um", "600 um"]
     )
     file: str | None = optional("or: a table with columns such as rho_mm,f_um", "cap.csv")
-
-
-class ProfileCap(Tabulated):
-    """Caps with one profile f(rho) from a table."""
 
     def value(self) -> Cap:
         """Return the cap that the keys describe."""
@@ -101,32 +94,7 @@ class ElasticSection(Section):
     kind: Literal["elastic"]
 
 
-class SphereSection(Section):
-    """Elastic spheres."""
-
-    makes = SphericalCap
-    kind: Literal["sphere"]
-
-
-class PowerCapSection(Section):
-    """Elastic caps with the profile f = coefficient R (rho/R)^exponent."""
-
-    makes = PowerCap
-    kind: Literal["power"]
-    exponent: Number = key("from 1 to 32; 2 is a paraboloid", 4.0)
-    coefficient: Number = key("greater than 0", 0.5, default=0.5)
-
-
-class ProfileSection(Tabulated):
-    """Elastic caps of any radius, all with one profile f(rho) from a table."""
-
-    def value(self) -> Contact:
-        """Return the contact law that the keys describe."""
-        profile: Any = [self.rho, self.f]
-        return AxisymmetricCap(profile)
-
-
-CapSection = HertzSection | ElasticSection | SphereSection | PowerCapSection | ProfileSection
+CapSection = HertzSection | ElasticSection
 
 
 class JKRSection(Section):
@@ -135,7 +103,7 @@ class JKRSection(Section):
     kind: Literal["jkr"]
     adhesion_energy: Energy = key("w, from 0", "9 mJ/m^2")
     cap: Annotated[CapSection, Field(discriminator="kind")] = key(
-        "one of the kinds above, with its keys", {"kind": "sphere"}, default=HertzSection(kind="hertz")
+        "one of the kinds above", {"kind": "elastic"}, default=HertzSection(kind="hertz")
     )
 
     def value(self) -> Contact:

@@ -8,7 +8,6 @@ from typing import Any
 from metafem._given import Given as Quantity
 from metafem.caps import SPHERE, Cap
 from metafem.contact import Contact
-from metafem.contact.by_profile import cap_of
 from metafem.errors import InvalidInput, refuse_if
 from metafem.files.part.caps import CannotBeMade
 from metafem.files.part.plan import PartOptions, planned
@@ -86,7 +85,7 @@ class Sections(Section):
         material = found.pop("material") or Material(1.0)
         friction = found.pop("friction") or (Friction(1.0) if self.friction else None)
         top = limits.offset + limits.max_height if limits else 1.0
-        cap = made("cap", self._cap, contact) or SPHERE
+        cap = (self.cap and made("cap", self.cap.value)) or SPHERE
         template = made("lattice", self._template, top, material, friction, block, cap)
         target = made("target", self.target.target, material, friction)
         pinned = None
@@ -100,15 +99,6 @@ class Sections(Section):
                 made("", _refuse_impossible, template, found["part"])
         parts = {"target": target, "template": template, "model": model, "pinned": pinned or {}}
         return {**found, **parts}, problems
-
-    def _cap(self, contact: Contact | None) -> Cap:
-        """Return the shape of the caps, by default that of the contact law if it has a profile of its own."""
-        if contact is None or self.cap is None:
-            return cap_of(contact) if contact else SPHERE
-        cap: Cap = self.cap.value()
-        words = f'is {cap!r}, which the contact law {contact!r} does not describe; use kind = "elastic"'
-        refuse_if(not contact.fits(cap), words, key="kind")
-        return cap
 
     def _template(
         self, top: float, material: Material, friction: Friction | None, block: Block | None, cap: Cap

@@ -35,7 +35,7 @@ RESERVED = RESULT_FILES | {f"{name}.nc" for name in STUDIES}
 
 
 # Sections whose key `file` may name a table.
-PLACES = (("target",), ("cap",), ("contact",), ("contact", "cap"))
+PLACES = (("target",), ("cap",), ("contact",))
 
 # The key `file` and its value, which is one of TOML's four kinds of strings.
 FILE_KEY = re.compile(

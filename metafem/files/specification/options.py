@@ -1,4 +1,4 @@
-"""The options ``--model`` and ``--contact``: a model by its name, and a contact law such as "power 4"."""
+"""The options ``--model`` and ``--contact``: a model and a contact law such as "jkr 9 mJ/m^2"."""
 
 from __future__ import annotations
 
@@ -39,16 +39,15 @@ def contact_named(text: str) -> Contact:
 
     Examples
     --------
-    >>> contact_named("power 4 0.5")
-    PowerCap(exponent=4.0, coefficient=0.5)
+    >>> contact_named("jkr 9 mJ/m^2 elastic")
+    JKR(adhesion_energy=9e-06, cap=Elastic())
     """
     table = section_named(text.split())
     kind = table["kind"]
     units = {name: unit for name, value in table.items() if (unit := written_unit(value))}
     try:
-        for name, section in (("contact", table), ("contact.cap", table.get("cap", {}))):
-            if "file" in section:
-                fill(name, section, in_folder(Path()))
+        if "file" in table:
+            fill("contact", table, in_folder(Path()))
         law: Contact = TypeAdapter(ContactSection).validate_python(table).value()
         return law
     except ValidationError as error:
@@ -66,8 +65,8 @@ def form(kind: str) -> str:
 
     Examples
     --------
-    >>> form("power")
-    'power EXPONENT [COEFFICIENT]'
+    >>> form("jkr")
+    'jkr ADHESION_ENERGY [CAP]'
     """
     names = (
         f"[{key.name.upper()}]" if key.optional and key.name != "file" else key.name.upper()

@@ -80,8 +80,8 @@ class BoundaryElements(WithoutGradients):
         A substrate whose influence depends only on the distance. The influence of `metafem.fe.Block3D`
         depends on the position in the block; use `Interacting` with this substrate.
     contact : Contact
-        Elastic cap without adhesion; its profile is used: `Hertz()` (default), `PowerCap(...)`,
-        `SphericalCap()`, `AxisymmetricCap(...)` or another class with `depth_at`.
+        Elastic cap without adhesion; its profile is used: `Hertz()` (default), `Elastic()` or another class
+        with `depth_at`.
 
     Raises
     ------
@@ -115,7 +115,7 @@ class BoundaryElements(WithoutGradients):
         if not resolvable(self.contact):
             raise InvalidInput(
                 f"contact = {shown(self.contact)} must be an elastic cap without adhesion, such as "
-                "metafem.Hertz() or metafem.PowerCap(4): contacts of other laws cannot be resolved"
+                "metafem.Hertz() or metafem.Elastic(): contacts of other laws cannot be resolved"
             )
 
     def curve(

@@ -9,12 +9,13 @@ from numpy.testing import assert_allclose
 
 import metafem as mf
 from metafem.contact import Contact
+from metafem.contact.by_profile import law_of
 
 RADIUS, MODULUS, ENERGY = 0.526, 1.36, 9e-6
 MATERIAL = mf.Material(MODULUS)
-POWERS = [mf.PowerCap(n) for n in (1.5,)]
-PROFILE = mf.AxisymmetricCap(lambda rho: rho**4 / (2.0 * RADIUS**3), 0.4)
-CAPS = [mf.Hertz(), *POWERS, mf.SphericalCap(), PROFILE]
+POWERS = [law_of(mf.Power(n)) for n in (1.5,)]
+PROFILE = law_of(mf.Profile(lambda rho: rho**4 / (2.0 * RADIUS**3), 0.4))
+CAPS = [mf.Hertz(), *POWERS, law_of(mf.Sphere()), PROFILE]
 QUANTITIES = ("indentation", "load", "stiffness", "area_slope")
 
 
@@ -87,7 +88,7 @@ def test_without_adhesion_the_law_is_that_of_the_cap():
             assert_allclose(law.contact_radius(d, RADIUS, 0.2), a[1:], rtol=1e-9)
 
 
-@pytest.mark.parametrize(("cap", "energy"), [*((cap, ENERGY) for cap in CAPS), (mf.SphericalCap(), 0.0)])
+@pytest.mark.parametrize(("cap", "energy"), [*((cap, ENERGY) for cap in CAPS), (law_of(mf.Sphere()), 0.0)])
 def test_the_energy_of_a_contact(cap, energy):
     """U = int_0^a (d - d_cap(s))^2 ds - pi w a^2 is stationary at a, and dU/dd = P."""
     law = mf.JKR(energy, cap, MATERIAL)
@@ -126,6 +127,6 @@ def test_a_law_belongs_to_its_first_material():
 
 
 def test_the_largest_indentation_is_that_at_the_extent():
-    law = bound(mf.AxisymmetricCap(lambda rho: rho**4 / (2.0 * RADIUS**3), 0.05))
+    law = bound(law_of(mf.Profile(lambda rho: rho**4 / (2.0 * RADIUS**3), 0.05)))
     most = law.largest_indentation(np.full(2, RADIUS))
     assert_allclose(most, law.indentation(0.05, RADIUS), rtol=1e-12)

@@ -80,7 +80,7 @@ def test_files_of_the_machine_are_not_read(tmp_path, monkeypatch):
     def refused(*given, **options):
         raise AssertionError(f"a file is opened: {given}")
 
-    for section, kind, name in (("target", "sampled", "secret.csv"), ("contact", "profile", "/etc/passwd")):
+    for section, kind, name in (("target", "sampled", "secret.csv"), ("cap", "profile", "/etc/passwd")):
         text = Document(TEXT).with_kind(section, kind, {"file": name})
         with monkeypatch.context() as patched:
             patched.setattr(io, "open", refused)

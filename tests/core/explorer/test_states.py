@@ -84,6 +84,6 @@ def test_files_that_are_loaded_replace_the_text_and_the_named_tables():
     assert loaded(FIRST, [Given("other.toml", "[a]"), Given("spec.toml", text)]).text == text
     broken = "[limits]\nmax_height = \n"
     assert loaded(FIRST, [Given("mine.toml", broken)]).text == broken  # to be repaired
-    cap = '[contact]\nkind = "jkr"\ncap = {kind = "profile", file = "cap.csv"}'
+    cap = '[cap]\nkind = "profile"\nfile = "cap.csv"'
     assert table_names(text + cap) == ("laws/wanted.csv", "cap.csv")
     assert table_names("[target") == table_names("target = 3\n[contact]\nfile = 4") == ()

@@ -199,7 +199,7 @@ def adhesive(energy):
 
 def test_a_calibration_is_written_as_sections():
     found = adhesive(5e-4)
-    whole = files.block_text(found, SHEARED, ["a.csv", "b.csv"], "power 4 0.5")
+    whole = files.block_text(found, SHEARED, ["a.csv", "b.csv"], "elastic")
     assert whole.startswith("# Calibration by metafem: sections of a specification")
     assert "# Measured: a.csv\n# Measured: b.csv\n" in whole
     table = tomllib.loads(whole)
@@ -209,9 +209,7 @@ def test_a_calibration_is_written_as_sections():
     assert read.template.friction.shear_strength == pytest.approx(0.37, abs=1e-4)
     assert read.template.friction.area_ratio == pytest.approx(0.85, abs=1e-4)
     assert read.model.contact.adhesion_energy == pytest.approx(5e-4, rel=0.02)
-    assert read.model.contact.cap == mf.PowerCap(4, 0.5)
-    named = tomllib.loads(files.block_text(found, None, [], "profile cap.csv"))
-    assert named["contact"]["cap"] == {"kind": "profile", "file": "cap.csv"}
+    assert read.model.contact.cap == mf.Elastic()
     doubtful = files.block_text(adhesive(1e-7), None, [])
     assert '# The data do not show adhesion; without it, kind = "hertz"' in doubtful
     bent = files.block_text(None, shear(np.pi * A**2, 0.85 * np.pi * A**2, 0.3145 * np.pi * A**2 + 0.01), [])

@@ -128,7 +128,7 @@ REFUSALS = [
     (of_spec(sites='pinned = [3]\nheights = ["300 um"]'), "sites.heights[0]", "300 um must be at most 204"),
     (of_spec(sites='pinned = [3]\nheights = ["0 um"]'), "sites.heights[0]", "0 um"),
     (of_spec(cell='width = "5 mm"'), "cell.width", "5 mm"),
-    (of_spec(contact='kind = "sphere"', cap='kind = "power"\nexponent = 3.0'), "cap.kind", "exponent=3.0"),
+    (of_spec(contact='kind = "sphere"'), "contact.kind", "sphere"),
     (of_spec(limits='max_height = "600 um"'), "limits.max_height", "600 um and limits.offset = 0 mm"),
     (of_spec(lattice='shape = [8, 8]\npitch = "0.75 mm"\nradius = "526 um"'), "limits.max_height",
      "0.157 mm high"),
@@ -210,9 +210,9 @@ BORDERS = {
         (of_file(read_record, "[" * 100_000), "t.csv", "deeply"),
     ],
     "names": [
-        (of_value(contact_named, "powr 4"), "powr", "power?"),
-        (of_value(contact_named, "sphere 3"), "sphere", "3"),
-        (of_value(contact_named, "power 4 -1"), "coefficient", "-1"),
+        (of_value(contact_named, "jkrr 4"), "jkrr", "jkr?"),
+        (of_value(contact_named, "hertz 3"), "hertz", "3"),
+        (of_value(contact_named, "jkr -1 N/m"), "adhesion_energy", "-1"),
         (of_value(model_named, "layr"), "model", "layr"),
         (of_value(files.demo_text, "lineal"), "lineal", "linear"),
     ],
@@ -340,9 +340,9 @@ RECORDS = [
 
 
 def test_a_foreign_record_is_refused():
-    profile = mf.AxisymmetricCap(np.square, extent=0.3)
+    profile = mf.Profile(np.square, extent=0.3)
     assert faults((partial(from_record, given), key, value) for given, key, value in RECORDS) == []
     assert faults([
         (partial(to_record, object()), "object", "record"),
-        (partial(to_record, profile), "AxisymmetricCap.profile", "square"),
+        (partial(to_record, profile), "Profile.profile", "square"),
     ]) == []  # fmt: skip

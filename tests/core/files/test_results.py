@@ -185,10 +185,9 @@ def through_json(value):
     return from_record(json.loads(json.dumps(to_record(value), allow_nan=False)))
 
 
-PROFILE = mf.AxisymmetricCap([[0, 0.1, 0.2], [0, 0.01, 0.04]])
-CAPS = [mf.Hertz(), mf.PowerCap(4, 0.3), mf.SphericalCap(), PROFILE]
+CAPS = [mf.Hertz(), mf.Elastic()]
 OF_MATERIALS = [
-    *(mf.JKR(9e-6), mf.JKR(9e-6, mf.PowerCap(4)), mf.KogutEtsion(10.0), mf.JacksonGreen(4.0)),
+    *(mf.JKR(9e-6), mf.JKR(9e-6, mf.Elastic()), mf.KogutEtsion(10.0), mf.JacksonGreen(4.0)),
     mf.TabulatedContact([0.0, 0.01, 0.02, 0.04], [0.0, 0.1, 0.3, 0.8], [0.0, 0.01, 0.02, 0.05]),
 ]
 

@@ -22,7 +22,7 @@ from tests.core.files.specs import SHAPE, spec, text
 
 MATERIAL, FRICTION = mf.Material(1.36, 0.5), mf.Friction(0.358, 0.85)
 CAP_TABLE = "rho_mm,f_um\n0,0\n0.2,39.5\n0.4,184\n0.6,600\n"
-CAP = mf.AxisymmetricCap([[0.0, 0.2, 0.4, 0.6], [0.0, 39.5e-3, 0.184, 0.6]])
+CAP = mf.Profile([[0.0, 0.2, 0.4, 0.6], [0.0, 39.5e-3, 0.184, 0.6]])
 CONTACT_TABLE = "indentation_um,load_mN,area_mm2\n0,0,0\n5,0.46,0.0083\n20,3.7,0.033\n90,35,0.15\n"
 CONTACT = mf.TabulatedContact([0.005, 0.02, 0.09], [0.00046, 0.0037, 0.035], [0.0083, 0.033, 0.15])
 TABLES = {"cap.csv": CAP_TABLE, "contact.csv": CONTACT_TABLE}
@@ -116,7 +116,7 @@ MEMBERS = [
     ({"tools": "exponent_range = [1.2, 6]"}, "model", mf.Independent(mf.Elastic())),
     ({"lattice": SHAPE, "tools": 'radii = ["300 um", "0.4 mm"]\ncaps = ["sphere", "power 4"]'}, "tools",
      (mf.Tool(0.3), mf.Tool(0.4, mf.Power(4)))),
-    ({}, "cap", mf.Sphere()), ({"contact": 'kind = "power"\nexponent = 4.0'}, "cap", mf.Power(4)),
+    ({}, "cap", mf.Sphere()),
     *(({"contact": 'kind = "elastic"', "cap": keys}, "cap", cap) for keys, cap in {
         'kind = "sphere"': mf.Sphere(), 'kind = "paraboloid"': mf.Paraboloid(),
         'kind = "power"\nexponent = 4.0\ncoefficient = 0.3': mf.Power(4, 0.3),
@@ -149,30 +149,22 @@ def test_each_model_has_its_name():
         *(mf.Interacting(substrate=mf.fe.Block3D()), mf.BoundaryElements(0.008), mf.Automatic(1e-3)),
     ]
     assert [spec(model=f'kind = "{name}"').model for name in files.MODELS] == models
-    folder = mf.Independent(contact=mf.SphericalCap())
+    folder = mf.Independent(contact=mf.Elastic())
     assert files.chosen_model(folder, None, None) is folder
     assert files.chosen_model(folder, "independent", None) == folder
     assert files.chosen_model(folder, None, "hertz") == mf.Independent()
-    power = mf.Independent(contact=mf.PowerCap(3))
-    assert files.chosen_model(mf.Interacting(), "independent", "power 3") == power
+    assert files.chosen_model(mf.Interacting(), "independent", "elastic") == folder
     assert with_contact(mf.Interacting(), mf.KogutEtsion(10.0)).order == 1  # it has no profile
-    assert with_contact(mf.Interacting(), mf.PowerCap(4)).order == 3
+    assert with_contact(mf.Interacting(), mf.Elastic()).order == 3
 
 
 # Words of each contact law, the keys of its section, and the law.
 LAWS = {
     "hertz": ("", mf.Hertz()),
     "elastic": ("", mf.Elastic()),
-    "sphere": ("", mf.SphericalCap()),
-    "power 4 0.3": ("exponent = 4.0\ncoefficient = 0.3", mf.PowerCap(4, 0.3)),
-    "profile cap.csv": ('file = "cap.csv"', CAP),
     "jkr 9 mJ/m^2": ('adhesion_energy = "9 mJ/m^2"', mf.JKR(9e-6)),
-    "jkr 27mJ/m^2 power 4": (
-        'adhesion_energy = "0.027 N/m"\ncap = {kind = "power", exponent = 4.0}',
-        mf.JKR(2.7e-5, mf.PowerCap(4))
-    ),
-    "jkr 9 mJ/m^2 profile cap.csv": (
-        'adhesion_energy = "9 mJ/m^2"\ncap = {kind = "profile", file = "cap.csv"}', mf.JKR(9e-6, CAP)
+    "jkr 27mJ/m^2 elastic": (
+        'adhesion_energy = "0.027 N/m"\ncap = {kind = "elastic"}', mf.JKR(2.7e-5, mf.Elastic())
     ),
     "kogut-etsion 10 MPa": ('hardness = "10 MPa"', mf.KogutEtsion(10.0)),
     "jackson-green 4000kPa": ('yield_strength = "4 MPa"', mf.JacksonGreen(4.0)),
@@ -190,7 +182,7 @@ def test_each_contact_law_is_read_from_words_and_from_its_section(tmp_path, monk
         model = spec(TABLES, contact=f'kind = "{words.split()[0]}"\n{keys}').model
         assert model == mf.Independent(law), words
     rows = 'rho = ["0 um", "0.2 mm", "0.4 mm", "0.6 mm"]\nf = ["0 um", "39.5 um", "184 um", "600 um"]'
-    assert spec(contact=f'kind = "profile"\n{rows}').model.contact == CAP
+    assert spec(cap=f'kind = "profile"\n{rows}').template.cap == CAP
 
 
 # Tables of a sampled target, with its loads, values, relative errors and weights.
@@ -248,7 +240,7 @@ def test_tables_are_kept_beside_the_specification():
 
 def test_tables_of_two_sections_are_kept_under_two_names():
     sections = {
-        "target": 'kind = "sampled"\nfile = "a/t.csv"', "contact": 'kind = "profile"\nfile = "b/t.csv"',
+        "target": 'kind = "sampled"\nfile = "a/t.csv"', "cap": 'kind = "profile"\nfile = "b/t.csv"',
     }  # fmt: skip
     found = spec({"a/t.csv": SAMPLES[0][0], "b/t.csv": CAP_TABLE}, **sections)
     assert found.files.keys() == {"spec.toml", "t.csv", "wanted-t.csv"}
@@ -378,7 +370,7 @@ def test_forms_describe_the_values_of_keys():
     forms = {form.name: form for form in files.section_forms()}
     needed = [key.name for key in forms["target"].keys["sampled"] if key.needed]
     assert needed == ["rescaled_load", "rescaled_friction"]
-    assert list(forms["contact.cap"].kinds) == ["hertz", "elastic", "sphere", "power", "profile"]
+    assert list(forms["contact.cap"].kinds) == ["hertz", "elastic"]
 
 
 def test_the_schema_describes_every_key_and_is_replaced_by_force(tmp_path):

@@ -5,18 +5,20 @@ import pytest
 
 import metafem as mf
 from metafem._kernels.contact import tabulated as kernel
+from metafem.contact.by_profile import law_of
+from metafem.contact.caps import PowerCap
 from metafem.contact.law import area_change, contacts
 from metafem.models.contact_tables import tables
 
 R = 0.526
 RHO = np.linspace(0.0, 0.45, 30)
 LAWS = [
-    *(mf.PowerCap(n) for n in (1, 1.5, 4, 32)),
-    mf.SphericalCap(),
-    mf.AxisymmetricCap(lambda rho: rho**2 / 1.1 + rho**4, 0.45),
+    *(PowerCap(n) for n in (1, 1.5, 4, 32)),
+    law_of(mf.Sphere()),
+    law_of(mf.Profile(lambda rho: rho**2 / 1.1 + rho**4, 0.45)),
 ]
 # Where the second derivative of its cubic jumps, the inverse of D is no polynomial.
-TABLE = mf.AxisymmetricCap(np.array([RHO, R - np.sqrt(R**2 - RHO**2)]))
+TABLE = law_of(mf.Profile(np.array([RHO, R - np.sqrt(R**2 - RHO**2)])))
 
 
 def test_kernels_are_the_laws():
@@ -51,14 +53,14 @@ def test_kernels_are_the_laws():
 
 
 def test_laws_continue_as_powers_where_they_are_powers():
-    table = tables(mf.PowerCap(4), np.array([1.0]))
+    table = tables(law_of(mf.Power(4)), np.array([1.0]))
     for z in (1e-80, 1e3):
-        a = mf.PowerCap(4).contact_radius(z, 1.0)
+        a = law_of(mf.Power(4)).contact_radius(z, 1.0)
         assert kernel.load_and_rate(table.data, 0, 1.0, z)[0] == pytest.approx(
-            mf.PowerCap(4).load(a, 1.0), rel=1e-11
+            law_of(mf.Power(4)).load(a, 1.0), rel=1e-11
         )
         assert kernel.covers(table.data, 0, 1.0, z)
-    assert not kernel.covers(tables(mf.SphericalCap(), np.array([1.0])).data, 0, 1.0, 5.0)
+    assert not kernel.covers(tables(law_of(mf.Sphere()), np.array([1.0])).data, 0, 1.0, 5.0)
 
 
 def test_hertz_needs_no_table():
@@ -78,7 +80,7 @@ def test_breaks_at_the_ends_of_a_table_make_no_panel():
 
 def test_tables_of_a_sphere_reach_to_its_equator():
     """Its load grows without limit there, so that polynomials need ever narrower panels."""
-    law = mf.SphericalCap()
+    law = law_of(mf.Sphere())
     table = tables(law, np.array([R]))
     one_of = (table.data, table.which[0], R)
     for a in R * np.array([0.9, 0.95, 0.97, 0.98, 0.99, 0.995, 0.998]):
@@ -94,7 +96,7 @@ def test_tables_of_a_sphere_reach_to_its_equator():
 def test_slopes_change_the_areas_of_powers():
     a = np.array([0.01, 0.2])
     for exponent in (1.0, 1.5, 2.0, 4.0, 8.0):
-        law = mf.PowerCap(exponent)
+        law = PowerCap(exponent)
         own = law.profile_slope(a, R)
         np.testing.assert_allclose(own, exponent * law.indentation(a, R) / a, rtol=1e-12)
         change = area_change(law, a, R, 0.1 * own)
@@ -108,7 +110,7 @@ def on_slope(law, a, slope):
 
 
 def test_the_kernel_changes_areas_by_the_formula_in_second_order():
-    for law in (mf.PowerCap(1.5), mf.PowerCap(4), mf.SphericalCap()):
+    for law in (law_of(mf.Power(1.5)), law_of(mf.Power(4)), law_of(mf.Sphere())):
         a, share = 0.2, 1e-3
         slope = share * float(law.profile_slope(np.array(a), R))
         expected = area_change(law, np.array(a), R, slope)

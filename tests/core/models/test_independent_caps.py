@@ -7,6 +7,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 import metafem as mf
+from metafem.contact.by_profile import law_of
+from metafem.contact.caps import PowerCap
 from tests.models.scenes import HEIGHT, RADIUS, lattice, scene
 
 HERTZ = mf.Hertz()
@@ -24,7 +26,7 @@ class Own:
 
 
 def test_the_law_of_a_paraboloid_is_that_of_hertz():
-    for law in (mf.PowerCap(2, 0.5), Own()):
+    for law in (PowerCap(2, 0.5), Own()):
         model, hertz = mf.Independent(contact=law), mf.Independent()
         surface, rows = scene(), HEIGHT + 0.01 * np.arange(3)[:, None] * np.sin(np.arange(6))
         for found, expected in (
@@ -47,14 +49,14 @@ def test_the_law_of_a_paraboloid_is_that_of_hertz():
 def test_a_spherical_contact_far_beyond_its_radius_keeps_its_load():
     """The load under an approach of many radii is found again, although a differs from R by less than eps."""
     surface = scene(np.zeros((1, 2)), [0.5], 0.01)
-    model = mf.Independent(contact=mf.SphericalCap())
+    model = mf.Independent(contact=law_of(mf.Sphere()))
     state = mf.equilibrium(surface, model, approach=0.4)
     again = mf.equilibrium(surface, model, load=state.load)
     assert again.approach == pytest.approx(0.4, rel=1e-12)
 
 
 def test_loads_beyond_what_a_law_can_carry_do_not_converge():
-    class Limited(mf.PowerCap):
+    class Limited(PowerCap):
         def load(self, contact_radius, radius, curvature=0.0):
             return np.minimum(super().load(contact_radius, radius, curvature), 0.01)
 

@@ -7,6 +7,8 @@ import pytest
 
 import metafem as mf
 from metafem.caps.shapes import sphere_profile
+from metafem.contact.by_profile import law_of
+from metafem.contact.caps import PowerCap
 from metafem.models._resources import require_memory
 from metafem.models.boundary_elements.contact_areas import Contacts
 from metafem.models.boundary_elements.solve import Scene
@@ -15,13 +17,13 @@ from tests.refusals import faults
 from validation.scenes.periodic import THREE
 
 RHO = np.linspace(0.0, 0.165, 30)
-NARROW = mf.AxisymmetricCap([RHO, sphere_profile(RHO, 0.526)])
+NARROW = law_of(mf.Profile([RHO, sphere_profile(RHO, 0.526)]))
 FLAT, SOME = lattice(np.full(4, 0.1)), lattice(0.12 - 0.002 * np.arange(9))
 LAYER, JKR, PLASTIC = mf.BondedLayer(), mf.JKR(9e-6), mf.KogutEtsion(0.1)
 ONE = mf.Surface([[0.2, -0.1]], [0.1], 0.526, mf.Material(1.36), cell=mf.PeriodicCell(1.5, 1.5))
 
 
-class Sticky(mf.PowerCap):
+class Sticky(PowerCap):
     """A law whose branches no model knows."""
 
     adhesive = True
