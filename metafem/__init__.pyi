@@ -17,7 +17,6 @@ from .contact import TabulatedContact as TabulatedContact
 from .errors import Infeasible as Infeasible
 from .errors import InvalidInput as InvalidInput
 from .errors import MetafemError as MetafemError
-from .errors import MetafemWarning as MetafemWarning
 from .errors import NotConverged as NotConverged
 from .files import load as load
 from .files import read_spec as read_spec
@@ -35,7 +34,6 @@ from .inversion import RadiusRange as RadiusRange
 from .inversion import SampledLaw as SampledLaw
 from .inversion import Tool as Tool
 from .inversion import achievable_friction_coefficients as achievable_friction_coefficients
-from .inversion import achievable_load_range as achievable_load_range
 from .inversion import arrange as arrange
 from .inversion import feasible_region as feasible_region
 from .inversion import plasticity_index as plasticity_index
@@ -53,7 +51,6 @@ from .models import Status as Status
 from .notes import Note as Note
 from .prediction import ContactState as ContactState
 from .prediction import FrictionLaw as FrictionLaw
-from .prediction import Onset as Onset
 from .prediction import Tolerances as Tolerances
 from .prediction import equilibrium as equilibrium
 from .prediction import friction_law as friction_law

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import metafem as mf
+from metafem.inversion import achievable_load_range
 from tests.core.inversion.test_tools import ELASTIC, KIT, LATTICE, LIMITS
 from validation.scenes.cells import cell
 
@@ -80,7 +81,7 @@ def test_heights_are_refined_and_arranged_under_the_model():
 
 @pytest.mark.nightly
 def test_a_line_that_is_missed_states_the_range_that_tools_reach():
-    ends = mf.achievable_load_range(mf.LinearLaw(8.0), LATTICE, LIMITS, TWO, mf.Elastic())
+    ends = achievable_load_range(mf.LinearLaw(8.0), LATTICE, LIMITS, TWO, mf.Elastic())
     assert mf.design(mf.LinearLaw(8.0, ends), LATTICE, limits=LIMITS, tools=TWO).misfit <= 0.01
 
 
@@ -122,8 +123,8 @@ def test_points_below_those_of_one_radius_are_met(template, tools, model):
 
 
 def test_proportional_laws_and_branches_take_tools(template):
-    wide = mf.achievable_load_range(mf.LinearLaw(12.0), template, TALL, [0.2, 0.8])
-    narrow = mf.achievable_load_range(mf.LinearLaw(12.0), template, TALL, [0.2])
+    wide = achievable_load_range(mf.LinearLaw(12.0), template, TALL, [0.2, 0.8])
+    narrow = achievable_load_range(mf.LinearLaw(12.0), template, TALL, [0.2])
     assert wide[1] / wide[0] > 1.5 * narrow[1] / narrow[0]
     assert mf.design(mf.LinearLaw(12.0, wide), template, limits=TALL, tools=[0.2, 0.8]).misfit <= 0.01
     target = mf.MultilinearLaw([6.0, 12.0], [0.15], (0.1, 0.3))

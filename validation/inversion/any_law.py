@@ -7,6 +7,7 @@ from functools import cache
 import numpy as np
 
 import metafem as mf
+from metafem.inversion import achievable_load_range
 from metafem.reference.height_densities import smallest_slope
 from metafem.reference.single_contacts import hertz
 from validation.check import LINE_REQUIRED, REQUIRED, Claim, Picture, Row, below
@@ -40,7 +41,7 @@ COEFFICIENT = closed_form(smallest_slope, "the radius at which μ = σB/E* · 3�
 def proportional(model: str) -> mf.Design:
     """Return the surface whose friction is proportional to the load."""
     lattice, limits = template("fig4_red"), mf.Limits(HEIGHT)
-    ends = mf.achievable_load_range(mf.LinearLaw(SLOPE), lattice, limits)
+    ends = achievable_load_range(mf.LinearLaw(SLOPE), lattice, limits)
     return mf.design(mf.LinearLaw(SLOPE, ends), lattice, MODELS[model], limits)
 
 

@@ -78,7 +78,7 @@ def test_plasticity_index_warns_above_its_limit():
     rough = LATTICE.replaced(height=np.linspace(0.0, 0.2, 64))
     psi = mf.plasticity_index(rough, 100.0)
     assert psi == pytest.approx(1.36 / 100.0 * math.sqrt(rough.height.std() / 0.526), rel=1e-12)
-    with pytest.warns(mf.MetafemWarning, match=r"plasticity index .* 0.6"):
+    with pytest.warns(mf.errors.MetafemWarning, match=r"plasticity index .* 0.6"):
         mf.plasticity_index(rough, 0.5)
 
 

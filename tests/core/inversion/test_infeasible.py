@@ -5,6 +5,7 @@ import pytest
 import metafem as mf
 from metafem.contact.by_profile import law_of
 from metafem.contact.caps import PowerCap
+from metafem.inversion import achievable_load_range
 
 LATTICE = mf.Surface.square_lattice(0.3, radius=0.526, material=mf.Material(1.36), friction=mf.Friction(0.4))
 HIGH, TALL, LOW = mf.Limits(0.3), mf.Limits(0.27), mf.Limits(0.12, offset=0.05)
@@ -97,4 +98,4 @@ def test_the_refused_and_the_nearest_target(first):
 
 def test_one_asperity_has_no_line():
     with pytest.raises(mf.Infeasible, match="with 1 "):
-        mf.achievable_load_range(mf.LinearLaw(7.0), ONE, TALL)
+        achievable_load_range(mf.LinearLaw(7.0), ONE, TALL)

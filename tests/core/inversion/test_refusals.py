@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import metafem as mf
+from metafem.inversion import achievable_load_range
 from metafem.inversion.height_density import ExponentialDensity
 from metafem.inversion.targets.wording import Wording
 from tests.refusals import faults
@@ -75,7 +76,7 @@ DESIGNS = [
     (lambda: pinned(dict.fromkeys(range(6))), "pinned", "6 sites"),
     (lambda: pinned({2: 0.0}, PART), "pinned[2]", "0"),
     (lambda: mf.achievable_friction_coefficients(BARE, mf.Limits(0.1)), "template", "friction"),
-    (lambda: mf.achievable_load_range(POWER, LATTICE, mf.Limits(0.1)), "target", "PowerLaw"),
+    (lambda: achievable_load_range(POWER, LATTICE, mf.Limits(0.1)), "target", "PowerLaw"),
     (lambda: mf.plasticity_index(LATTICE, 0.0), "hardness", "0"),
     (lambda: mf.arrange(LATTICE, 0.1), "design", "Surface"),
     (lambda: mf.arrange(mf.design(POWER, LATTICE), 0.0), "tilt", "0"),

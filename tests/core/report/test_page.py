@@ -203,7 +203,7 @@ def test_warnings_come_first_and_make_the_page_red():
     assert "No warnings" not in text
     levels = [note.warns for note in all_notes(low, 0.5)]
     assert levels == sorted(levels, reverse=True)
-    with pytest.warns(mf.MetafemWarning):
+    with pytest.warns(mf.errors.MetafemWarning):
         psi = mf.plasticity_index(low.surface, 0.5)
     (index,) = [note for note in all_notes(low, 0.5) if note.quantity == "plasticity index"]
     assert (index.value, index.bound) == (psi, 0.6)

@@ -57,7 +57,7 @@ def test_lengths_scale(coarse):
 
 
 def test_loads_beside_a_side_warn():
-    with pytest.warns(mf.MetafemWarning, match="smaller cells"):
+    with pytest.warns(mf.errors.MetafemWarning, match="smaller cells"):
         Block3D(**COARSE).influence_matrix(scene(np.array([[9.9, 0.0], [9.0, 0.0]])))
 
 

@@ -7,7 +7,7 @@ import pytest
 
 import metafem as mf
 from metafem.contact.by_profile import law_of
-from metafem.inversion import DesignStatus
+from metafem.inversion import DesignStatus, achievable_load_range
 from metafem.inversion.bounds import Bounds
 from metafem.inversion.strategies.proportional import line_range
 from metafem.inversion.tools.radii import Radii
@@ -20,7 +20,7 @@ LATTICE = mf.Surface.square_lattice(0.12, radius=0.526, material=mf.Material(1.3
 
 @pytest.mark.parametrize("cap", [mf.Hertz(), law_of(mf.Power(1.5))], ids=repr)
 def test_the_widest_range_is_nearly_that_of_the_bounds(cap):
-    low, high = mf.achievable_load_range(mf.LinearLaw(7.0), LATTICE, TALL, contact=cap)
+    low, high = achievable_load_range(mf.LinearLaw(7.0), LATTICE, TALL, contact=cap)
     first, end = line_range(mf.LinearLaw(7.0), Bounds(cap, Radii.of(0.526), 64, 1.0))
     assert first <= low < high <= end
     assert cap != mf.Hertz() or high > 0.9 * end
@@ -30,12 +30,12 @@ def test_the_widest_range_is_nearly_that_of_the_bounds(cap):
 
 def test_little_height_shortens_the_range():
     line, low = mf.BilinearLaw((6.0, 9.0), 0.08), mf.Limits(0.15, offset=0.2)
-    wide = mf.achievable_load_range(line, LATTICE, mf.Limits(0.27, offset=0.2))
-    narrow = mf.achievable_load_range(line, LATTICE, low)
+    wide = achievable_load_range(line, LATTICE, mf.Limits(0.27, offset=0.2))
+    narrow = achievable_load_range(line, LATTICE, low)
     assert wide[0] < narrow[0] < 0.08 < narrow[1] < wide[1]
     result = mf.design(mf.BilinearLaw((6.0, 9.0), 0.08, wide), LATTICE, limits=low)
     assert result.status is DesignStatus.MISSED
-    within = mf.achievable_load_range(result.target, LATTICE, low)
+    within = achievable_load_range(result.target, LATTICE, low)
     text = result.target.wording.of_part(LATTICE.material).inside(*within)
     assert f"{text} can be met within 1 %" in said(result)
 
