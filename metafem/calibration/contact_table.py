@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -120,29 +120,15 @@ def pressed_images(table: ContactTable) -> tuple[NDArray[np.intp], tuple[Note, .
     """
     whole = np.isfinite(table.load) & np.isfinite(table.area).all(axis=1)
     used = np.flatnonzero(whole & (table.area > 0.0).any(axis=1))
-    return used, tuple(_notes_on_pressed(table, whole, len(used)))
-
-
-def _notes_on_pressed(table: ContactTable, whole: NDArray[np.bool_], used: int) -> Iterator[Note]:
-    """Return notes on images with unknown areas and on images without contacts."""
-    loaded, known = np.isfinite(table.load), np.isfinite(table.area)
-    left = loaded & ~whole
-    if left.any():
-        missing = _contacts(table, ~known[left].all(axis=0))
-        yield information(
-            f"E* is fitted to {used} of the {int(loaded.sum())} images with a load: in "
-            f"{_images(table, left)} the area of {missing} could not be measured, and the load is that of "
-            "all contacts"
-        )
-    never = loaded.any() & ~known[loaded].any(axis=0)
-    if never.any():
-        yield Note(
-            f"no image with a load has the area of {_contacts(table, never)}, so that E* cannot be fitted: "
-            "take images of all contacts"
-        )
-    empty = whole & ~(table.area > 0.0).any(axis=1)
-    if empty.any():
-        yield information(f"E* is fitted without {_images(table, empty)}: no contact was found there")
+    loaded = np.isfinite(table.load)
+    left = loaded & ~np.isin(np.arange(len(loaded)), used)
+    if not left.any():
+        return used, ()
+    missing = _contacts(table, ~np.isfinite(table.area[left]).all(axis=0)) or "all contacts"
+    words = (
+        f"E* is fitted without {_images(table, left)}: the area of {missing} is 0 or could not be measured"
+    )
+    return used, (Note(f"{words}, and the load is that of all contacts"),)
 
 
 def sheared_points(table: ContactTable) -> tuple[FloatArray, NDArray[np.intp], tuple[Note, ...]]:
@@ -186,25 +172,15 @@ def sheared_points(table: ContactTable) -> tuple[FloatArray, NDArray[np.intp], t
             rows.append((np.nan, total[i], force[i], i))
     columns = np.array(rows, dtype=np.float64).reshape(-1, 4).T
     unused = np.isfinite(force) & np.isfinite(after).any(axis=1) & ~of_strength
-    notes = tuple(_notes_on_sheared(table, one.any(axis=1) & of_ratio, unused))
+    said = (
+        (
+            one.any(axis=1) & of_ratio,
+            "B is fitted without contacts that one image of a pair does not show: {}",
+        ),
+        (unused, "sigma is fitted without {}, which lack the sheared area of a contact"),
+    )
+    notes = tuple(information(words.format(_images(table, which))) for which, words in said if which.any())
     return columns[:3], columns[3].astype(np.intp), notes
-
-
-def _notes_on_sheared(
-    table: ContactTable, mixed: NDArray[np.bool_], unused: NDArray[np.bool_]
-) -> Iterator[Note]:
-    """Return notes on contacts that only one image of a pair shows, and on unused images."""
-    if mixed.any():
-        yield information(
-            f"{_images(table, mixed)}: contacts are below the smallest area that is found in one of the "
-            "images before and after shear; B is fitted to those that both show"
-        )
-    if unused.any():
-        missing = _contacts(table, ~np.isfinite(table.sheared_area[unused]).all(axis=0)) or "all contacts"
-        yield information(
-            f"sigma is fitted without {_images(table, unused)}: the sheared area of {missing} could not be "
-            "measured, and the friction force is that of all contacts"
-        )
 
 
 def of_contacts(
@@ -228,7 +204,6 @@ def of_contacts(
         Note(f"image {table.image[i]} is left out: it has no {_missing(table, i, by_force)}")
         for i in np.flatnonzero(~used).tolist()
     ]
-    notes += _unknown(table, used, ~known & sites)
     overlooked = np.nanmax(np.where(table.area[used] == 0.0, table.area_error[used], 0.0))
     if overlooked > 0.0 and not by_force:
         words = (
@@ -258,20 +233,6 @@ def _asperities(sites: NDArray[np.intp], numbers: IntArray | None) -> NDArray[np
     wrong = listed([str(site) for site in sites.tolist() if site not in place])
     refuse_if(wrong, f"the contacts have site {wrong}, which the design leaves empty or does not have")
     return np.array([place[site] for site in sites.tolist()], dtype=np.intp)
-
-
-def _unknown(table: ContactTable, used: NDArray[np.bool_], unknown: NDArray[np.bool_]) -> list[Note]:
-    """Return notes on unknown areas (k, n), one note for all images with the same unknown contacts."""
-    images: dict[tuple[int, ...], list[str]] = {}
-    for i in np.flatnonzero(used & unknown.any(axis=1)).tolist():
-        images.setdefault(tuple(table.site[unknown[i]].tolist()), []).append(table.image[i])
-    notes = []
-    for sites, names in images.items():
-        several, are = ("s", "are") if len(sites) > 1 else ("", "is")
-        of = f"image {names[0]}" if len(names) == 1 else f"{len(names)} images, {names[0]} to {names[-1]}"
-        where = f"area{several} of the contact{several} at site{several} {', '.join(map(str, sites))}"
-        notes.append(Note(f"{of}: the {where} {are} unknown; the other contacts are used"))
-    return notes
 
 
 def _missing(table: ContactTable, i: int, by_force: bool) -> str:

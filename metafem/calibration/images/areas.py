@@ -30,7 +30,6 @@ def contact_areas(
     threshold: float | None = None,
     dark_level: float | None = None,
     blur: float | None = None,
-    subpixel: bool = True,
     bright_contacts: bool = False,
     smallest_area: float | None = None,
 ) -> ContactAreas:
@@ -58,9 +57,6 @@ def contact_areas(
     blur : float, optional
         Standard deviation of the edges, caused by the optics and the pixels [mm]; default: measured from the
         distance between the quarter levels at the edges of the widest contacts.
-    subpixel : bool
-        Whether `area` is measured with the contour; default: True. If False, `area` is `otsu_area`, and
-        `area_error` includes the bias.
     bright_contacts : bool
         Whether the contacts are brighter than the ground; default: False.
     smallest_area : float, optional
@@ -98,7 +94,7 @@ def contact_areas(
     >>> bool(abs(found.area[0] / exact - 1.0) < 0.01)
     True
     """
-    options = Options(pixel_size, threshold, dark_level, blur, subpixel, bright_contacts, smallest_area)
+    options = Options(pixel_size, threshold, dark_level, blur, bright_contacts, smallest_area)
     return measured(image, options)[0]
 
 
@@ -125,7 +121,7 @@ def stack_areas(
     loads : array_like, (k,), optional
         Normal loads [N]; default: the last image is assumed to have the largest load.
     **options
-        ``threshold``, ``dark_level``, ``blur``, ``subpixel``, ``bright_contacts`` and ``smallest_area``, as
+        ``threshold``, ``dark_level``, ``blur``, ``bright_contacts`` and ``smallest_area``, as
         for `contact_areas`.
 
     Returns

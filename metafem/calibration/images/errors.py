@@ -24,7 +24,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from scipy.special import ndtri
 
 from metafem._validate import FloatArray
 
@@ -34,12 +33,6 @@ from metafem._validate import FloatArray
 # circle, by the relative amount EDGE_CURVATURE s_t²/r². The numbers were determined with circles of radius 15
 # to 120 at random positions and s_t of 1.4 to 3.5.
 INTERPOLATION, EDGE_INTERPOLATION, EDGE_CURVATURE = 0.21, 0.13, 0.5
-
-# Variance of the number of pixel centres in a disc at a random position, over the perimeter of the disc. By
-# Poisson summation, the variance is the sum of (r J1(2 pi r k)/k)² over the lattice vectors k except 0. With
-# the mean 1/(pi z) of J1(z)², it becomes r/(2 pi²) times the sum of k^-3, and this sum is 4 zeta(3/2)
-# beta(3/2) = 9.0336.
-COUNTED = 0.0728
 
 
 def enclosed(area: FloatArray, holes: FloatArray | float, total: float) -> FloatArray:
@@ -68,24 +61,3 @@ def quantisation(noise: float, step: float) -> float:
     if not step:
         return 0.0
     return math.sqrt(2.0 / 12.0) * step * math.exp(-2.0 * (math.pi * noise / step) ** 2)
-
-
-def counting_bias(length: FloatArray, threshold: float, edge: float) -> FloatArray:
-    """Return the bias of areas that are the number of pixels darker than a threshold [pixels²], (n,).
-
-    `threshold` is 0 at the grey level of the ground and 1 at the dark level. `edge` is the standard deviation
-    s of the edge before smoothing. The contour at the threshold lies sqrt(2) s erfinv(1 - 2 threshold)
-    outside the contour at the half level, which encloses an area that is too small by pi s².
-    """
-    displaced = edge * float(ndtri(1.0 - np.clip(threshold, 1e-6, 1.0 - 1e-6)))
-    return length * displaced + math.pi * (displaced**2 - edge**2)
-
-
-def of_counting(length: FloatArray, noise: float, threshold: float, edge: float) -> FloatArray:
-    """Return the errors of areas by pixel count, with scatter and bias added in quadrature [pixels²], (n,).
-
-    The probability that a pixel near the contour is counted wrongly follows from the noise and the slope of
-    the edge. The variances of these pixels add up to sqrt(2) s n L.
-    """
-    scatter = (math.sqrt(2.0) * edge * noise + COUNTED) * length
-    return np.sqrt(scatter + counting_bias(length, threshold, edge) ** 2)

@@ -82,7 +82,6 @@ class Options:
     threshold: float | None = None
     dark_level: float | None = None
     blur: float | None = None
-    subpixel: bool = True
     bright_contacts: bool = False
     smallest_area: float | None = None
 

@@ -106,9 +106,6 @@ def _contacts(
     error = errors.of_contour(
         shape.length, noise, math.sqrt(variance), total, at_level, found.blur_error * found.blur / total
     )
-    if not options.subpixel:
-        relative = (1.0 - found.threshold) / contrast
-        area, error = counted, errors.of_counting(shape.length, noise, relative, found.blur)
     clipped = saturated(values, labels[1:-1, 1:-1], size, options.bright_contacts)
     order = np.flatnonzero(enough)
     result = ContactAreas(

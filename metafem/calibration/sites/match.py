@@ -178,24 +178,13 @@ class _Scene(Search):
         """Return the error message for contacts that are not on sites."""
         count, spacing, own = len(self.points), self.spacing, spacing_of(cKDTree(real_points(self.points)))
         apart = f"neighbours are {own:.3g} mm apart in the image and {spacing:.3g} mm in the design"
-        turn, range_ = math.degrees(self.bounds.rotation), math.degrees(self.bounds.turn)
-        searched = (
-            f"rotations of {turn:.3g}° ± {range_:.3g}° and scales of 1 ± {self.bounds.stretch:.2g} were tried"
-        )
-        best = "no pair of them"
-        for pose in poses:
-            distance, _ = self.nearest(pose.sites(self.points), np.inf)
-            median = float(np.median(distance))
-            best = (
-                f"at best {pose.matched} of them, and the median distance from the nearest site is "
-                f"{median:.3g} mm, {100.0 * median / spacing:.0f} % of the distance between sites"
-            )
+        best = f"at best {poses[0].matched} of them" if poses else "no pair of them"
         ratio = spacing / own if own else 1.0
         pixel = ""
         if abs(1.0 / ratio - 1.0) > self.bounds.stretch:
             pixel = f", which would agree if the pixels were {ratio:.3g} times as large"
         return (
-            f"the {count} contacts are not on the sites of the design: {best}; {apart}{pixel}; {searched}. "
+            f"the {count} contacts are not on the sites of the design: {best}; {apart}{pixel}. "
             "Check the design, the pixel size, the rotation and the viewing side"
         )
 

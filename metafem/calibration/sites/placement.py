@@ -52,8 +52,6 @@ class Placed(Value):
         Whether each site is outside the frame.
     spoilt : tuple
         Pairs of a site that could not be measured and the reason.
-    strays : ndarray of int
-        Numbers of the regions without a site.
     unclear : bool
         Whether another shift, which differs by a distance between sites, matches about as many regions.
     shift : complex
@@ -64,7 +62,6 @@ class Placed(Value):
     site: IntArray
     outside: NDArray[np.bool_]
     spoilt: tuple[tuple[int, str], ...]
-    strays: IntArray
     unclear: bool = False
     shift: complex = 0j
 
@@ -108,16 +105,12 @@ def placed(
             taken.update(inside)
     outside = np.any((where < 0.0) | (where > areas.frame), axis=1)
     outside[site[site >= 0]] = False
-    spoilt, strays = [], []
+    spoilt: list[tuple[int, str]] = []
     for region in np.flatnonzero(site < 0).tolist():
         inside = view.within(region, where, taken)
         taken.update(inside)
         spoilt += [(s, _reason(areas, region, inside, s, names)) for s in inside]
-        if not inside and not areas.edge[region]:
-            strays.append(region)
-    return Placed(
-        where, site, outside, tuple(sorted(spoilt)), np.array(strays, dtype=np.intp), unclear, pose.shift
-    )
+    return Placed(where, site, outside, tuple(sorted(spoilt)), unclear, pose.shift)
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -15,9 +15,9 @@ from metafem._validate import FloatArray
 from metafem._values import Value
 from metafem.calibration.contact_table import ContactTable
 from metafem.calibration.images.contact_areas import ContactAreas
+from metafem.calibration.images.measuring import contact_notes
 from metafem.calibration.sites.match import SiteMatch, match_sites
 from metafem.calibration.sites.placement import Placed, mean_positions, placed
-from metafem.calibration.sites.stack_remarks import not_numbered, remarks_of, unclear
 from metafem.errors import InvalidInput, refuse_if
 from metafem.notes import Note
 
@@ -191,18 +191,16 @@ class _Stack:
             if seen.all():
                 break
             known[np.flatnonzero(known)[~seen]] = False
-        remarks = not_numbered(areas, known)
         number = np.arange(len(centre))
         centre = mean_positions(found, self.areas, centre)
-        return self._tracked(reference, before, (centre, number, names), None, remarks)
+        return self._tracked(reference, before, (centre, number, names), None)
 
     def matched(self, sites: DesignSites) -> TrackedContacts:
         """Return the tracked contacts with the sites of the design, matched in the fullest image."""
         reference, match = self._match(sites)
         names = [f"site {s}" for s in sites.number]
         found = self._placed(match.to_image(sites.position), names)
-        remarks = tuple(str(note) for note in match.notes if note.warns)
-        return self._tracked(reference, found, (sites.position, sites.number, names), match, remarks)
+        return self._tracked(reference, found, (sites.position, sites.number, names), match)
 
     def _match(self, sites: DesignSites) -> tuple[int, SiteMatch]:
         """Return the index of the fullest image that can be matched, and its match."""
@@ -246,16 +244,18 @@ class _Stack:
         placed: tuple[Views, Views],
         sites: tuple[FloatArray, Any, list[str]],
         match: SiteMatch | None,
-        own: tuple[str, ...],
     ) -> TrackedContacts:
-        """Return the tracked contacts at the sites; `own` are remarks on the reference image."""
+        """Return the tracked contacts at the sites."""
         position, number, names = sites
-        remarks: list[str] = []
-        for i, image in enumerate(self.image):
-            remarks += [f"{image}: {text}" for text in own if i == reference]
-            remarks += remarks_of(
-                image, (self.areas[i], self.sheared[i]), [each[i] for each in placed], names
+        remarks = [
+            text
+            for i, image in enumerate(self.image)
+            for where, areas, views in (
+                ("", self.areas[i], placed[0][i]),
+                ("in the sheared image ", self.sheared[i], placed[1][i]),
             )
+            for text in _remarks(image, where, areas, views, names)
+        ]
         area, area_error = _at_sites(placed[0], self.areas, len(position))
         sheared_area, sheared_area_error = _at_sites(placed[1], self.sheared, len(position))
         table = ContactTable(
@@ -273,12 +273,26 @@ class _Stack:
         )
         of_match = () if match is None else match.notes
         notes = [replace(note, text=f"{self.image[reference]}: {note.text}") for note in of_match]
+        remedy = "give --sites" if match is None else "compare the numbers in its picture"
         notes += [
-            Note(f"{image}: {unclear(names)}")
+            Note(f"{image}: contacts may be shifted by one lattice distance; {remedy}")
             for image, one in zip(self.image, placed[0], strict=True)
             if one is not None and one.unclear
         ]
         return TrackedContacts(table, reference, match, *placed, tuple(remarks), tuple(notes))
+
+
+def _remarks(
+    image: str, where: str, areas: ContactAreas | None, found: Placed | None, names: list[str]
+) -> Iterator[str]:
+    """Yield sentences on what could not be measured in an image."""
+    if areas is not None:
+        of_contacts = () if found is None else tuple(contact_notes(areas))
+        yield from (
+            f"{image}: {where}{note}" for note in areas.notes if note.warns and note not in of_contacts
+        )
+    for site, reason in () if found is None else found.spoilt:
+        yield f"{image}, {names[site]}: {where}{reason}"
 
 
 def _at_sites(

@@ -117,7 +117,7 @@ SCALE = 2e-3
 # percent. If the map shows another part, the errors are as large as the differences between heights.
 FOREIGN, FOREIGN_MEAN = 0.5, 0.05
 
-# Largest number of caps, hills or missing asperities that notes list individually.
+# Largest number of caps, hills or missing asperities whose places a note lists.
 NAMED = 5
 
 UNDECIDED = "the heights do not show how the part was turned or shifted; the map is used as it is"
@@ -127,18 +127,14 @@ def placement_notes(
     design: Surface, centre: FloatArray, place: Alignment, missing: IntArray, other: list[tuple[float, float]]
 ) -> Iterator[Note]:
     """Return notes on unmatched summits, missing asperities, and rotation, mirroring or scale of the map."""
-    for what, places, one, many in (
-        ("cap", centre[place.site < 0].tolist(), "has no site in the design", "have no site in the design"),
-        ("hill", other, "is no cap of the design", "are no caps of the design"),
+    for what, places in (
+        ("caps of the map have no site in the design", centre[place.site < 0].tolist()),
+        ("hills of the map are no caps of the design", other),
+        ("asperities of the design are missing on the map", design.position[missing].tolist()),
     ):
-        yield from (Note(f"the {what} at {on_map(*at)} on the map {one}") for at in places[:NAMED])
-        if len(places) > NAMED:
-            yield Note(f"{len(places) - NAMED} other {what}s on the map {many}")
-    for i in missing[:NAMED]:
-        yield Note(f"asperity {i} of the design, at {on_map(*design.position[i])}, is missing on the map")
-    if len(missing) > NAMED:
-        numbers = ", ".join(map(str, missing[NAMED:]))
-        yield Note(f"so are {len(missing) - NAMED} others of the design: {numbers}")
+        if places:
+            first = ", ".join(on_map(*at) for at in places[:NAMED])
+            yield Note(f"{len(places)} {what}: {first}" + " and others" * (len(places) > NAMED))
     height = design.height[place.site[place.site >= 0]]
     if place.misfit > FOREIGN * height.std() and place.misfit > FOREIGN_MEAN * height.mean():
         yield Note(

@@ -5,8 +5,6 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from metafem.cli.terminal import notes_data, print_notes, print_table, say, terminal
 
 if TYPE_CHECKING:
@@ -16,7 +14,7 @@ if TYPE_CHECKING:
     from metafem.inversion import Design
     from metafem.prediction import FrictionLaw
 
-# Number of asperities that are printed, which are those with the largest height errors; number of loads at
+# Number of loads at
 # which the two laws are printed.
 WORST, LOADS = 5, 5
 
@@ -33,7 +31,6 @@ def print_made(design: Design, made: MadeSurface, law: FrictionLaw) -> None:
     found = f"{made.surface.count} of {made.design.count} asperities measured"
     say(console, f"{found}, roughness (s.d.) {UM * made.roughness:.2g} um")
     _print_errors(console, made)
-    _print_worst(console, design, made)
     areas = list(zip(law.load, design.law.area, law.area, strict=True))
     every = max(1, len(areas) // LOADS)
     rows = [
@@ -72,24 +69,6 @@ def _print_errors(console: Console, made: MadeSurface) -> None:
         )
     ]
     print_table(console, ["made minus designed", "mean", "s.d.", "largest", "standard error"], rows)
-
-
-def _print_worst(console: Console, design: Design, made: MadeSurface) -> None:
-    """Print the asperities with the largest height errors."""
-    sites, wanted, error = design.sites[made.site], made.design, UM * made.height_error
-    rows = [
-        (
-            str(sites[i]),
-            *(f"{value:.3f}" for value in wanted.position[made.site[i]]),
-            f"{UM * wanted.height[made.site[i]]:.2f}",
-            f"{UM * made.surface.height[i]:.2f}",
-            f"{error[i]:+.2f}",
-            f"{UM * made.height_sd[i]:.2f}",
-        )
-        for i in np.argsort(-np.abs(error))[:WORST]
-    ]
-    titles = ["site", "x [mm]", "y [mm]", "designed height [um]", "made [um]", "error [um]", "s.e. [um]"]
-    print_table(console, titles, rows, "largest height errors")
 
 
 def _rms(values: Any) -> float:

