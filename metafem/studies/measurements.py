@@ -35,9 +35,9 @@ def measured(comparisons: Sequence[Comparison], model: Model) -> xr.Dataset:
     xarray.Dataset
         Over ``point``, the points of all laws: the label ``of_law``, ``load`` [N], ``rescaled_load``,
         ``rescaled_friction``, ``predicted`` and ``deviation`` [mm^2]; all but ``predicted`` have ``..._sd``.
-        Over ``feature``: ``of_law_feature``, ``value``, ``value_sd``, ``low``, ``high``, ``design``,
-        ``target``, and ``unit``. Over ``law``: ``chi_square``, ``freedom``, ``probability``, ``fits``
-        (1 if the law agrees with the design) and ``verdict``.
+        Over ``feature``: ``of_law_feature``, ``value``, ``value_sd``, ``design`` and ``target``. Over
+        ``law``: ``chi_square``, ``freedom``, ``probability``, ``fits`` (1 if the law agrees with the design)
+        and ``verdict``.
 
     Raises
     ------
@@ -68,7 +68,6 @@ def measured(comparisons: Sequence[Comparison], model: Model) -> xr.Dataset:
     variables["of_law"] = ("point",), np.repeat(labels, [len(each.point) for each in comparisons])
     features = [(each.measured.label, feature) for each in comparisons for feature in each.features]
     variables["of_law_feature"] = ("feature",), np.array([label for label, _ in features], dtype=str)
-    variables["unit"] = ("feature",), np.array([feature.unit for _, feature in features], dtype=str)
     for name, attribute in {
         "value": "value",
         "value_sd": "sd",
@@ -77,11 +76,6 @@ def measured(comparisons: Sequence[Comparison], model: Model) -> xr.Dataset:
     }.items():
         column = [getattr(feature, attribute) for _, feature in features]
         variables[name] = ("feature",), np.array(column, dtype=float)
-    for i, name in enumerate(("low", "high")):
-        variables[name] = (
-            ("feature",),
-            np.array([feature.interval[i] for _, feature in features], dtype=float),
-        )
     verdicts = [each.verdict for each in comparisons]
     for name in ("chi_square", "freedom", "probability"):
         variables[name] = ("law",), [getattr(verdict, name) for verdict in verdicts]

@@ -13,14 +13,11 @@ from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem._values import span
 from metafem.calibration.joint import checked_covariance
-from metafem.calibration.measured_law.bent_line import KINK, least
 from metafem.calibration.measured_law.comparison import Comparison, Feature
 from metafem.calibration.measured_law.law import MeasuredLaw
-from metafem.calibration.measured_law.segmented import LEAST as LEAST_BENT
-from metafem.calibration.measured_law.segmented import TRIED, fit_segments, points_of
 from metafem.calibration.verdict import judged
-from metafem.errors import InvalidInput, refuse_if
-from metafem.inversion import BilinearLaw, Design, MultilinearLaw, OperatingPoints
+from metafem.errors import refuse_if
+from metafem.inversion import Design
 from metafem.notes import Note, information
 from metafem.prediction import FrictionLaw, friction_law
 from metafem.progress import doing
@@ -47,8 +44,8 @@ def compare(
     ``J C J^T`` to the covariance of the deviations, with ``dd/dE* = f' x / E*``, ``dd/dsigma = -y / sigma``
     and ``dd/dB = -y / B``.
 
-    The slopes, the friction at operating points and the crossover are estimated from the measured points. The
-    same method estimates the values of the design from its law at the same loads.
+    The slopes are estimated from the measured points. The same method estimates the slopes of the design from
+    its law at the same loads.
 
     Parameters
     ----------
@@ -100,7 +97,7 @@ def compare(
         check.instance("design", design, Design, "a metafem.Design or a metafem.FrictionLaw")
     names, matrix = _parameters(measured, parameters, covariance)
     point, notes = _compared(measured, design)
-    predicted, slope, operating = _predicted(measured, point, design)
+    predicted, slope = _predicted(measured, point, design)
     deviation = measured.rescaled_friction[point] - predicted
     x, sd = measured.rescaled_load[point], measured.rescaled_load_sd[point]
     total = np.diag(measured.rescaled_friction_sd[point] ** 2 + (slope * sd) ** 2)
@@ -126,7 +123,7 @@ def compare(
         parameters=dict(zip(names, np.sqrt(np.diag(matrix)).tolist(), strict=True)),
         notes=(*measured.notes, *notes),
     )
-    return _with_features(found, design, operating) if isinstance(design, Design) else found
+    return _with_features(found, design) if isinstance(design, Design) else found
 
 
 def _compared(
@@ -169,20 +166,14 @@ def _points_at(load: FloatArray) -> str:
 @doing("computing the law of the design at the measured loads")
 def _predicted(
     measured: MeasuredLaw, point: NDArray[np.intp], design: Design | FrictionLaw
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return the rescaled friction and the mean slope of a design at measured points, (m,) each.
-
-    The third value is the rescaled friction at the operating points of the design's target, (q,).
-    """
+) -> tuple[FloatArray, FloatArray]:
+    """Return the rescaled friction and the mean slope of a design at measured points, (m,) each."""
     x, sd = measured.rescaled_load[point], measured.rescaled_load_sd[point]
     end = float(_law_of(design).rescaled_load[-1])
     middle, low, high = (np.clip(each, 0.0, end) for each in (x, x - sd, x + sd))
     # if an error bar lies entirely below 0, use the slope at the smallest loads
     high = np.where(high > low, high, np.minimum(sd, end))
-    operating = np.empty(0)
-    if isinstance(design, Design) and isinstance(design.target, OperatingPoints):
-        operating = design.target.rescaled_load
-    loads, place = np.unique(np.concatenate([middle, low, high, operating]), return_inverse=True)
+    loads, place = np.unique(np.concatenate([middle, low, high]), return_inverse=True)
     if isinstance(design, FrictionLaw):
         load, friction = (np.append(0.0, each) for each in (design.rescaled_load, design.rescaled_friction))
         friction = np.interp(loads, load, friction)
@@ -191,8 +182,8 @@ def _predicted(
         surface = design.surface.replaced(material=measured.material)
         load = measured.material.composite_modulus * loads
         friction = friction_law(surface, design.law.model, load=load).rescaled_friction
-    predicted, at_low, at_high, at_operating = np.split(friction[place], np.cumsum([len(x)] * 3))
-    return predicted, (at_high - at_low) / (high - low), at_operating
+    predicted, at_low, at_high = friction[place].reshape(3, -1)
+    return predicted, (at_high - at_low) / (high - low)
 
 
 def _law_of(design: Design | FrictionLaw) -> FrictionLaw:
@@ -219,26 +210,14 @@ def _parameters(
     return names, np.diag(np.square(sd)) if sd else np.zeros((0, 0))
 
 
-def _with_features(found: Comparison, design: Design, operating: FloatArray) -> Comparison:
-    """Return the comparison with the features of a design's target and notes on missing features.
-
-    `operating` is the rescaled friction of the design at the operating points of its target, (q,) [mm^2].
-    """
-    parts = [*_slopes(found, design), *_points(found, design, operating), *_crossover(found, design)]
+def _with_features(found: Comparison, design: Design) -> Comparison:
+    """Return the comparison with the slopes of a design's target and notes on missing slopes."""
+    parts = list(_slopes(found, design))
     return replace(
         found,
         features=tuple(part for part in parts if isinstance(part, Feature)),
         notes=(*found.notes, *(part for part in parts if isinstance(part, Note))),
     )
-
-
-def _sum(
-    found: Comparison, name: str, unit: str, weight: FloatArray, predicted: float, target: float
-) -> Feature:
-    """Return a feature that is the weighted sum of the rescaled friction of the points, weights (m,)."""
-    value = predicted + float(weight @ found.deviation)
-    sd = math.sqrt(float(weight @ found.covariance @ weight))
-    return Feature(name, unit, value, sd, predicted, target, (value - sd, value + sd))
 
 
 def _slopes(found: Comparison, design: Design) -> Iterator[Feature | Note]:
@@ -254,67 +233,6 @@ def _slopes(found: Comparison, design: Design) -> Iterator[Feature | Note]:
             continue
         centred = np.where(chosen, x - x[chosen].mean(), 0.0)
         weight = centred / (centred**2).sum()
-        yield _sum(found, name, "", weight, float(weight @ found.predicted), branch.slope)
-
-
-def _points(found: Comparison, design: Design, operating: FloatArray) -> Iterator[Feature | Note]:
-    """Return the friction at each operating point, interpolated between the two nearest measured points."""
-    if not isinstance(design.target, OperatingPoints):
-        return
-    x = found.measured.rescaled_load[found.point]
-    wanted = design.target.rescaled_load, design.target.rescaled_friction, operating
-    for load, target, predicted in np.column_stack(wanted).tolist():
-        name = f"friction at P/E* = {load:.3g} mm²"
-        if not x[0] <= load <= x[-1]:
-            ends = f"{x[0]:.3g} to {x[-1]:.3g} mm²"
-            yield information(f"{name}: the measured loads P/E* = {ends} do not include it")
-            continue
-        weight = (x == load).astype(float)
-        if weight.any():
-            weight /= weight.sum()
-        else:
-            after = int(np.searchsorted(x, load))
-            below, above = x[after - 1 : after + 1]
-            weight[after - 1 : after + 1] = (above - load) / (above - below), (load - below) / (above - below)
-        yield _sum(found, name, "mm²", weight, predicted, target)
-
-
-def _crossover(found: Comparison, design: Design) -> Iterator[Feature | Note]:
-    """Return the crossover load of a law with two branches."""
-    target = design.target
-    if isinstance(target, BilinearLaw):
-        wanted = target.crossover_load
-    elif isinstance(target, MultilinearLaw) and len(target.slopes) == 2:
-        wanted = 0.5 * sum(target.crossover_loads[0])
-    else:
-        return
-    # points beyond the second branch are left out, because the slope changes again there
-    end = design.fits[-1][0].load_range[1] if design.fits else np.inf
-    measured = found.measured
-    below = measured.rescaled_load[found.point] <= end
-    if below.sum() < LEAST_BENT:
-        words = f"{int(below.sum())} measured points up to P/E* = {end:.3g} mm², the end of the second branch"
-        yield information(f"crossover: {words}; it needs at least {LEAST_BENT}")
-        return
-    point = found.point[below]
-    law = MeasuredLaw(
-        measured.load[point],
-        area=measured.rescaled_friction[point],
-        load_sd=measured.load_sd[point],
-        area_sd=measured.rescaled_friction_sd[point],
-        material=measured.material,
-    )
-    try:
-        fit = fit_segments(law)
-    except InvalidInput as error:
-        yield information(f"crossover: {error}")
-        return
-    # apply the same estimator to the law of the design at the same loads
-    points = points_of(law)
-    points[1] = found.predicted[below]
-    exact = float(least(points, TRIED)[0][0, KINK])
-    low, high = fit.crossover_interval
-    yield Feature(
-        "crossover, P/E*", "mm²", fit.crossover_load, 0.5 * (high - low), exact, wanted, (low, high)
-    )
-    yield from (information(f"crossover: {note}") for note in fit.notes)
+        predicted = float(weight @ found.predicted)
+        sd = math.sqrt(float(weight @ found.covariance @ weight))
+        yield Feature(name, predicted + float(weight @ found.deviation), sd, predicted, branch.slope)

@@ -17,23 +17,18 @@ from metafem.notes import Note
 
 @dataclass(frozen=True)
 class Feature:
-    """Feature of a measured law: a slope, the friction at an operating point, or the crossover load.
+    """Slope of a measured law over the loads of a line of the target.
 
     Attributes
     ----------
     name : str
-        Kind of the feature and its loads.
-    unit : str
-        Unit of the values: "" for a slope, else "mm²".
+        The loads of the slope.
     value, sd : float
-        Measured value, and its standard deviation due to the errors of measurement and of the parameters. For
-        a crossover, `sd` is half of `interval`, which includes the errors of measurement only.
+        Measured value, and its standard deviation due to the errors of measurement and of the parameters.
     predicted : float
         Value of the design, estimated with the same method at the same loads.
     target : float
         Value that the target specifies.
-    interval : (float, float)
-        68 % interval of `value`.
     deviation, normalised : float
         Relative deviation from the design, and deviation over its standard deviation [-].
     target_deviation : float
@@ -41,17 +36,15 @@ class Feature:
 
     Examples
     --------
-    >>> print(Feature("slope", "", 7.1, 0.2, 6.9, 6.87, (6.9, 7.3)))
+    >>> print(Feature("slope", 7.1, 0.2, 6.9, 6.87))
     slope: 7.1 ± 0.2, design 6.9 (+2.9 %, +1.0 s.d.), target 6.87 (+3.3 %)
     """
 
     name: str
-    unit: str
     value: float
     sd: float
     predicted: float
     target: float
-    interval: tuple[float, float]
 
     @property
     def deviation(self) -> float:
@@ -69,13 +62,10 @@ class Feature:
         return self.value / self.target - 1.0
 
     def __str__(self) -> str:
-        unit = f" {self.unit}".rstrip()
-        compared = (
-            f"{self.predicted:.3g}{unit} ({percent(self.deviation, '+.1f')}, {self.normalised:+.1f} s.d.)"
-        )
+        compared = f"{self.predicted:.3g} ({percent(self.deviation, '+.1f')}, {self.normalised:+.1f} s.d.)"
         return (
-            f"{self.name}: {self.value:.3g} ± {self.sd:.2g}{unit}, design {compared}, "
-            f"target {self.target:.3g}{unit} ({percent(self.target_deviation, '+.1f')})"
+            f"{self.name}: {self.value:.3g} ± {self.sd:.2g}, design {compared}, "
+            f"target {self.target:.3g} ({percent(self.target_deviation, '+.1f')})"
         )
 
 
@@ -96,7 +86,7 @@ class Comparison(Value):
     covariance : ndarray, (m, m)
         Covariance matrix of the deviations [mm^4].
     features : tuple of Feature
-        Slopes, friction at operating points, and crossover, if the target of the design has them.
+        Slopes of the lines of the design's target.
     verdict : Verdict
         Verdict on the deviations; it accounts for their correlation due to the errors of the parameters.
     parameters : mapping of str to float

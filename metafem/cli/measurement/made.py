@@ -14,9 +14,8 @@ if TYPE_CHECKING:
     from metafem.inversion import Design
     from metafem.prediction import FrictionLaw
 
-# Number of loads at
-# which the two laws are printed.
-WORST, LOADS = 5, 5
+# Number of loads at which the two laws are printed.
+LOADS = 5
 
 UM = 1e3
 
@@ -26,7 +25,7 @@ DIGITS = 6
 
 
 def print_made(design: Design, made: MadeSurface, law: FrictionLaw) -> None:
-    """Print the errors of the part, its worst asperities, and both friction laws."""
+    """Print the errors of the part and both friction laws."""
     console = terminal()
     found = f"{made.surface.count} of {made.design.count} asperities measured"
     say(console, f"{found}, roughness (s.d.) {UM * made.roughness:.2g} um")

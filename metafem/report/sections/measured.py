@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from metafem.drawing import MEASURED, MEASURED_BESIDE, QUIET, calibration, finished, new_figure
 from metafem.drawing.inline import drawn
@@ -56,9 +55,6 @@ def measured_figure(design: Design, study: Dataset) -> Figure:
         y, y_sd = one["rescaled_friction"].values, one["rescaled_friction_sd"].values
         calibration.measured(ax, x, y, x_sd, y_sd, f"measured: {label}", colour)
         calibration.residuals(below, x, (one["deviation"] / one["deviation_sd"]).values, colour)
-        crossover = one.isel(feature=_crossovers(one, label))
-        for low, high in zip(crossover["low"].values, crossover["high"].values, strict=True):
-            ax.axvspan(low, high, color=colour, alpha=0.25, lw=0, label=f"crossover, 68 %: {label}")
     for branch, _ in design.fits:
         for each in (ax, below):
             each.axvspan(*branch.load_range, color=QUIET, alpha=0.08, lw=0)
@@ -82,9 +78,3 @@ def _bars(study: Dataset) -> str:
     names = {"composite_modulus": "E*", "shear_strength": "σ", "area_ratio": "B"}
     found = [names[name] for name in str(study.attrs["parameters"]).split()]
     return f", which include the errors of {' and '.join(found)}" if found else ""
-
-
-def _crossovers(study: Dataset, label: str) -> NDArray[np.intp]:
-    """Return the indices of the features of a law that are crossovers."""
-    crossover = np.char.startswith(study["feature"].values.astype(str), "crossover")
-    return np.flatnonzero(crossover & (study["of_law_feature"].values.astype(str) == label))

@@ -38,13 +38,12 @@ def measured_summary(study: Dataset) -> Summary:
 
 
 def features(study: Dataset) -> Summary:
-    """Return the table of slopes, operating points and crossovers, with deviations from design and target."""
+    """Return the table of slopes, with deviations from design and target."""
     value, sd, design, target = (study[name].values for name in ("value", "value_sd", "design", "target"))
-    units = study["unit"].values.tolist()
     columns: Columns = {
         "law": study["of_law_feature"].values,
         "feature": study["feature"].values,
-        "measured": [f"{each:.4g} {unit}".rstrip() for each, unit in zip(value, units, strict=True)],
+        "measured": texts(".4g", value),
         "±": texts(".2g", sd),
         "design": texts(".4g", design),
         "deviation": _relative(value, design),

@@ -190,25 +190,6 @@ def test_deviations_have_the_stated_covariance():
     assert correlation == pytest.approx(stated, abs=4.0 * (1.0 - stated**2) / np.sqrt(200))
 
 
-def test_operating_points_and_a_crossover_are_compared():
-    design = mf.design(mf.OperatingPoints([0.144, 0.336], [0.84, 1.68]), template(), limits=mf.Limits(0.27))
-    points = compare(measured_on(design, np.linspace(0.05, 0.49, 12), 1.02), design).features
-    np.testing.assert_allclose([point.target for point in points], [0.84, 1.68])
-    np.testing.assert_allclose([point.deviation for point in points], 0.02, rtol=2e-2)
-    at_one = compare(measured_on(design, 1.36 * np.array([0.1, 0.144])), design)
-    assert len(at_one.features) == 1
-    assert "0.336 mm²" in str(at_one.notes[0])
-    design = mf.design(mf.BilinearLaw((7.15, 12.52), 0.0737), template())
-    end = 1.36 * design.fits[-1][0].load_range[1]
-    *slopes, crossover = compare(measured_on(design, np.linspace(0.05 * end, end, 18)), design).features
-    assert [feature.target for feature in slopes] == [7.15, 12.52]
-    assert crossover.target == 0.0737
-    assert crossover.value == pytest.approx(crossover.predicted, rel=1e-9)
-    assert crossover.interval[0] < crossover.value < crossover.interval[1]
-    few = compare(measured_on(design, np.linspace(0.05 * end, end, 5)), design)
-    assert "5 measured points" in few.notes[-1].text
-
-
 def test_loads_beyond_the_design_and_loads_with_an_unknown_contact_are_left_out_and_named():
     linear = linear_design()
     end = float(linear.law.load[-1])

@@ -168,7 +168,7 @@ def test_measured_laws_are_drawn_and_compared(design):
     section = measured_section(bilinear, {"measured": study})
     assert (section["differs"], section["shaded"]) == (True, True)
     assert section["bars"] == ", which include the errors of E* and B"
-    assert [row[1].split(",")[0] for row in section["features"]] == ["slope 1", "slope 2", "crossover"]
+    assert [row[1].split(",")[0] for row in section["features"]] == ["slope 1", "slope 2"]
     with pytest.raises(mf.InvalidInput, match="must be different"):
         measured([], design.law.model)
 
