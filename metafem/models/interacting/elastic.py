@@ -40,8 +40,8 @@ TOLERANCE = 1e-12
 
 # Largest numbers of asperities that are solved with dense matrices over all pairs. The first number applies
 # to lattices with order 3, the second to all other scenes. Times per load of a curve of order 3 on a layer,
-# with dense matrices and with FFTs on the lattice: .9 and 1.5 ms for 400 asperities, 4.1 and 2.0 ms for 625,
-# 10 and 2.3 ms for 900. For 2000 asperities the matrices of order 3 need 0.5 GB.
+# with dense matrices and with FFTs on the lattice: .9 and 3 ms for 400 asperities, 4.1 and 4 ms for 625, 10
+# and 5 ms for 900. For 2000 asperities the matrices of order 3 need 0.5 GB.
 LATTICE_LIMIT, DENSE_LIMIT = 400, 2000
 
 # FFTs on a lattice with few asperities take as long as dense matrices if it has 1/PAIRS_PER_SITE sites for

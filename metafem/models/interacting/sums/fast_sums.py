@@ -8,7 +8,6 @@ from metafem.errors import InvalidInput
 from metafem.models._resources import require_memory
 from metafem.models.interacting.sums.ewald_sums import ScatteredSums
 from metafem.models.interacting.sums.fft_sums import LatticeSums, find_lattice
-from metafem.models.interacting.sums.lattice_sums import MOST_CELLS, CompiledLatticeSums, padded_shape
 from metafem.models.interacting.sums.periodic_sums import PeriodicSums, find_grid
 from metafem.substrate import Radial
 from metafem.surface import Surface
@@ -33,5 +32,4 @@ def fast_sums(surface: Surface, substrate: Radial, order: int) -> LatticeSums | 
         require_memory(needed, f"the sums over {surface.count} scattered positions")
         return scattered
     require_memory(32 * math.prod(lattice.shape) * (5 if order == 1 else 12), f"a lattice of {lattice.shape}")
-    kind = CompiledLatticeSums if math.prod(padded_shape(lattice)) <= MOST_CELLS else LatticeSums
-    return kind(lattice, substrate)
+    return LatticeSums(lattice, substrate)

@@ -1,7 +1,5 @@
 """Large scenes: fast sums and Newton-Krylov against the dense kernel."""
 
-from itertools import product
-
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -17,7 +15,6 @@ from metafem.models.interacting.influence import coupling_between
 from metafem.models.interacting.newton_krylov import ContactEquations
 from metafem.models.interacting.sums.ewald_sums import ScatteredSums
 from metafem.models.interacting.sums.fft_sums import LatticeSums, find_lattice
-from metafem.models.interacting.sums.lattice_sums import CompiledLatticeSums
 from tests.models.scenes import PEDESTAL, lattice, scene
 
 SUBSTRATES = [mf.HalfSpace(), mf.BondedLayer(7.2, 0.5)]
@@ -59,31 +56,13 @@ def products(surface, substrate, sums):
 
 
 def test_lattice_products_are_exact():
-    for substrate, kind in product(SUBSTRATES, (LatticeSums, CompiledLatticeSums)):
+    for substrate in SUBSTRATES:
         surface = lattice(rough(49))
         keep = np.random.default_rng(1).permutation(49)[:40]  # missing sites, any order
         surface = scene(turned(surface.position[keep]), surface.height[keep], 0.526)
-        assert max(products(surface, substrate, kind(find_lattice(surface.position), substrate))) < 1e-13
-
-
-def test_compiled_sums_agree_with_those_of_scipy():
-    for shape in ((1, 9), (7, 3), (16, 15)):
-        lattice = find_lattice(
-            mf.Surface.square_lattice(0.1, shape, radius=0.1, material=mf.Material(1)).position
+        assert (
+            max(products(surface, substrate, LatticeSums(find_lattice(surface.position), substrate))) < 1e-13
         )
-        arguments = np.random.default_rng(0).random((4, *lattice.site.shape[:1]))
-        for substrate in SUBSTRATES:
-            sums = [kind(lattice, substrate) for kind in (LatticeSums, CompiledLatticeSums)]
-            for number in (1, 4):
-                expected, found = (each.displacement(*arguments[:number]) for each in sums)
-                assert_allclose(found, expected, rtol=0.0, atol=1e-13 * np.abs(expected).max())
-            # across a single row the slope is zero: rounding is that of the other slope
-            (one, *slopes), (other, *others) = (each.field(arguments[0]) for each in sums)
-            for expected, found in ((one, other), (np.array(slopes), np.array(others))):
-                assert_allclose(found, expected, rtol=0.0, atol=1e-13 * np.abs(expected).max())
-            changed = arguments[0]
-            changed[0] += 1.0  # transforms are computed again for other loads in the same array
-            assert_allclose(sums[1].displacement(changed), sums[0].displacement(changed), rtol=1e-12)
 
 
 def loose(count, seed=0, **arguments):
