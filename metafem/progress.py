@@ -24,12 +24,11 @@ class _Step:
     number: int = 0
     of: int = 0
     at_most: bool = False
-    detail: str = ""
 
     def __str__(self) -> str:
         most = "at most " if self.at_most else ""
         counted = f" {self.number} of {most}{self.of}" if self.of else ""
-        return f"{self.name}{counted}{self.detail and ', '}{self.detail}"
+        return f"{self.name}{counted}"
 
 
 @dataclass(eq=False)
@@ -108,13 +107,10 @@ def doing(name: str) -> Iterator[None]:
         listener.at(depth)
 
 
-def each(
-    name: str, items: Sequence[Item], *, at_most: bool = False, detail: Callable[[], str] = str
-) -> Iterator[Item]:
+def each(name: str, items: Sequence[Item], *, at_most: bool = False) -> Iterator[Item]:
     """Yield items and report each of them as a step called `name`.
 
-    With `at_most`, the loop may end early. `detail` returns a text that is added to the name of each step,
-    such as the time left.
+    With `at_most`, the loop may end early.
     """
     listener = _LISTENER.get()
     if listener is None:
@@ -123,7 +119,7 @@ def each(
     depth = len(listener.steps)
     try:
         for number, item in enumerate(items, 1):
-            listener.at(depth, _Step(name, number, len(items), at_most, detail()))
+            listener.at(depth, _Step(name, number, len(items), at_most))
             yield item
     finally:
         # do not report here: if the loop ends early, Python prints and ignores exceptions raised by a

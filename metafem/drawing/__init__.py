@@ -23,9 +23,6 @@ FloatArray = NDArray[np.float64]
 TARGET, ACHIEVED, QUIET = "#c8553d", "#1b6f8a", "#8a8f98"
 MEASURED, MEASURED_BESIDE = "#2b2d33", "#b07a1e"
 
-# Colours of text on coloured cells; unlike black and white, these colours stay the same on a dark page.
-DARK, BRIGHT = "#010101", "#fefefe"
-
 # Diameter of the largest marker over the mean distance between summits; diameter of this marker in a legend
 # [points]; largest number of radii in a legend.
 LARGEST_DOT, LEGEND_DOT, MOST_DOTS = 0.8, 11.0, 3
