@@ -69,7 +69,7 @@ def arrange(design: Design, tilt: float, rng: Any = 0) -> Design:
     >>> import metafem as mf
     >>> template = mf.Surface.square_lattice(0.12, radius=0.526, material=mf.Material(1.36))
     >>> found = mf.arrange(mf.design(mf.PowerLaw(0.9, (0.1, 0.2)), template), tilt=0.001)
-    >>> found.parameters["tilt_after"] < 0.2 * found.parameters["tilt_before"]
+    >>> found.parameters["tilt_after"] < 0.5 * found.parameters["tilt_before"]
     True
     """
     check.instance("design", design, Design, "a metafem.Design")

@@ -242,7 +242,7 @@ def achievable_load_range(
     >>> import metafem as mf
     >>> template = mf.Surface.square_lattice(0.27, radius=0.526, material=mf.Material(1.36))
     >>> line, limits = mf.LinearLaw(7.0), mf.Limits(0.27)
-    >>> ends = mf.achievable_load_range(line, template, limits)
+    >>> ends = achievable_load_range(line, template, limits)
     >>> mf.design(mf.LinearLaw(7.0, ends), template, limits=limits).misfit < 0.01
     True
     """
