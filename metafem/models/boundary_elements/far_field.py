@@ -89,9 +89,9 @@ class FarField:
         self.table: tuple[IntArray, IntArray, FloatArray] = (order, start, table)
         self.bases = {s: (_basis(s[0], self.size), _basis(s[1], self.size)) for s in set(shape)}
 
-    def moments(self, pressure: FloatArray, shape: tuple[int, int]) -> FloatArray:
-        """Return the Chebyshev moments of patches of one shape, (k, size, size)."""
-        x, y = self.bases[shape]
+    def moments(self, pressure: FloatArray) -> FloatArray:
+        """Return the Chebyshev moments of one patch, (size, size)."""
+        x, y = self.bases[pressure.shape]
         return np.asarray(x.T @ pressure @ y)
 
     def local(self, moments: FloatArray) -> FloatArray:
@@ -101,7 +101,7 @@ class FarField:
         return result
 
     def displacement(self, local: FloatArray, shape: tuple[int, int]) -> FloatArray:
-        """Return the displacement of the cells of patches of one shape from their coefficients."""
+        """Return the displacement of the cells of a patch from its coefficients."""
         x, y = self.bases[shape]
         return np.asarray(x @ local @ y.T)
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 from scipy import fft
@@ -24,10 +23,6 @@ GAUSS_POINTS = [
     (x, y) for x in (-math.sqrt(1 / 12), math.sqrt(1 / 12)) for y in (-math.sqrt(1 / 12), math.sqrt(1 / 12))
 ]
 
-
-# Largest number of cells of patches that are transformed together. Small patches share the cost of calls;
-# several groups remain, which distribute the work over the threads.
-CELLS_PER_GROUP = 8192
 
 # Largest number of values that are transformed at once with their padding: 16 MiB.
 BLOCK = 2**20
@@ -58,7 +53,6 @@ class Influence:
         self.spectra = {s: _spectrum(near[: s[0], : s[1]]) for s in set(shapes)}
         self.symbols = {s: _symbol(_fast(s)) for s in set(shapes)}
         self.far = FarField(influence, np.array([p.centre for p in patches]), shapes)
-        self.groups = _groups(shapes)
         self.products = 0
 
     @property
@@ -78,77 +72,23 @@ class Influence:
         self.products += 1
         result = np.empty_like(pressure)
         sources, targets = self.split(pressure), self.split(result)
-        moments = np.empty((len(sources), self.far.size, self.far.size))
-
-        def near(group: list[int]) -> None:
-            source = _stacked(sources, group)
-            image = _convolved(source, self.spectra[self.shapes[group[0]]], self._threads)
-            _spread(image, targets, group)
-
-        def gather(group: list[int]) -> None:
-            moments[group] = self.far.moments(_stacked(sources, group), self.shapes[group[0]])
-
-        def far(group: list[int]) -> None:
-            shift = self.far.displacement(local[group], self.shapes[group[0]])
-            for k, part in zip(group, shift, strict=True):
-                targets[k] += part
-
-        if len(sources) == 1:
-            near([0])
-            return result
-        with ThreadPoolExecutor(THREADS) as pool:
-            list(pool.map(gather, self.groups))
-            between = pool.submit(self.far.local, moments)
-            list(pool.map(near, self.groups))
-            local = between.result()
-            list(pool.map(far, self.groups))
+        for source, target in zip(sources, targets, strict=True):
+            target[...] = _convolved(source, self.spectra[source.shape])
+        if len(sources) > 1:
+            moments = np.stack([self.far.moments(source) for source in sources])
+            for target, local in zip(targets, self.far.local(moments), strict=True):
+                target += self.far.displacement(local, target.shape)
         return result
 
     def precondition(self, vector: FloatArray) -> FloatArray:
         """Return an approximate solution on each patch: the inverse symbol of the half-space is applied."""
         result = np.empty_like(vector)
-        sources, targets = self.split(vector), self.split(result)
-
-        def solve(group: list[int]) -> None:
-            rows, columns = shape = self.shapes[group[0]]
-            size, workers = _fast(shape), self._threads
-            wave = fft.rfft2(_stacked(sources, group), s=size, workers=workers)
-            wave *= self.symbols[shape]
-            image = fft.irfft2(wave, s=size, overwrite_x=True, workers=workers)
-            _spread(image[:, :rows, :columns], targets, group)
-
-        if len(self.groups) == 1:
-            solve(self.groups[0])
-        else:
-            with ThreadPoolExecutor(THREADS) as pool:
-                list(pool.map(solve, self.groups))
+        for source, target in zip(self.split(vector), self.split(result), strict=True):
+            rows, columns = source.shape
+            size = _fast(source.shape)
+            wave = fft.rfft2(source, s=size, workers=THREADS) * self.symbols[source.shape]
+            target[...] = fft.irfft2(wave, s=size, overwrite_x=True, workers=THREADS)[:rows, :columns]
         return result
-
-    @property
-    def _threads(self) -> int:
-        """Number of threads in each group of patches: several groups are distributed over the threads."""
-        return THREADS if len(self.groups) == 1 else 1
-
-
-def _groups(shapes: list[tuple[int, int]]) -> list[list[int]]:
-    """Return groups of patches of equal shape, each with at most `CELLS_PER_GROUP` cells or one patch."""
-    groups = []
-    for shape in sorted(set(shapes), reverse=True):
-        same = [k for k, other in enumerate(shapes) if other == shape]
-        count = max(1, CELLS_PER_GROUP // math.prod(shape))
-        groups += [same[k : k + count] for k in range(0, len(same), count)]
-    return groups
-
-
-def _stacked(parts: list[FloatArray], group: list[int]) -> FloatArray:
-    """Return the parts of a group of patches as one array, (k, rows, columns)."""
-    return parts[group[0]][None] if len(group) == 1 else np.stack([parts[k] for k in group])
-
-
-def _spread(stack: FloatArray, parts: list[FloatArray], group: list[int]) -> None:
-    """Write an array (k, rows, columns) to the parts of a group of patches."""
-    for k, part in zip(group, stack, strict=True):
-        parts[k][...] = part
 
 
 def _fast(shape: tuple[int, int]) -> tuple[int, int]:
@@ -172,27 +112,26 @@ def _spectrum(quadrant: FloatArray) -> FloatArray:
     return np.ascontiguousarray(fft.rfft2(full).real)
 
 
-def _convolved(source: FloatArray, spectrum: FloatArray, threads: int) -> FloatArray:
-    """Return the convolutions of patches, (k, rows, columns).
+def _convolved(source: FloatArray, spectrum: FloatArray) -> FloatArray:
+    """Return the convolution of a patch, (rows, columns).
 
     Lines that contain only padding are not transformed. The columns are transformed in blocks, so that their
     padding needs little memory.
     """
-    count, rows, columns = source.shape
+    rows, columns = source.shape
     m0, m1 = _padded((rows, columns))
-    work = fft.rfft(source, m1, axis=2, workers=threads)
-    step = max(1, BLOCK // (count * m0))
-    for start in range(0, work.shape[2], step):
+    work = fft.rfft(source, m1, axis=1, workers=THREADS)
+    step = max(1, BLOCK // m0)
+    for start in range(0, work.shape[1], step):
         block = slice(start, start + step)
-        wave = fft.fft(work[:, :, block], m0, axis=1, workers=threads)
+        wave = fft.fft(work[:, block], m0, axis=0, workers=THREADS)
         wave *= spectrum[:, block]
-        wave = fft.ifft(wave, axis=1, overwrite_x=True, workers=threads)
-        work[:, :, block] = wave[:, :rows]
+        work[:, block] = fft.ifft(wave, axis=0, overwrite_x=True, workers=THREADS)[:rows]
     result = np.empty_like(source)
-    step = max(1, BLOCK // (count * m1))
+    step = max(1, BLOCK // m1)
     for start in range(0, rows, step):
         block = slice(start, start + step)
-        result[:, block] = fft.irfft(work[:, block], m1, axis=2, workers=threads)[:, :, :columns]
+        result[block] = fft.irfft(work[block], m1, axis=1, workers=THREADS)[:, :columns]
     return result
 
 
