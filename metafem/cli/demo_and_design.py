@@ -162,7 +162,7 @@ def _print_design(result: Design, folder: Path, notes: tuple[Note, ...]) -> None
     from rich.console import Console
     from rich.table import Table
 
-    from metafem.inversion.assessment import empty_sites_words
+    from metafem.inversion.result import empty_sites_words
 
     console = Console()
     console.print(result.target.title, style="bold", highlight=False, markup=False)

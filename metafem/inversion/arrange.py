@@ -18,7 +18,8 @@ from metafem import _validate as check
 from metafem._validate import FloatArray, IntArray
 from metafem._values import percent
 from metafem.inversion.adjustment.refinement import refined
-from metafem.inversion.assessment import assess, candidate_of, problem_of
+from metafem.inversion.assessment import assess
+from metafem.inversion.design import candidate_of, problem_of
 from metafem.inversion.result import Design
 from metafem.models.model import contact_of
 from metafem.notes import information, when_read
@@ -68,8 +69,8 @@ def arrange(design: Design, tilt: float, rng: Any = 0) -> Design:
     --------
     >>> import metafem as mf
     >>> template = mf.Surface.square_lattice(0.12, radius=0.526, material=mf.Material(1.36))
-    >>> found = mf.arrange(mf.design(mf.PowerLaw(0.9, (0.1, 0.2)), template), tilt=0.001)
-    >>> found.parameters["tilt_after"] < 0.5 * found.parameters["tilt_before"]
+    >>> found = mf.arrange(mf.design(mf.LinearLaw(6.87), template), tilt=0.001)
+    >>> found.parameters["tilt_after"] < 0.2 * found.parameters["tilt_before"]
     True
     """
     check.instance("design", design, Design, "a metafem.Design")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from enum import Enum
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -13,13 +13,9 @@ from metafem._values import percent
 from metafem.inversion.candidate import Branch, Candidate
 from metafem.inversion.problem import Problem
 from metafem.inversion.search.target_law import TargetLaw
-from metafem.models.model import contact_of
 from metafem.prediction import BranchFit, default_loads, fit_branch, law_of_curve
 from metafem.progress import doing
 from metafem.surface import Surface
-
-if TYPE_CHECKING:
-    from metafem.inversion.result import Design
 
 # A design is exact if the relative error of its friction is within this tolerance at each load of the target.
 EXACT = 1e-9
@@ -90,44 +86,6 @@ def assess(problem: Problem, candidate: Candidate, surface: Surface) -> dict[str
         parameters["step_loss"] = misfit - candidate.unrounded
     status = status_of(candidate, misfit)
     return {"law": law, "fits": fits, "misfit": misfit, "status": status, "parameters": parameters}
-
-
-def problem_of(design: Design) -> Problem:
-    """Return the problem of which a design is the result."""
-    return Problem.checked(
-        design.target, design.template, design.law.model, design.limits, tools=design.tools
-    )
-
-
-def candidate_of(design: Design, problem: Problem) -> Candidate:
-    """Return the candidate with the heights of a design on the sites of its problem."""
-    surface = design.surface
-    return Candidate(
-        surface.height,
-        surface.radius,
-        design.parameters,
-        design.target_law,
-        tuple(branch for branch, _ in design.fits),
-        design.density,
-        stepped=design.limits.height_step is not None,
-        lowest_level=float(surface.height.min()) if design.target.exact else None,
-        sites=np.searchsorted(problem.pins.open, design.sites),
-        moved=design.status is DesignStatus.REFINED,
-        cap=surface.cap,
-    )
-
-
-def empty_sites_words(design: Design) -> str:
-    """Return the reason why some sites are empty although the law meets the target.
-
-    Without adhesion, the area of one contact is a concave function of its load, so an additional contact
-    increases A0 at a fixed load.
-    """
-    filled = design.surface.count + sum(height is None for height in design.pinned.values())
-    unknown = design.status is DesignStatus.MISSED or contact_of(design.law.model).adhesive
-    if filled == design.template.count or unknown:
-        return ""
-    return "; one more asperity in contact would exceed the target"
 
 
 def misfit_of(candidate: Candidate, area: Callable[[FloatArray], FloatArray]) -> float:

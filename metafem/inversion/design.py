@@ -12,12 +12,11 @@ from metafem import _validate as check
 from metafem._validate import FloatArray, IntArray
 from metafem.caps import Power
 from metafem.errors import Infeasible
-from metafem.inversion.adjustment.exponents import adjusted, free_exponents
 from metafem.inversion.adjustment.height_steps import rounded_to_steps
 from metafem.inversion.adjustment.pinned import with_pinned
 from metafem.inversion.adjustment.refinement import refined
-from metafem.inversion.assessment import assess
-from metafem.inversion.candidate import Parameter
+from metafem.inversion.assessment import DesignStatus, assess
+from metafem.inversion.candidate import LEVELS, Candidate, Parameter
 from metafem.inversion.design_notes import design_notes
 from metafem.inversion.feasibility import achievable_friction_coefficients
 from metafem.inversion.limits import Limits
@@ -69,16 +68,16 @@ def design(
     rng : int or numpy Generator
         Seed of the random assignment of heights to sites, and of the random restarts of the search.
     tools : sequence of Tool or of float, RadiusRange or PowerRange, optional
-        Tools of which one makes each asperity: a list of tools or of their radii [mm], any radius of a range,
-        or power caps of any exponent of a range. Plain radii have the common cap of the template. All
-        asperities are made by the same tool if a single tool reaches the target; otherwise tools are mixed.
-        For operating points and other laws over a range of loads, heights and tools are searched together.
-        Linear and bilinear laws without a load range, whose heights follow a density, can mix two radii of
-        one cap; their law is that of the single radius ``R = (<R>/<sqrt R>)^2``. The tools are found for
-        independent asperities; under another model only the heights and the exponents of a range are refined.
-        Several radii or caps reach local exponents of a law below 2/3, larger slopes, and laws that saturate.
-        If not all caps are spheres or paraboloids, the default contact law is `Elastic()`. Default:
-        the common radius and cap of the template.
+        Tools of which one makes each asperity: a list of tools or of their radii [mm], the radii of a range,
+        or power caps with the exponents of a range, on its steps. Plain radii have the common cap of the
+        template. All asperities are made by the same tool if a single tool reaches the target; otherwise
+        tools are mixed. For operating points and other laws over a range of loads, heights and tools are
+        searched together. Linear and bilinear laws without a load range, whose heights follow a density, can
+        mix two radii of one cap; their law is that of the single radius ``R = (<R>/<sqrt R>)^2``. The tools
+        are found for independent asperities; under another model only the heights are refined. Several radii
+        or caps reach local exponents of a law below 2/3, larger slopes, and laws that saturate. If not all
+        caps are spheres or paraboloids, the default contact law is `Elastic()`. Default: the common radius
+        and cap of the template.
 
     Returns
     -------
@@ -141,8 +140,7 @@ def design(
         several = isinstance(problem.tools, Kit)
         candidate = (strategy if several else problem.target).candidate(problem, generator)
         candidate = candidate.placed(permutation[: len(candidate.height)], problem.limits.foot)
-    refine = adjusted if free_exponents(problem, candidate) else refined
-    candidate = problem.target.judged(problem, refine(problem, candidate, generator))
+    candidate = problem.target.judged(problem, refined(problem, candidate, generator))
     unrounded, candidate = candidate, rounded_to_steps(problem, candidate)
     if problem.pins.rows.size:
         candidate = with_pinned(problem, candidate, unrounded, generator)
@@ -222,3 +220,40 @@ def _coefficients(problem: Problem, radii: FloatArray) -> dict[str, Parameter]:
     if np.isfinite(bounds).all():
         reach["highest_coefficients"] = bounds[:, 1]
     return reach
+
+
+def problem_of(design: Design) -> Problem:
+    """Return the problem of which a design is the result."""
+    return Problem.checked(
+        design.target, design.template, design.law.model, design.limits, tools=design.tools
+    )
+
+
+def candidate_of(design: Design, problem: Problem) -> Candidate:
+    """Return the candidate with the heights of a design on the sites of its problem."""
+    surface = design.surface
+    return Candidate(
+        surface.height,
+        surface.radius,
+        design.parameters,
+        design.target_law,
+        tuple(branch for branch, _ in design.fits),
+        design.density,
+        stepped=design.limits.height_step is not None,
+        lowest_level=float(surface.height.min()) if design.target.exact else None,
+        sites=np.searchsorted(problem.pins.open, design.sites),
+        moved=design.status is DesignStatus.REFINED,
+        cap=surface.cap,
+    )
+
+
+def reassessed(design: Design) -> Design:
+    """Return a design with its law, fits, misfit and status recomputed from its heights.
+
+    Notes of the inversion are omitted, and so are its parameters that do not apply to changed heights.
+    """
+    problem = problem_of(design)
+    candidate = candidate_of(design, problem)
+    kept = {name: part for name, part in design.parameters.items() if name not in (*LEVELS, "step_loss")}
+    found = assess(problem, replace(candidate, parameters=kept), design.surface)
+    return replace(design, **found, notes=found["law"].notes)

@@ -14,7 +14,7 @@ from metafem._values import MICROMETRES, percent, three_digits
 from metafem.drawing.inline import drawn
 from metafem.errors import MetafemError
 from metafem.inversion import Design, PowerRange, RadiusRange, Tool
-from metafem.inversion.assessment import empty_sites_words
+from metafem.inversion.result import empty_sites_words
 from metafem.prediction.validity import base_contact_load
 from metafem.progress import doing
 from metafem.report.comparison import MOST_COMPARED, Comparison, compared
@@ -236,13 +236,11 @@ def _inputs(design: Design) -> list[Row]:
     words = few if len(radii) <= MOST_NAMED else f"{radii[0]:.4g} – {radii[-1]:.4g}"
     rows.append(("summit radius R", words, "µm"))
     if isinstance(design.tools, RadiusRange):
-        low, high, step = (MICROMETRES * (value or 0.0) for value in astuple(design.tools))
-        rows.append(
-            ("radii to choose from", f"{low:g} – {high:g}{f' in steps of {step:g}' if step else ''}", "µm")
-        )
+        low, high, step = (MICROMETRES * value for value in astuple(design.tools))
+        rows.append(("radii to choose from", f"{low:g} – {high:g} in steps of {step:g}", "µm"))
     if isinstance(design.tools, PowerRange):
         low, high, step, _, coefficient = astuple(design.tools)
-        words = f"{low:g} – {high:g}{f' in steps of {step:g}' if step else ''}, coefficient {coefficient:g}"
+        words = f"{low:g} – {high:g} in steps of {step:g}, coefficient {coefficient:g}"
         rows.append(("exponents of power caps to choose from", words, ""))
     if isinstance(design.tools, tuple) and isinstance(design.tools[0], Tool):
         tools = (tool for tool in design.tools if isinstance(tool, Tool))

@@ -18,7 +18,7 @@ from validation.sources import closed_form, known_input, self_consistency
 
 # Two tool radii, or any radius between them [mm]; loads and heights of the power laws.
 TOOLS = [0.2, 0.8]
-CHOICES = {"two tools": TOOLS, "any radius between": mf.RadiusRange(0.2, 0.8, step=None)}
+CHOICES = {"two tools": TOOLS, "any radius between": mf.RadiusRange(0.2, 0.8)}
 RANGE, LIMITS = (0.1, 0.4), mf.Limits(0.27, offset=0.05)
 
 

@@ -19,7 +19,6 @@ from metafem.inversion.search.nearest_law import GOAL
 from metafem.inversion.search.spaces import Heights, LateResidual, Residual
 from metafem.inversion.search.target_law import TargetLaw
 from metafem.inversion.tools.kit import Kit
-from metafem.surface import Surface
 
 if TYPE_CHECKING:
     from metafem.inversion.problem import Problem
@@ -71,29 +70,6 @@ class ToolSearch:
             height, best = found.unknowns, Mixture(found.unknowns, found.misfit, shape)
         order = np.argsort(-height, kind="stable")
         return best.misfit, height[order] - height.max(), *self._made(shape[order])
-
-    def around(self, height: FloatArray, surface: Surface) -> tuple[FloatArray, Cap]:
-        """Return heights [mm] and caps (n,) of a range of exponents after a descent from a surface's."""
-        given = self.unknowns(height, surface), self.space, self.goal
-        found = descend(self.residual, *given, options=self.problem.options)
-        if not self._has_steps:
-            return self.made(found.unknowns)
-        best = self._one_by_one(*self.space.split(found.unknowns))
-        return best.unknowns, self._made(best.shape)[1]
-
-    def unknowns(self, height: FloatArray, surface: Surface) -> FloatArray:
-        """Return the unknowns (2n,) for heights (n,) [mm] and the exponents of a surface's caps."""
-        exponents = np.array([_exponent(surface.cap.one(i)) for i in range(surface.count)])
-        return self.space.project(self.space.joined(height - height.max(), exponents))
-
-    def made(self, unknowns: FloatArray) -> tuple[FloatArray, Cap]:
-        """Return the heights [mm] and caps (n,) for unknowns (2n,)."""
-        height, shape = self.space.split(unknowns)
-        return height, self._made(shape)[1]
-
-    @property
-    def _has_steps(self) -> bool:
-        return self.kit.range is not None and self.kit.range.step is not None
 
     @property
     def _heights(self) -> Heights:
@@ -198,7 +174,7 @@ class ToolSearch:
             if best.misfit <= self.goal * FEWER:
                 return best
         assert best is not None
-        if not self._has_steps or self.restarts < FIXED_RESTARTS:
+        if self.restarts < FIXED_RESTARTS:
             return best
         return min(best, self._one_by_one(height, shape), key=lambda each: each.misfit)
 

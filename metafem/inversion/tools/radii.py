@@ -81,7 +81,10 @@ class Radii:
     @property
     def given_as(self) -> RadiusRange | tuple[float, ...]:
         """The range or the tools, as in the argument `tools` of `design`."""
-        return RadiusRange(self.low, self.high, self.step) if self.tools is None else self.tools
+        if self.tools is not None:
+            return self.tools
+        assert self.step is not None
+        return RadiusRange(self.low, self.high, self.step)
 
     @property
     def between(self) -> Radii:

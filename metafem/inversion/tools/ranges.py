@@ -33,9 +33,9 @@ class RadiusRange:
     ----------
     low, high : float
         Smallest and largest radius [mm], positive and increasing.
-    step : float, optional
+    step : float
         Radii between `low` and `high` are multiples of this step [mm]. Default: 0.01, of the order of the
-        tolerance of ball-end tools. None allows any radius.
+        tolerance of ball-end tools.
 
     Raises
     ------
@@ -50,12 +50,12 @@ class RadiusRange:
 
     low: float
     high: float
-    step: float | None = STEP
+    step: float = STEP
 
     def __post_init__(self) -> None:
         check.member(self, "low", above=0.0)
         check.member(self, "high", above=self.low)
-        check.member(self, "step", optional=True, above=0.0)
+        check.member(self, "step", above=0.0)
         _refuse_wide_step(self.step, self.low, self.high)
 
 
@@ -70,9 +70,8 @@ class PowerRange:
     ----------
     low, high : float
         Smallest and largest exponent n [-], greater than 1, at most 32, and increasing.
-    step : float, optional
-        Exponents between `low` and `high` are multiples of this step [-]. Default: 0.1. None allows any
-        exponent.
+    step : float
+        Exponents between `low` and `high` are multiples of this step [-]. Default: 0.1.
     radius : float, optional
         R of all caps [mm], positive; default: the common radius of the template.
     coefficient : float
@@ -92,14 +91,14 @@ class PowerRange:
 
     low: float
     high: float
-    step: float | None = EXPONENT_STEP
+    step: float = EXPONENT_STEP
     radius: float | None = None
     coefficient: float = 0.5
 
     def __post_init__(self) -> None:
         check.member(self, "low", above=1.0, at_most=STEEPEST)
         check.member(self, "high", above=self.low, at_most=STEEPEST)
-        check.member(self, "step", optional=True, above=0.0)
+        check.member(self, "step", above=0.0)
         check.member(self, "radius", optional=True, above=0.0)
         check.member(self, "coefficient", above=0.0)
         _refuse_wide_step(self.step, self.low, self.high)
@@ -116,7 +115,7 @@ def on_steps(values: FloatArray, low: float, high: float, step: float | None) ->
     return np.clip(values, low, high)
 
 
-def _refuse_wide_step(step: float | None, low: float, high: float) -> None:
-    wide = step is not None and step > (high - low) * (1.0 + ROUNDING)
-    words = "exceeds the range from {.number} to {.number}; give a smaller step, or none"
+def _refuse_wide_step(step: float, low: float, high: float) -> None:
+    wide = step > (high - low) * (1.0 + ROUNDING)
+    words = "exceeds the range from {.number} to {.number}; give a smaller step"
     refuse_if(wide, words, Given("low", low), Given("high", high), key="step", value=step)

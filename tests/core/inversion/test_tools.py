@@ -146,19 +146,6 @@ def test_points_below_those_of_one_radius_are_met_by_two():
     assert mf.design(target, LATTICE, limits=LIMITS, tools=[0.2, 0.8]).misfit <= 1e-9
 
 
-def test_exponents_of_periodic_cells_are_corrected_for_interaction():
-    model, rng = mf.Interacting(contact=mf.Elastic()), np.random.default_rng(2)
-    cap = [mf.Power(n) for n in rng.uniform(1.3, 5.0, 6)]
-    sites = mf.Surface.square_lattice(0.15, (2, 3), radius=0.526, material=mf.Material(1.36))
-    template = sites.replaced(cell=mf.PeriodicCell(4.5, 3.0))
-    known, load = template.replaced(cap=cap, height=rng.uniform(0.05, 0.15, 6)), np.linspace(0.005, 0.15, 30)
-    target = mf.SampledLaw(load, model.curve(known, load).area)
-    found = mf.design(target, template, model, mf.Limits(0.15), tools=mf.PowerRange(1.2, 6.0, None))
-    assert found.misfit <= 3e-3
-    area = model.curve(found.surface, load).area
-    assert target.curve().misfit(area) == pytest.approx(found.misfit, rel=1e-9)
-
-
 def test_reach_of_each_tool_is_told(template):
     found = mf.design(mf.LinearLaw(7.0), template, limits=COMMON, tools=THREE).parameters
     assert found["tried_radii"].tolist() == sorted(THREE)
