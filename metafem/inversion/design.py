@@ -16,7 +16,7 @@ from metafem.inversion.adjustment.height_steps import rounded_to_steps
 from metafem.inversion.adjustment.pinned import with_pinned
 from metafem.inversion.adjustment.refinement import refined
 from metafem.inversion.assessment import DesignStatus, assess
-from metafem.inversion.candidate import LEVELS, Candidate, Parameter
+from metafem.inversion.candidate import Candidate, Parameter
 from metafem.inversion.design_notes import design_notes
 from metafem.inversion.feasibility import achievable_friction_coefficients
 from metafem.inversion.limits import Limits
@@ -245,15 +245,3 @@ def candidate_of(design: Design, problem: Problem) -> Candidate:
         moved=design.status is DesignStatus.REFINED,
         cap=surface.cap,
     )
-
-
-def reassessed(design: Design) -> Design:
-    """Return a design with its law, fits, misfit and status recomputed from its heights.
-
-    Notes of the inversion are omitted, and so are its parameters that do not apply to changed heights.
-    """
-    problem = problem_of(design)
-    candidate = candidate_of(design, problem)
-    kept = {name: part for name, part in design.parameters.items() if name not in (*LEVELS, "step_loss")}
-    found = assess(problem, replace(candidate, parameters=kept), design.surface)
-    return replace(design, **found, notes=found["law"].notes)
