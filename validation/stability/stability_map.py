@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from metafem.drawing import BRIGHT, DARK, QUIET
+from metafem.drawing import QUIET
 from metafem.models.truncation import COMPARED
 from metafem.prediction.validity import BOUND
 from validation.check import Check, Claim, Picture, Row, below, near, reported
@@ -137,7 +137,7 @@ def _crowded_figure(left, right):
     for i, row in enumerate(rows):
         for j, point in enumerate(row):
             mark = f"{error[i, j]:.2g} %\n{'R' if point.resolved else 'A'}"
-            colour = DARK if error[i, j] > 0.1 else BRIGHT
+            colour = "black" if error[i, j] > 0.1 else "white"
             left.text(j + 0.5, i + 0.5, mark, ha="center", va="center", fontsize=7, color=colour)
     left.set_xticks(np.arange(len(points.WIDTHS)) + 0.5, [f"{width:g}" for width in points.WIDTHS])
     left.set_yticks(np.arange(len(points.SPREADS)) + 0.5, [f"{spread:g}" for spread in points.SPREADS])
