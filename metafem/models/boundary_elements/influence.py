@@ -10,6 +10,7 @@ from scipy import fft
 
 from metafem._kernels import love
 from metafem._validate import FloatArray
+from metafem.models._convolution import convolve
 from metafem.models._resources import THREADS
 from metafem.models.boundary_elements.far_field import FarField
 from metafem.models.boundary_elements.patches import Patch
@@ -22,10 +23,6 @@ ALIASES = 3
 GAUSS_POINTS = [
     (x, y) for x in (-math.sqrt(1 / 12), math.sqrt(1 / 12)) for y in (-math.sqrt(1 / 12), math.sqrt(1 / 12))
 ]
-
-
-# Largest number of values that are transformed at once with their padding: 16 MiB.
-BLOCK = 2**20
 
 
 class Influence:
@@ -73,7 +70,13 @@ class Influence:
         result = np.empty_like(pressure)
         sources, targets = self.split(pressure), self.split(result)
         for source, target in zip(sources, targets, strict=True):
-            target[...] = _convolved(source, self.spectra[source.shape])
+            spectrum = self.spectra[source.shape]
+
+            def parts(block: slice, spectrum: FloatArray = spectrum) -> list[list[FloatArray]]:
+                return [[spectrum[:, block]]]
+
+            waves = spectrum.shape[1]
+            (target[...],) = convolve([source], parts, _padded(source.shape), waves, THREADS)
         if len(sources) > 1:
             moments = np.stack([self.far.moments(source) for source in sources])
             for target, local in zip(targets, self.far.local(moments), strict=True):
@@ -110,29 +113,6 @@ def _spectrum(quadrant: FloatArray) -> FloatArray:
     full[m0 - n0 + 1 :, :n1] = quadrant[:0:-1]
     full[:, m1 - n1 + 1 :] = full[:, n1 - 1 : 0 : -1]
     return np.ascontiguousarray(fft.rfft2(full).real)
-
-
-def _convolved(source: FloatArray, spectrum: FloatArray) -> FloatArray:
-    """Return the convolution of a patch, (rows, columns).
-
-    Lines that contain only padding are not transformed. The columns are transformed in blocks, so that their
-    padding needs little memory.
-    """
-    rows, columns = source.shape
-    m0, m1 = _padded((rows, columns))
-    work = fft.rfft(source, m1, axis=1, workers=THREADS)
-    step = max(1, BLOCK // m0)
-    for start in range(0, work.shape[1], step):
-        block = slice(start, start + step)
-        wave = fft.fft(work[:, block], m0, axis=0, workers=THREADS)
-        wave *= spectrum[:, block]
-        work[:, block] = fft.ifft(wave, axis=0, overwrite_x=True, workers=THREADS)[:rows]
-    result = np.empty_like(source)
-    step = max(1, BLOCK // m1)
-    for start in range(0, rows, step):
-        block = slice(start, start + step)
-        result[block] = fft.irfft(work[block], m1, axis=1, workers=THREADS)[:, :columns]
-    return result
 
 
 def _symbol(shape: tuple[int, int]) -> FloatArray:
