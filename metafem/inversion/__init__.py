@@ -1,6 +1,5 @@
 """Design of asperity heights that produce a target friction law."""
 
-from metafem.inversion.arrange import arrange
 from metafem.inversion.assessment import DesignStatus
 from metafem.inversion.design import design
 from metafem.inversion.feasibility import (
@@ -10,6 +9,7 @@ from metafem.inversion.feasibility import (
 )
 from metafem.inversion.limits import Limits
 from metafem.inversion.result import Design
+from metafem.inversion.sites import arrange
 from metafem.inversion.strategies.proportional import achievable_load_range
 from metafem.inversion.targets.band import Band
 from metafem.inversion.targets.laws import OperatingPoints, PowerLaw, SampledLaw
