@@ -65,17 +65,6 @@ def three_digits(value: float) -> str:
     return _written_out(value, 3)
 
 
-def two_digits(value: float) -> str:
-    """Return a number as text with two significant digits; large numbers have no exponent.
-
-    Examples
-    --------
-    >>> two_digits(1.0), two_digits(8.1e5)
-    ('1', '810,000')
-    """
-    return _written_out(value, 2)
-
-
 def _written_out(value: float, digits: int) -> str:
     return f"{float(f'{value:.{digits}g}'):,.9g}"
 

@@ -185,13 +185,6 @@ class Tolerances:
         """Return the random numbers of each error, in the order of the members."""
         return np.split(unit, np.cumsum(self._counts(surface))[:-1], axis=1)
 
-    def refuse_shape(self, what: str) -> None:
-        """Raise InvalidInput if the caps have errors of their shape, which `what` does not support."""
-        words = f"is not supported by {what}; use metafem.studies.manufacturing"
-        for name in ("exponent_sd", "coefficient_sd"):
-            value = getattr(self, name)
-            refuse_if(value > 0.0, words, key=name, value=value)
-
     def _nominal(self, surface: Surface) -> tuple[FloatArray, FloatArray]:
         """Return exponents and coefficients of the caps, (n,) each; refuse caps that are no powers."""
         caps = [surface.cap.one(i) for i in range(surface.count)]

@@ -33,9 +33,6 @@ LEAST_RANGE = 1.1
 # Number of bisections of a range on a logarithmic scale, to a sixtieth of the range.
 BISECTIONS = 6
 
-# Number of bisections for the bound of slopes, and the parts of it that are tried.
-SLOPE_BISECTIONS, SHARES = 30, (0.995, 0.985, 0.97, 0.94, 0.9)
-
 # A range counts as reached at this fraction of the allowed difference, as a reserve for other models.
 RANGE_MISFIT = 0.8
 
@@ -159,43 +156,6 @@ def _narrowed(whole: Any, centre: float, problem: Problem) -> tuple[float, Strai
         else:
             outside = fraction
     return inside, best
-
-
-def steepest_line(
-    target: Any,
-    template: Surface,
-    limits: Limits,
-    tools: Given | None = None,
-    contact: Contact = PARABOLOID,
-) -> LinearLaw | None:
-    """Return the steepest line over the load range of a line that is too steep.
-
-    None is returned if none was found, and for targets other than one line over a load range.
-
-    Its slope, or its friction coefficient, has three digits. Trial designs of independent asperities start
-    close to the bound of slopes. The arguments are those of `achievable_load_range`.
-    """
-    if len(target.lines) != 1 or target.load_range is None:
-        return None
-    first, last = target.load_range
-    problem = Problem.checked(
-        target, template, Independent(contact=checked_contact(contact)), limits, tools=tools
-    )
-    low, high = 0.0, target.slope
-    for _ in range(SLOPE_BISECTIONS):
-        slope = 0.5 * (low + high)
-        steep = line_range(replace(target, slope=slope), problem.bounds)[1] < last
-        low, high = (low, slope) if steep else (slope, high)
-    for share in SHARES:
-        value = float(f"{share * target.wording.coefficient(low):.3g}")
-        line: LinearLaw = replace(target, slope=target.wording.slope(value))
-        if line.slope >= target.slope or line_range(line, problem.bounds)[0] > first:
-            return None
-        tried = replace(problem, target=line, effort=replace(problem.effort, mixtures=MIXTURES))
-        found = strategy.candidate(tried, np.random.default_rng(0), problem.effort.range_restarts)
-        if independent_misfit(problem, found) <= RANGE_MISFIT * REACHED:
-            return line
-    return None
 
 
 def achievable_load_range(

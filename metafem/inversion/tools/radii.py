@@ -69,15 +69,6 @@ class Radii:
         """Whether radii can change by any amount."""
         return self.tools is None and self.step is None
 
-    def tried_beside(self, best: float, count: int) -> FloatArray:
-        """Return at most `count` radii [mm] between the tried radius `best` and its tried neighbours."""
-        tried = self.tried
-        i = int(np.argmin(np.abs(tried - best)))
-        low, high = tried[max(i - 1, 0)], tried[min(i + 1, len(tried) - 1)]
-        sides = [np.geomspace(low, best, 2 + count // 2), np.geomspace(best, high, 2 + count // 2)]
-        between = np.concatenate([side[1:-1] for side in sides])
-        return np.setdiff1d(self.nearest(between), tried)
-
     @property
     def given_as(self) -> RadiusRange | tuple[float, ...]:
         """The range or the tools, as in the argument `tools` of `design`."""
