@@ -9,7 +9,7 @@ import numpy as np
 
 from metafem._validate import FloatArray
 from metafem._values import Value
-from metafem.calibration.joint import propagated
+from metafem.calibration.covariance import propagated
 
 
 @dataclass(frozen=True, eq=False, repr=False)

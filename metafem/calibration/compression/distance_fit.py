@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from metafem._validate import FloatArray
-from metafem.calibration.joint import propagated
+from metafem.calibration.covariance import propagated
 from metafem.contact import JKR
 from metafem.material import Material
 

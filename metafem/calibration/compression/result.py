@@ -13,7 +13,7 @@ from metafem._validate import FloatArray
 from metafem._values import Value
 from metafem.calibration.bounded_interval import WIDTH, interval_of
 from metafem.calibration.compression.adhesive_line import AdhesiveLine
-from metafem.calibration.joint import propagated
+from metafem.calibration.covariance import propagated
 from metafem.calibration.verdict import SingleTest, Verdict
 from metafem.contact import Contact
 from metafem.drawing import calibration

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem._values import span
-from metafem.calibration.joint import checked_covariance
+from metafem.calibration.covariance import checked_covariance
 from metafem.calibration.measured_law.comparison import Comparison, Feature
 from metafem.calibration.measured_law.law import MeasuredLaw
 from metafem.calibration.verdict import judged

@@ -17,7 +17,7 @@ from metafem._given import Given, shown
 from metafem._validate import FloatArray
 from metafem._values import Value
 from metafem.calibration.bounded_interval import interval_of
-from metafem.calibration.joint import checked_covariance, propagated
+from metafem.calibration.covariance import checked_covariance, propagated
 from metafem.calibration.measured_law.law import MeasuredLaw
 from metafem.calibration.sheared.proportional import proportional
 from metafem.calibration.verdict import Verdict, judged

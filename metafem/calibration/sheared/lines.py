@@ -15,7 +15,7 @@ from metafem._given import shown
 from metafem._validate import FloatArray
 from metafem._values import Value
 from metafem.calibration.bounded_interval import interval_of
-from metafem.calibration.joint import propagated
+from metafem.calibration.covariance import propagated
 from metafem.calibration.measurement_errors import MeasurementErrors
 from metafem.calibration.sheared.proportional import proportional
 from metafem.calibration.sheared.record import measured_or_nan
