@@ -29,7 +29,7 @@ CONTACTS = (
 )
 
 # Names in errors: the option of the command instead of the argument of a Python function.
-ARGUMENTS = Names({"force=True": "--force", "workers=2": "--workers 2"})
+ARGUMENTS = Names({"force=True": "--force"})
 
 # Key in the context of a command; its value holds the units in which quantities were written.
 UNITS = "metafem.units"

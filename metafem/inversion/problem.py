@@ -72,10 +72,8 @@ class Effort:
     refined_goal: float = 0.0
 
 
-# Effort of a draft, which is shown while the user drags a handle. For the specifications of
-# `validation/benchmark/explorer.py` a draft takes between a tenth of the time of a full design and, where
-# nothing is searched, all of it. Its misfit is at most 1.7 times as large; operating points that are dragged
-# under a model with interaction are met within 1 %.
+# Effort of a draft, which is shown while the user drags a handle; operating points that are dragged under a
+# model with interaction are met within 1 %.
 DRAFT = Effort(
     restarts=2, adhesive_restarts=1, free_goals=(1e-2,), searched_loads=15, refined_guesses=1,
     refined_steps=20, refined_restarts=0, ratio_restarts=2, mixtures=4, range_restarts=0, pinned_changes=1,

@@ -190,7 +190,6 @@ def _record(
         "specification": None
         if specification is None
         else {
-            "sha256": specification.sha256,
             "seed": specification.seed,
             "alignment_height": specification.part.alignment_height,
             "hardness": specification.hardness,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import re
 import tomllib
 from collections.abc import Mapping
@@ -74,8 +73,6 @@ class Specification:
         H [MPa], for the plasticity index.
     text : str
         The file's text.
-    sha256 : str
-        SHA-256 hash of the file, in hexadecimal digits.
     files : mapping of str to bytes
         Files to store in the result folder: ``spec.toml`` and the tables that it names.
     """
@@ -91,7 +88,6 @@ class Specification:
     part: PartOptions
     hardness: float | None
     text: str
-    sha256: str
     files: Mapping[str, bytes] = field(default_factory=dict)
 
     def design(self, model: Model | None = None, *, draft: bool = False) -> Design:
@@ -234,7 +230,6 @@ def _specification(name: str, raw: bytes, source: Source) -> Specification:
         tilt=sections.layout.tilt,
         hardness=sections.checks.hardness,
         text=text,
-        sha256=hashlib.sha256(raw).hexdigest(),
         files=kept,
     )
 

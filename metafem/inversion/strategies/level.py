@@ -43,7 +43,8 @@ class Level:
     """Asperities of `radius` at `height`, and adjustment asperities of the radius `other`.
 
     `depth` and `adjustment` are their indentations at the point [mm]. If `adjustment` is zero, there is no
-    adjustment asperity. Only adhesive levels have more than one, see `adhesive_level`.
+    adjustment asperity. Only adhesive levels have more than one, see
+    `GroupStep`.
     """
 
     height: float

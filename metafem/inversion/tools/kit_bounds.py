@@ -1,7 +1,7 @@
 """Bounds on the friction of all surfaces with N independent asperities made by tools of several shapes.
 
-Let A_t(P) be the area of one contact of tool t at the load P, times the weight w of its coating, a concave
-function that begins at 0.
+Let A_t(P) be the area of one contact of tool t at the load P, a concave function that begins
+at 0.
 
 1. *Friction.* A contact with a part of the load p has at least the same part of A_t(p), so that A0 is at
    least the least A_t(p) of all tools. By Jensen's inequality A0 is at most N H(p/N), where H is the least
@@ -11,9 +11,7 @@ function that begins at 0.
    inequality of Cauchy and Schwarz it is at least ``(sum a^(3/2) e^(1/2))^2/(sum a sum a^2)``, and so at
    least the smallest e times the smallest ``(sum a^(3/2))^2/(sum a sum a^2)`` of N contacts. Where this ratio
    is stationary, sqrt(a) is a root of a quadratic equation, so that the contacts have at most two sizes. It
-   is smallest for one large contact among N - 1 small ones. New contacts raise the exponent. With weights,
-   the ratio is ``(sum w^(1/2) a^(3/2))^2/(sum a sum w a^2)``. At a stationary point sqrt(w a) has at most two
-   values, and the ratio is that of equal weights with ``(N - 1) w_max/w_min`` small contacts.
+   is smallest for one large contact among N - 1 small ones. New contacts raise the exponent.
 """
 
 from __future__ import annotations
@@ -101,10 +99,8 @@ class KitBounds(Bounds):
         return min(part.tangent_load(slope) for part in self.parts)
 
 
-def least_ratio(count: int, spread: float = 1.0) -> float:
-    """Return the smallest ``(sum w^(1/2) a^(3/2))^2/(sum a sum w a^2)`` of at most `count` numbers a > 0.
-
-    spread: largest over smallest weight w; default: 1, equal weights.
+def least_ratio(count: int) -> float:
+    """Return the smallest ``(sum a^(3/2))^2/(sum a sum a^2)`` of at most `count` numbers a > 0.
 
     Examples
     --------
@@ -113,7 +109,7 @@ def least_ratio(count: int, spread: float = 1.0) -> float:
     """
     if count == 1:
         return 1.0
-    q = (count - 1.0) * spread
+    q = count - 1.0
 
     def ratio(logarithm: float) -> float:
         a = math.exp(logarithm)

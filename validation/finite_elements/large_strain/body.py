@@ -61,7 +61,7 @@ class FiniteContact:
     Examples
     --------
     >>> import metafem as mf
-    >>> contact = mf.fe.press_finite(0.1, 0.526, height=0.2, thickness=7.2, block_radius=10.0)
+    >>> contact = press_finite(0.1, 0.526, height=0.2, thickness=7.2, block_radius=10.0)
     >>> contact.status.name, contact.error_estimate < 1e-2
     ('CONVERGED', True)
     """
