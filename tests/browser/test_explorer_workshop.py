@@ -101,7 +101,7 @@ def test_the_text_and_the_fields_follow_each_other(visit, tmp_path):
     text.get_by_text("[limits]").click()
     page.keyboard.press("End")
     page.keyboard.press("End")  # the line is wrapped
-    page.keyboard.type("\nheight_step = 6")
+    page.keyboard.type("\nheight_step = 6", delay=20)  # no hand is quicker, and the editor loses its place
     page.locator(".problems", has_text="height_step = 6 needs a unit").wait_for()
     page.get_by_role("button", name="Line ").wait_for()
     page.get_by_role("tab", name="Workshop").click()
