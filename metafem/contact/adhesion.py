@@ -214,14 +214,15 @@ class JKR(Contact):
             inner, own = np.exp(x), summit.ravel()[which]
             return excess(self.cap.contact_radius(inner, own, others[0]), inner, own, *others)
 
-        if (np.isfinite(top) & (at(np.minimum(top, 0.0), *given) < 0.0)).any():
+        ends = np.isfinite(top)  # a cap without end has no bound
+        if (ends & (at(np.where(ends, top, 0.0), *given) < 0.0)).any():
             raise InvalidInput(
                 f"adhesion_energy = {self.adhesion_energy:g} N/mm pulls the contact beyond the range of "
                 f"{self.cap!r}; use a smaller energy or a wider profile"
             )
         guess = np.minimum(np.log(others[1] + np.cbrt(self.length**2 * sizes_of(summit))), top - WIDTH)
-        ends = elementwise.bracket_root(at, guess, guess + 0.5 * WIDTH, xmax=top, args=given).bracket
-        x = elementwise.find_root(at, ends, args=given).x
+        bracket = elementwise.bracket_root(at, guess, guess + 0.5 * WIDTH, xmax=top, args=given).bracket
+        x = elementwise.find_root(at, bracket, args=given).x
         return np.asarray(self.cap.contact_radius(np.exp(x), summit, others[0]))[()]
 
 

@@ -130,3 +130,14 @@ def test_the_largest_indentation_is_that_at_the_extent():
     law = bound(law_of(mf.Profile(lambda rho: rho**4 / (2.0 * RADIUS**3), 0.05)))
     most = law.largest_indentation(np.full(2, RADIUS))
     assert_allclose(most, law.indentation(0.05, RADIUS), rtol=1e-12)
+
+
+@pytest.mark.parametrize("scale", [1e-3, 1.0, 1e3])
+def test_the_contact_of_a_profile_is_that_of_its_paraboloid_in_all_units(scale):
+    """The profile ends at an indentation of 5.6 mm times the scale, far from the contact."""
+    law = mf.JKR(5e-5 * scale).for_material(mf.Material(1e-3))
+    cap = law_of(mf.Profile(lambda rho: rho**2 / (40.0 * scale), 15.0 * scale))
+    profile = mf.JKR(5e-5 * scale, cap).for_material(mf.Material(1e-3))
+    d = scale * np.array([0.0, 0.3, 1.0, 2.0])
+    expected = law.contact_radius(d, 20.0 * scale)
+    assert_allclose(profile.contact_radius(d, 20.0 * scale), expected, rtol=1e-9)
