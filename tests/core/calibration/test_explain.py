@@ -45,19 +45,20 @@ def scores(found, **true):
     return [(found.mean[name] - value) / found.sd[name] for name, value in true.items()]
 
 
-def test_the_errors_of_a_part_are_found_within_their_standard_deviations():
+@pytest.mark.parametrize("first", [0, pytest.param(4, marks=pytest.mark.slow)])
+def test_the_errors_of_a_part_are_found_within_their_standard_deviations(first):
     true = {"angle_x": 1.4e-3, "angle_y": -9e-4, "height_scale": 0.03, "composite_modulus": 0.05}
     true["friction"] = -0.03
     off = []
-    for seed in range(8):
+    for seed in range(first, first + 4):
         rng = np.random.default_rng(seed)
         made = PART.replaced(height=1.03 * PART.height).tilted(1.4e-3, -9e-4).perturbed(0.9e-3, rng)
         found = explain(measured(made, rng, stiffer=1.05, friction=0.97), PART)
         assert found.verdict.fits
         assert found.misfit_design > 2.0 * found.verdict.chi_square
         off += scores(found, **true)
-    # 40 values of s.d. 1: their rms within three of its standard errors, 1/sqrt(80)
-    assert np.sqrt(np.mean(np.square(off))) < 1.0 + 3.0 / math.sqrt(80)
+    # 20 values of s.d. 1: their rms within three of its standard errors, 1/sqrt(40)
+    assert np.sqrt(np.mean(np.square(off))) < 1.0 + 3.0 / math.sqrt(40)
     assert found.sd["angle_x"] < 0.2 * found.expected["angle_x"]
     assert "tilt along x: +0.0" in repr(found)
 
