@@ -110,7 +110,7 @@ def fit_segments(law: MeasuredLaw) -> SegmentedFit:
     other parameters, exceeds its overall minimum by at most 0.989, the 68 % quantile of chi-square with one
     degree of freedom. If the error of the crossover is not small compared with the spacing of the points,
     several divisions of the points into two branches fit similarly well, and the intervals hold the true
-    value less often: in 61 to 70 % of trials for the data of Fig. 5.
+    value less often: in 62 to 66 % of trials for the data of Fig. 5.
 
     Parameters
     ----------
