@@ -17,7 +17,7 @@ _NUMBER = r"[+-]?(?:\d{1,40}\.?\d{0,40}|\.\d{1,40})(?:[eE][+-]?\d{1,3})?"
 _QUANTITY = re.compile(rf"\s*({_NUMBER})\s*(.*?)\s*", re.DOTALL | re.ASCII)
 
 # Other spellings of a micrometre's sign and of a square.
-_PLAIN = (("µ", "u"), ("μ", "u"), ("²", "^2"), ("**", "^"), ("m2", "m^2"), (" ", ""))
+_PLAIN = (("µ", "u"), ("μ", "u"), ("²", "^2"), ("**", "^"), ("m2", "m^2"), (" /", "/"), ("/ ", "/"))
 
 # Units that laboratories write, by the package's unit of their dimension, each with its size in that unit.
 UNITS: dict[str, dict[str, str | Fraction]] = {

@@ -31,7 +31,7 @@ def test_each_unit_has_its_factor_and_no_other_dimension(unit):
         for other in EXAMPLES.keys() - {unit}:
             with pytest.raises(InvalidInput, match=f'has the unit "{re.escape(name)}", '):
                 factor(name, other)
-    for unknown in ("Mm", "mM", "n", "um^3", "", "parsec"):
+    for unknown in ("Mm", "mM", "n", "um^3", "", "parsec", "m N", "m m", "k Pa", "in ch"):
         with pytest.raises(InvalidInput):
             factor(unknown, unit)
 
