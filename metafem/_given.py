@@ -15,7 +15,7 @@ UNITS: Mapping[str, str] = {
             *("min_height", "offset", "height_step", "height_sd", "low", "high", "radii", "step"),
             *("separation", "approach", "cell", "contact_radius", "block_radius", "cell_radius"),
             *("alignment_height", "chord_error", "indentation", "r", "tools", "radius_range"),
-            *("displacement", "sliding_range", "boundary", "centre", "site_position", "frame"),
+            *("displacement", "boundary", "centre", "site_position", "frame"),
             *("radius_sd", "position_sd", "pixel_size", "blur", "pinned"),
         ),
         "mm^2": (
@@ -26,7 +26,7 @@ UNITS: Mapping[str, str] = {
         "N": ("load", "load_min", "friction_force", "load_sd", "friction_force_sd"),
         "N/mm": ("adhesion_energy",),
         "MPa": ("composite_modulus", "young_modulus", "shear_strength", "hardness", "yield_strength"),
-        "rad": ("angle", "angle_x", "angle_y", "angle_sd", "tilt", "rotation", "rotation_range"),
+        "rad": ("angle", "angle_x", "angle_y", "tilt", "rotation", "rotation_range"),
     }.items()
     for name in names
 }

@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
 from metafem._validate import FloatArray
 from metafem.contact.law import Contact, Values
-
-if TYPE_CHECKING:
-    pass
 
 
 @dataclass(frozen=True)

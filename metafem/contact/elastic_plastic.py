@@ -6,7 +6,7 @@ import math
 from abc import abstractmethod
 from dataclasses import replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
+from typing import Any, ClassVar, NamedTuple, Self
 
 import numpy as np
 
@@ -18,9 +18,6 @@ from metafem.contact.law import Values, material_of
 from metafem.errors import InvalidInput
 from metafem.material import Material
 from metafem.notes import Note, information
-
-if TYPE_CHECKING:
-    pass
 
 # Lowest ratio of yield strength to E* in the finite-element analyses of both sources: E/Y = 1000, nu = 0.3.
 LEAST_STRAIN = 9e-4

@@ -82,7 +82,8 @@ def arrange(design: Design, tilt: float, rng: Any = 0) -> Design:
     held = np.array([site for site, height in design.pinned.items() if height is not None])
     free = np.flatnonzero(~np.isin(design.sites, held))
     search = _Search(design.surface, free, design.law.model.gradient_model, load[some], angle)
-    first, found = search.measured(np.arange(design.surface.count)), search.best(generator)
+    first = search.measured(np.arange(design.surface.count))
+    found = search.best(first, generator)
     surface = found.surface
     rms = {"tilt_before": first.misfit, "tilt_after": found.misfit}
     changed = replace(design, surface=surface, parameters={**design.parameters, **rms})
@@ -131,12 +132,12 @@ class _Search:
         level, *tilted = self.model.areas(surface, self.load, heights)
         return _Measured(order, surface, np.ravel(tilted / level - 1.0))
 
-    def best(self, rng: np.random.Generator) -> _Measured:
-        """Return the best assignment of searches from the given one and from random exchanges of the best."""
-        best = self.measured(np.arange(self.surface.count))
-        for k in each("round", range(ROUNDS if self.surface.count <= FEW else 1)):
+    def best(self, first: _Measured, rng: np.random.Generator) -> _Measured:
+        """Return the best assignment of searches from the first and from random exchanges of the best."""
+        best = self._descended(first, rng)
+        for _ in each("round", range(1, ROUNDS if self.surface.count <= FEW else 1)):
             order = best.order.copy()
-            for _ in range(max(2, len(self.free) // 10) if k else 0):
+            for _ in range(max(2, len(self.free) // 10)):
                 pair = rng.choice(self.free, 2)
                 order[pair] = order[pair[::-1]]
             best = min(best, self._descended(self.measured(order), rng), key=lambda one: one.misfit)

@@ -12,6 +12,7 @@ import numpy as np
 from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem._values import Value
+from metafem.calibration.bounded_interval import WIDTH
 from metafem.calibration.measured_law.bent_line import deviations, fitted, kink_grid, least
 from metafem.calibration.measured_law.law import MeasuredLaw
 from metafem.calibration.verdict import Verdict, judged
@@ -27,7 +28,7 @@ LEAST = 7
 DIFFERENT = 4
 
 # Growth of chi-square at the ends of a 68 % interval.
-GROWTH = 0.98894665
+GROWTH = WIDTH**2
 
 # Numbers of crossovers that are tried for the estimate and for the ends of its interval.
 TRIED, SCANNED = 41, 201

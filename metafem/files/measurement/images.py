@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -76,10 +77,8 @@ def find_images(sources: Iterable[str | Path]) -> list[ImageFile]:
     for source in map(Path, sources):
         paths += _in_folder(source) if source.is_dir() else [_checked(source)]
     files = [image for path in paths for image in _pages(path)]
-    names = [image.name for image in files]
-    for name in names:
-        twice = f"two images have the name {printable(name)}; give them different names"
-        refuse_if(names.count(name) > 1, twice)
+    for name, count in Counter(image.name for image in files).items():
+        refuse_if(count > 1, f"two images have the name {printable(name)}; give them different names")
     return files
 
 

@@ -96,8 +96,7 @@ def write_all(
     options = part or (PartOptions() if specification is None else specification.part)
     made = planned(surface, design.template, options)
     texts = {
-        "design.json": json.dumps(_record(design, specification, made, options), indent=1, allow_nan=False)
-        + "\n",
+        "design.json": json.dumps(_record(design, specification, made), indent=1, allow_nan=False) + "\n",
         **result_tables(design, options),
         **pages,
     }
@@ -181,9 +180,7 @@ def read_result(folder: str | Path) -> tuple[Path, dict[str, Any]]:
     return path, record
 
 
-def _record(
-    design: Design, specification: Specification | None, part: Part | None, options: PartOptions
-) -> dict[str, Any]:
+def _record(design: Design, specification: Specification | None, part: Part | None) -> dict[str, Any]:
     return {
         "format": FORMAT,
         "versions": versions(),
