@@ -16,8 +16,8 @@ from metafem.errors import refuse_if
 LOWEST, TALLEST, WIDEST = 0.05, 0.6, 0.6
 
 # c_p R = sum over i, j of COEFFICIENTS[i, j] theta^i x^j, where theta is the slope angle of the sphere at the
-# foot and x = a/R. The sum is fitted to finite elements (metafem.fe.measure_pedestal) with nu = 0.5; its
-# relative error is at most FIT_ERROR.
+# foot and x = a/R. The sum is fitted to finite elements with nu = 0.5, which stand in
+# validation/finite_elements/pedestal.py; its relative error is at most FIT_ERROR.
 COEFFICIENTS = np.array(
     [
         (0.0, 0.27508, -0.072683, 0.041567),

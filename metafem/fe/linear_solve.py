@@ -3,86 +3,67 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
-from enum import Enum
 from typing import Any
 
 import numpy as np
-from scipy.sparse import diags
+from scipy.sparse import diags_array
 from scipy.sparse.linalg import splu
 
-from metafem._validate import FloatArray
+from metafem._validate import FloatArray, IntArray
+from metafem.errors import NotConverged
 
 # Largest scaled residual of an accurate solution after refinement. A good factorisation reaches about 1e-15;
 # one with a small pivot ends orders of magnitude higher.
 RESIDUAL = 1e-10
 
-# Pivot threshold for mixed elements whose pressures are not eliminated: the diagonal is zero for nu = 0.5.
-THRESHOLD = 1e-3
-
-# Number of refinement steps. Each step gains as many digits as the factors have; accurate factors need one
-# step.
-STEPS = 3
+# Largest number of solutions with one factorisation, and the scaled residual, about rounding, at which they
+# end. Each gains as many digits as the factors have; accurate factors need two.
+STEPS, ROUNDING = 4, 1e-14
 
 
-class LinearStatus(Enum):
-    """How a linear system was solved; the value is the message."""
+def solve(
+    matrix: Any, fixed: IntArray, value: FloatArray, load: FloatArray | None = None, threshold: float = 0.0
+) -> tuple[FloatArray, float]:
+    """Return the solution of a sparse symmetric system for all columns of `load`, (n, k), and its residual.
 
-    CONVERGED = "converged: the factorisation's residual is at rounding"
-    PIVOTED = "converged: the factorisation was repeated with pivoting"
-    NOT_CONVERGED = "not converged: the factorisation's residual stays large with pivoting too"
-
-
-@dataclass(frozen=True, eq=False)
-class Solved:
-    """Solution (n, k) of a system, its scaled residual (infinite for a singular matrix) and status."""
-
-    value: FloatArray
-    residual: float
-    status: LinearStatus
-
-
-def solve(matrix: Any, right: FloatArray, threshold: float = 0.0) -> Solved:
-    """Return the solution of a sparse symmetric system for all columns of `right`, (n, k).
+    The unknowns `fixed` keep their `value`, (n, k); the load of the others is 0 by default.
 
     Rows and columns are scaled by the square roots of the diagonal entries, or of their largest entries where
     the diagonal is zero. After elimination of the bubbles, the displacement and pressure blocks are definite
     with opposite signs. Such a quasi-definite matrix needs no pivoting in any order (Vanderbei, SIAM J.
     Optim. 5, 100 (1995), doi:10.1137/0805005). With a `threshold`, a diagonal pivot is used only if it
     exceeds this fraction of the largest entry of its column. If the residual is not small, the system is
-    factorised again with full partial pivoting, and the solution with the smaller residual is returned.
+    factorised again with full partial pivoting. If it stays large, NotConverged is raised.
     """
-    size = np.abs(matrix.diagonal())
-    size = np.where(size > 0.0, size, np.abs(matrix).max(axis=0).toarray().ravel())
-    scale = 1.0 / np.sqrt(np.where(size > 0.0, size, 1.0))
-    scaled = (diags(scale) @ matrix @ diags(scale)).tocsc()
-    target = scale[:, None] * right
-    symmetric: dict[str, Any] = {"SymmetricMode": True}
-    value, residual = _refined(
-        lambda: splu(scaled, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=threshold, options=symmetric),
-        scaled,
-        target,
-    )
-    status = LinearStatus.CONVERGED
-    if not residual <= RESIDUAL:
-        value, residual = min(
-            (_refined(lambda: splu(scaled), scaled, target), (value, residual)), key=lambda pair: pair[1]
-        )
-        status = LinearStatus.PIVOTED if residual <= RESIDUAL else LinearStatus.NOT_CONVERGED
-    return Solved(scale[:, None] * value, residual, status)
-
-
-def _refined(factorised: Callable[[], Any], matrix: Any, right: FloatArray) -> tuple[FloatArray, float]:
-    """Return the refined solution and its largest residual, relative to each column of `right`."""
-    size = np.abs(right).max(axis=0)
-    size[size == 0.0] = 1.0
-    try:
-        factors = factorised()
-    except RuntimeError:  # a pivot of exactly zero
-        return np.zeros_like(right), math.inf
-    value = factors.solve(right)
-    for _ in range(STEPS):
-        value = value + factors.solve(right - matrix @ value)
-    residual = float((np.abs(right - matrix @ value).max(axis=0) / size).max())
-    return value, residual if math.isfinite(residual) else math.inf
+    free, result = np.setdiff1d(np.arange(len(value)), fixed), np.zeros(value.shape)
+    result[fixed] = value[fixed]
+    rows = matrix[free]
+    right = -(rows @ result) if load is None else load[free] - rows @ result
+    inner = rows[:, free]
+    size = np.abs(inner.diagonal())
+    size = np.where(size > 0.0, size, np.abs(inner).max(axis=0).toarray().ravel())
+    scale = diags_array(1.0 / np.sqrt(np.where(size > 0.0, size, 1.0)))
+    scaled, target = (scale @ inner @ scale).tocsc(), scale @ right
+    unit = np.maximum(np.abs(target).max(axis=0), np.finfo(float).tiny)
+    symmetric = {
+        "permc_spec": "MMD_AT_PLUS_A",
+        "diag_pivot_thresh": threshold,
+        "options": {"SymmetricMode": True},
+    }
+    residual = math.inf
+    for options in (symmetric, {}):
+        try:
+            factors = splu(scaled, **options)
+        except RuntimeError:  # a pivot of exactly zero
+            continue
+        solution, rest = np.zeros_like(target), target
+        for _ in range(STEPS):
+            solution += factors.solve(rest)
+            rest = target - scaled @ solution
+            residual = float((np.abs(rest).max(axis=0) / unit).max())
+            if residual <= ROUNDING:
+                break
+        if residual <= RESIDUAL:
+            result[free] = scale @ solution
+            return result, residual
+    raise NotConverged(f"the linear system keeps a residual of {residual:.1e} with full pivoting")

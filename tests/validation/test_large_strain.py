@@ -5,8 +5,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import metafem as mf
-from metafem.fe.axisymmetric.geometry import Cap
-from metafem.fe.axisymmetric.mesh import graded_mesh
+from metafem.fe.geometry import Cap, graded_mesh
 from validation.finite_elements.frozen_meshes import FOLDER
 from validation.finite_elements.large_strain import body as soft_body
 from validation.finite_elements.large_strain import press

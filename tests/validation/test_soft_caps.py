@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import metafem as mf
-from metafem.fe.axisymmetric.geometry import Cap
+from metafem.fe.geometry import Cap
 from tests.validation.test_large_strain import BODY, CAP, R
 from validation.finite_elements import frozen_meshes as tables
 from validation.finite_elements.large_strain import body as soft_body

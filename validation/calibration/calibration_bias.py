@@ -14,7 +14,7 @@ from metafem._validate import FloatArray
 from metafem.calibration import ContactCalibration, Sample, fit_compression
 from metafem.contact.by_profile import law_of
 from metafem.drawing import ACHIEVED, QUIET
-from metafem.fe.axisymmetric.geometry import Cap
+from metafem.fe.geometry import Cap
 from metafem.reference.single_contacts import hertz, sneddon_sphere
 from validation.check import Claim, Picture, Row, below, near, reported
 from validation.figures import panels

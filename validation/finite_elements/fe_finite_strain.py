@@ -9,11 +9,11 @@ import numpy as np
 import metafem as mf
 from metafem import fe
 from metafem.caps.shapes import sphere_profile
-from metafem.fe.axisymmetric.geometry import Cap
-from metafem.fe.axisymmetric.mesh import graded_mesh
+from metafem.fe.geometry import Cap, graded_mesh
 from metafem.reference import single_contacts as exact
 from validation.check import Claim, Picture, Row, below, near, reported
 from validation.figures import panels
+from validation.finite_elements.active_set import search_contact
 from validation.finite_elements.frozen_meshes import FOLDER
 from validation.finite_elements.large_strain.body import SoftBody
 from validation.finite_elements.large_strain.press import FiniteContact, press_sequence
@@ -55,7 +55,7 @@ def claim() -> Claim:
     slip, stick = _contacts(False), _contacts(True)
     table = _table()
     cubic = self_consistency(cubic_load, "cubic displacements and quadratic pressures on another mesh")
-    searched = second_method(fe.search_contact, "active set of quadratic elements on its own mesh")
+    searched = second_method(search_contact, "active set of quadratic elements on its own mesh")
     fresh = second_method(press_sequence, "finite elements at large strain at the same contact radius")
     rows: list[Row] = []
     for ratio, one, other in zip(RATIOS, slip, stick, strict=True):
@@ -153,7 +153,7 @@ def _small(a: float) -> float:
 
 
 def _searched(a: float) -> float:
-    found = fe.search_contact(
+    found = search_contact(
         _pressed(a).indentation, R, cell=a / CELLS, height=CAP.height, thickness=CAP.thickness,
         block_radius=CAP.outer,
     )  # fmt: skip

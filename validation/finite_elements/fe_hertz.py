@@ -6,6 +6,7 @@ from metafem import fe
 from metafem.reference import single_contacts
 from validation.check import Check, Claim, Picture, near
 from validation.figures import panels
+from validation.finite_elements.active_set import search_contact
 from validation.finite_elements.checks import HERTZ, hertz_check, search_convergence, spectral_convergence
 from validation.finite_elements.pictures import hertz_figure
 
@@ -35,7 +36,7 @@ def claim() -> Claim:
 
 def _compressible() -> Check:
     """Check the active set on a compressible half-space: Hertz's load over E* does not depend on ν."""
-    found = fe.search_contact(A**2 / R, R, OTHER, cell=CELL * A)
+    found = search_contact(A**2 / R, R, OTHER, cell=CELL * A)
     exact = single_contacts.hertz(A, R)[0]
     name = f"active set, ν = {OTHER:g}: load over Hertz"
     return near(name, found.rescaled_load / exact, 1.0, 3e-4, HERTZ)

@@ -6,10 +6,10 @@ import math
 
 import numpy as np
 
-from metafem import fe
 from metafem.contact.cap_compliance import pedestal_compliance
 from validation.check import Claim, Picture, below
 from validation.figures import panels
+from validation.finite_elements.pedestal import measure_pedestal
 from validation.scenes.pedestals import FOOT_RATIOS, TABLE
 from validation.sources import second_method
 
@@ -19,7 +19,7 @@ BETWEEN = ((0.06, 0.3), (0.23, 0.5), (0.38, 0.1), (0.57, 0.3))
 # Several seconds of finite elements.
 SLOW = True
 
-SOURCE = second_method(fe.measure_pedestal, "finite elements of a shape between the nodes of the table")
+SOURCE = second_method(measure_pedestal, "finite elements of a shape between the nodes of the table")
 
 
 def claim() -> Claim:
@@ -30,7 +30,7 @@ def claim() -> Claim:
     checks = []
     for ratio, fraction in BETWEEN:
         a = fraction * math.sqrt(ratio * (2.0 - ratio))
-        error = abs(float(pedestal_compliance(ratio, 1.0, a)) / fe.measure_pedestal(ratio, a) - 1.0)
+        error = abs(float(pedestal_compliance(ratio, 1.0, a)) / measure_pedestal(ratio, a) - 1.0)
         checks.append(below(f"h/R = {ratio}, a/R = {a:.3f}: error of the table", error, 1e-3, SOURCE))
     figures = {"Compliance of the pedestal": Picture(_figure)}
     return Claim("The pedestal's compliance", checks, figures)

@@ -9,8 +9,8 @@ import numpy as np
 from skfem import MeshQuad
 
 from metafem._validate import FloatArray
-from metafem.fe.axisymmetric.geometry import Cap
-from metafem.fe.axisymmetric.mesh import graded_mesh, half_space_mesh
+from metafem.fe.geometry import Cap, graded_mesh, half_space_mesh
+from metafem.fe.prescribed_radius import GRADED, HALF_SPACE
 from metafem.material import Material
 from validation.finite_elements.checks import BLOCK_RADIUS, PITCH, RADIUS, THICKNESS
 from validation.finite_elements.large_strain.press import tabulated_contact
@@ -36,11 +36,11 @@ def cap() -> Cap:
 
 def recipes() -> dict[str, MeshQuad]:
     """Return each frozen mesh by its name."""
-    edge = float(cap().surface(np.array(CAP_CONTACT))[0])
+    edge, fine = float(cap().surface(np.array(CAP_CONTACT))[0]), GRADED[0][1]
     return {
-        "half_space": half_space_mesh(),
-        "cap": graded_mesh(edge, BLOCK_RADIUS, THICKNESS, cap().foot),
-        "cell": graded_mesh(CELL_CONTACT, PITCH / math.sqrt(math.pi), THICKNESS),
+        "half_space": half_space_mesh(HALF_SPACE[0][1]),
+        "cap": graded_mesh(edge, BLOCK_RADIUS, THICKNESS, cap().foot, contact_edge=fine),
+        "cell": graded_mesh(CELL_CONTACT, PITCH / math.sqrt(math.pi), THICKNESS, contact_edge=fine),
     }
 
 

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from metafem.fe import PressedContact
-    from metafem.fe.axisymmetric.geometry import Cap
+    from metafem.fe.geometry import Cap
 
 # Half-width of the view of the contact edge, in contact radii.
 EDGE_VIEW = 0.3

@@ -1,4 +1,4 @@
-"""Compliance of caps by finite elements (`metafem.fe.measure_pedestal`), nu = 0.5, error 3e-5."""
+"""Compliance of caps by finite elements (`validation.finite_elements.pedestal`), nu = 0.5, error 3e-5."""
 
 from __future__ import annotations
 

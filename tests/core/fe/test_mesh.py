@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from skfem import MeshQuad
 
-from metafem.fe.axisymmetric.geometry import Oblate
-from metafem.fe.axisymmetric.mesh import graded_mesh
-from metafem.fe.axisymmetric.prescribed_radius import spectral
+from metafem.fe.elements import Body
+from metafem.fe.geometry import Oblate, graded_mesh
+from metafem.fe.prescribed_radius import pressed
 from validation.finite_elements.frozen_meshes import FOLDER, recipes
 
 
@@ -26,13 +26,13 @@ def test_recipes_still_make_the_frozen_meshes():
 
 def test_a_frozen_mesh_gives_hertz():
     mesh = MeshQuad.load(FOLDER / "half_space.vtu")
-    pressed = spectral(mesh, Oblate(0.2), 10, 0.5, parabola, 1.0)
-    assert pressed.indentation == pytest.approx(0.2**2 / 0.526, rel=1e-6)
+    contact = pressed(Body(mesh, Oblate(0.2), 10, 0.5), parabola, 0.2, 1.0)
+    assert contact.indentation == pytest.approx(0.2**2 / 0.526, rel=1e-6)
 
 
 def test_lines_increase_for_any_radius():
     for contact, foot in [(1e-6, None), (0.1, 0.1001), (0.3, 2.0)]:
-        mesh = graded_mesh(contact, 5.0, 1.0, foot)
+        mesh = graded_mesh(contact, 5.0, 1.0, foot, contact_edge=1e-6)
         lines = np.unique(mesh.p[0])
         assert lines[0] == 0.0
         assert lines[-1] == 5.0

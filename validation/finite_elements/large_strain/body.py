@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import math
 from dataclasses import dataclass, field
 from enum import Enum
@@ -9,13 +10,18 @@ from functools import cached_property
 
 import numpy as np
 from scipy.sparse import csc_matrix
+from skfem import ElementQuadP
 
 from metafem._validate import FloatArray, IntArray
 from metafem.errors import NotConverged
-from metafem.fe.axisymmetric.elasticity import Body, assembled
-from metafem.fe.axisymmetric.prescribed_radius import Profile, contact_data
-from metafem.fe.linear_solve import THRESHOLD, solve
+from metafem.fe.elements import Body, assembled
+from metafem.fe.linear_solve import solve
+from metafem.fe.prescribed_radius import Profile
+from validation.finite_elements.active_set import THRESHOLD
 from validation.finite_elements.large_strain import neo_hookean
+
+# scikit-fem advises to use nodal elements for low degrees; those of `Body` are hierarchical.
+logging.getLogger(ElementQuadP.__module__).setLevel(logging.ERROR)
 
 # Largest number of Newton steps; each step doubles the number of correct digits. If Newton's method has not
 # converged by then, the load step is halved.
@@ -195,12 +201,12 @@ class SoftBody(Body):
         edge = self.edge_nodes[0]
         modes = np.zeros((self.size, 1 if stuck is None else 2))
         way = np.zeros(self.size)
-        modes[contact + count, 0] = contact_data(self, np.ones_like)[contact]
-        way[contact + count] = -contact_data(self, profile)[contact]
+        modes[contact + count, 0] = self.contact_values(np.ones_like)[contact]
+        way[contact + count] = -self.contact_values(profile)[contact]
         fixed = [self.boundary("axis"), self.boundary("base"), count + self.boundary("base"), count + contact]
         edges = [count + edge]
         if stuck is not None:
-            way[contact], modes[contact, 1] = (contact_data(self, part)[contact] for part in stuck)
+            way[contact], modes[contact, 1] = (self.contact_values(part)[contact] for part in stuck)
             fixed.append(contact)
             edges.append(edge)
         depth = float(profile(self.geometry.point(self.mesh.p[:, self.edge_nodes[1:]])[0])[0])
@@ -247,12 +253,13 @@ class SoftBody(Body):
                     unknowns=unknowns,
                 )
             right = np.column_stack([force + matrix @ jump, matrix @ plane.modes])
-            full = np.zeros(right.shape)
-            solved = solve(matrix[free][:, free].tocsc(), right[free], THRESHOLD)
-            full[free] = -solved.value
-            at_edge = (right + matrix @ full)[plane.edge]
             # if the tangent is singular, the guess is too far from the solution
-            if not math.isfinite(solved.residual) or np.linalg.det(at_edge[:, 1:]) == 0.0:
+            try:
+                full, _ = solve(matrix, plane.fixed, np.zeros(right.shape), -right, THRESHOLD)
+            except NotConverged:
+                return None
+            at_edge = (right + matrix @ full)[plane.edge]
+            if np.linalg.det(at_edge[:, 1:]) == 0.0:
                 return None
             step = np.linalg.solve(at_edge[:, 1:], -at_edge[:, 0])
             way = full[:, 1:] + plane.modes

@@ -14,8 +14,7 @@ from metafem._validate import FloatArray
 from metafem.caps.shapes import sphere_profile
 from metafem.contact import TabulatedContact
 from metafem.errors import NotConverged, refuse_if
-from metafem.fe.axisymmetric.geometry import Cap, checked_cap
-from metafem.fe.axisymmetric.mesh import graded_mesh
+from metafem.fe.geometry import Cap, checked_cap, graded_mesh
 from metafem.material import Material
 from metafem.substrate import BondedLayer
 from validation.finite_elements.large_strain.body import FiniteContact, SoftBody

@@ -8,12 +8,12 @@ from skfem import MeshQuad
 
 import metafem as mf
 from metafem.contact import pedestal_compliance
-from metafem.fe.axisymmetric import press
-from metafem.fe.axisymmetric.geometry import Cap, Flat
-from metafem.fe.axisymmetric.mesh import graded_mesh
-from metafem.fe.axisymmetric.prescribed_radius import graded
+from metafem.fe.elements import Body
+from metafem.fe.geometry import Cap, Flat, graded_mesh
+from metafem.fe.prescribed_radius import pressed
 from metafem.reference import single_contacts as exact
 from tests.core.fe.test_press import R, block, overestimates
+from validation.finite_elements import pedestal
 from validation.finite_elements.frozen_meshes import FOLDER
 
 
@@ -37,16 +37,18 @@ def test_any_cap_meshes():
 def test_estimate_bounds_the_distance_to_a_finer_solution():
     cap, contact = Cap(R, 0.12, 10.0, 7.2), block(0.12, 0.10)
     mesh = graded_mesh(float(cap.surface(np.array(0.1))[0]), 10.0, 7.2, cap.foot, contact_edge=1e-7)
-    fine = graded(mesh, cap, 8, 0.5, lambda r: R - np.sqrt(R**2 - r**2), 0.1, 10.0, False)
+    fine = pressed(Body(mesh, cap, 8, 0.5), lambda r: R - np.sqrt(R**2 - r**2), 0.1, 10.0)
     errors = contact.rescaled_load / fine.rescaled_load - 1.0, contact.indentation / fine.indentation - 1.0
     assert overestimates(contact, max(map(abs, errors)))
 
 
 def test_shortfall_of_the_block_without_a_cap():
-    contact = mf.fe.press(10.0, 1.0, thickness=press.PEDESTAL_EXTENT, block_radius=press.PEDESTAL_EXTENT)
+    contact = mf.fe.press(
+        10.0, 1.0, thickness=pedestal.PEDESTAL_EXTENT, block_radius=pedestal.PEDESTAL_EXTENT
+    )
     hertz = (0.75 * contact.rescaled_load) ** (2.0 / 3.0)
     short = math.pi * (hertz - contact.indentation) / contact.rescaled_load
-    assert short * press.PEDESTAL_EXTENT == pytest.approx(press.SHORTFALL, abs=1e-3)
+    assert short * pedestal.PEDESTAL_EXTENT == pytest.approx(pedestal.SHORTFALL, abs=1e-3)
 
 
 def test_the_fit_holds_between_the_rows():
@@ -54,7 +56,7 @@ def test_the_fit_holds_between_the_rows():
     a = 0.3 * math.sqrt(height_ratio * (2.0 - height_ratio))
     # The promise of the table.
     assert pedestal_compliance(height_ratio, 1.0, a) == pytest.approx(
-        mf.fe.measure_pedestal(height_ratio, a), rel=1e-3
+        pedestal.measure_pedestal(height_ratio, a), rel=1e-3
     )
 
 
@@ -65,16 +67,8 @@ def test_lengths_scale():
     assert big.indentation == pytest.approx(1e3 * small.indentation, rel=1e-9)
 
 
-def test_the_active_set_finds_hertz_on_a_coarse_mesh_and_in_other_units():
-    contact = mf.fe.search_contact(1e6, 1e6, 0.3, cell=1e6 / 10.3)
-    # Second order from 1e-4 at forty cells: sixteen times that at ten.
-    assert contact.rescaled_load == pytest.approx(4.0 / 3.0 * 1e12, rel=1.6e-3)
-    assert contact.contact_radius == pytest.approx(1e6, rel=1.6e-3)
-    assert contact.last_radius == pytest.approx(1e6, rel=0.1)
-
-
 def test_a_frozen_cell_gives_what_press_gives():
     mesh, side = MeshQuad.load(FOLDER / "cell.vtu"), 1.5 / math.sqrt(math.pi)
-    pressed = graded(mesh, Flat(), 5, 0.5, lambda r: r**2 / (2.0 * R), 0.2, side, True)
+    frozen = pressed(Body(mesh, Flat(), 5, 0.5), lambda r: r**2 / (2.0 * R), 0.2, side, walled=True)
     contact = mf.fe.press(0.2, R, thickness=7.2, cell_radius=side)
-    assert pressed.rescaled_load == pytest.approx(contact.rescaled_load, rel=1e-4)
+    assert frozen.rescaled_load == pytest.approx(contact.rescaled_load, rel=1e-4)

@@ -8,10 +8,9 @@ import pytest
 import metafem as mf
 from metafem._caches import cache_folder
 from metafem.fe import Block3D
-from metafem.fe.block3d import cache as cache_module
-from metafem.fe.block3d.elasticity import Quarter
-from metafem.fe.block3d.grading import graded_line
-from metafem.fe.block3d.line_elements import shapes
+from metafem.fe import block3d as module
+from metafem.fe.influence import graded_line
+from metafem.fe.quarter import Quarter
 from metafem.reference import bonded_layer
 from tests.core.fe.test_block3d import BLOCK, COARSE, SITES, own_cache, scene, solved
 from tests.models.scenes import PLACE
@@ -29,11 +28,12 @@ def test_values_of_the_elements_converge_to_those_by_betti():
     difference = []
     for cell in (0.6, 0.3):
         lines = [graded_line(length, length, 7.2 * cell, 0.1) for length in (10.0, 10.0, 7.2)]
-        quarter = Quarter.on(lines, 0.5)
+        quarter = Quarter(lines, 0.5)
         field = quarter.solve((1, -1), source)
-        x, y = (shapes(lines[k], 2, source[:, k]).toarray() for k in (0, 1))
-        normal = field.displacement.reshape(3, *(axis.node.size for axis in quarter.axes), -1)[2, :, :, 0]
-        inside = np.einsum("nx,ny,xym->nm", x, y, normal)
+        x, y = (axis.basis.probes(source[:, k][None]).toarray() for k, axis in enumerate(quarter.axes[:2]))
+        normal = field.displacement.reshape(3, *(axis.node.size for axis in quarter.axes), -1)
+        top = int(np.argmin(quarter.axes[2].node))
+        inside = np.einsum("nx,ny,xym->nm", x, y, normal[2, :, :, top])
         difference.append(np.abs(inside - quarter.influence(field, source)).max())
     # quadratic elements: third order at a point, 2**3 = 8 in theory, 4 where the meshes do not nest
     assert difference[1] < difference[0] / 4.0
@@ -92,7 +92,7 @@ def paper(cache):
     """The influence on the paper's block, which claims of the validation read from the same folder."""
     lattice = mf.Surface.square_lattice(0.1, radius=0.526, material=mf.Material(1.36, 0.5), block=BLOCK)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(cache_module, "cache_folder", cache_folder)
+        patch.setattr(module, "cache_folder", cache_folder)
         return Block3D().solution(lattice)
 
 

@@ -6,20 +6,35 @@ import math
 import warnings
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import ClassVar
+from hashlib import sha256
+from pathlib import Path
+from typing import ClassVar, NamedTuple
+from zipfile import BadZipFile
 
 import numpy as np
 
 from metafem import _validate as check
+from metafem._caches import cache_folder, write_whole
 from metafem._validate import FloatArray
-from metafem.errors import InvalidInput, MetafemWarning, NotConverged
-from metafem.fe.block3d.cache import BlockInfluence, cached, is_cached
-from metafem.progress import doing
+from metafem.errors import InvalidInput, MetafemWarning
+from metafem.progress import doing, message
 from metafem.substrate.protocol import agreed
 from metafem.surface import Block, Surface
 
 # Error estimate, in units of 1/(pi t), above which there is a warning: 1 % of the effect of the base.
 ERROR_LIMIT = 1e-2
+
+
+class BlockInfluence(NamedTuple):
+    """Influence between the sites of a block, with error estimates."""
+
+    # (n, n), displacement at site i per load P/E* on site j [1/mm]: symmetric, with the regular self terms
+    matrix: FloatArray
+    gradient_x: FloatArray  # (n, n), derivative of `matrix` by x of site i [1/mm^2]
+    gradient_y: FloatArray
+    laplacian: FloatArray  # (n, n) [1/mm^3]
+    asymmetry: float  # largest difference between mirrored entries before averaging [1/mm]
+    error_estimate: float  # largest change of an entry with cells 1.6 times as large [1/mm]: error bound
 
 
 @dataclass(frozen=True)
@@ -46,7 +61,7 @@ class Block3D:
     cell, edge_cell : float
         Sizes of the largest cells near the loads and of the last cells at the sides and the base, over the
         thickness [-]; default: 0.25 and 0.006. The edge between a side and the base is singular. In wide and
-        thin blocks the cells are enlarged to limit their number, as a note states.
+        thin blocks the cells are enlarged to limit their number.
 
     Raises
     ------
@@ -54,7 +69,7 @@ class Block3D:
         If a value is outside its range or differs from that of the surface, the surface has no block, or an
         asperity lies outside the block.
     NotConverged
-        If a factorisation fails; the result is attached.
+        If a factorisation fails.
 
     Examples
     --------
@@ -95,12 +110,6 @@ class Block3D:
             )
         return replace(self, block=block, poisson_ratio=ratio)
 
-    def values(self) -> tuple[Block, float]:
-        """Return the block and its Poisson's ratio, as set by `for_surface`."""
-        assert self.block is not None
-        assert self.poisson_ratio is not None
-        return self.block, self.poisson_ratio
-
     def influence_matrix(self, surface: Surface) -> FloatArray:
         """Return the displacement at asperity i per load on j, (n, n) [1/mm], with w on the diagonal."""
         return self.solution(surface).matrix.copy()
@@ -113,16 +122,20 @@ class Block3D:
     def is_kept(self, surface: Surface) -> bool:
         """Return whether the influence is stored on disk; otherwise it takes 30 s to compute for 64 sites."""
         bound = self.for_surface(surface)
-        return is_cached(*_numbers(bound, surface.position))
+        try:
+            return _path(bound, surface.position.tobytes()).is_file()
+        except OSError:  # no home folder, or an unreadable folder
+            return False
 
     def solution(self, surface: Surface) -> BlockInfluence:
-        """Return the influence with its derivatives, errors and notes.
+        """Return the influence with its derivatives and errors.
 
         Issue a `MetafemWarning` if the error estimate is large.
         """
         bound = self.for_surface(surface)
         result = _solution(bound, surface.position.tobytes())
-        limit = ERROR_LIMIT / (math.pi * bound.values()[0].thickness)
+        assert bound.block is not None
+        limit = ERROR_LIMIT / (math.pi * bound.block.thickness)
         if result.error_estimate > limit:
             warnings.warn(
                 f"the block's influence has an estimated error of {result.error_estimate:.1e} /mm, above "
@@ -133,30 +146,34 @@ class Block3D:
         return result
 
 
-def _numbers(bound: Block3D, position: FloatArray) -> tuple[tuple[float, ...], FloatArray]:
-    """Return the data that identify a stored influence: the numbers of the block and the sites [mm]."""
-    block, ratio = bound.values()
-    shape = (block.width, block.length, block.thickness, ratio, bound.cell, bound.edge_cell)
-    return shape, position + 0.0  # no negative zeros in the key
+def _path(bound: Block3D, position: bytes) -> Path:
+    """Return the file of an influence; its name is a hash of the block, the sites and the sources."""
+    sources = [path.read_bytes() for path in sorted(Path(__file__).parent.glob("*.py"))]
+    key = b"".join([*sources, repr(bound).encode(), position])
+    return cache_folder() / f"block-{sha256(key).hexdigest()}.npz"
 
 
 @lru_cache(maxsize=16)
 def _solution(bound: Block3D, position: bytes) -> BlockInfluence:
-    """Return an influence; it is also cached in memory, in case the disk cache cannot be written."""
-    block, ratio = bound.values()
-    shape, site = _numbers(bound, np.frombuffer(position).reshape(-1, 2))
+    """Return an influence, read from disk, or computed and stored if possible."""
+    try:
+        with _path(bound, position).open("rb") as file, np.load(file) as stored:
+            return BlockInfluence(**{name: value[()] for name, value in stored.items()})
+    except (OSError, ValueError, EOFError, BadZipFile):  # absent or damaged
+        pass
+    from metafem.fe.influence import site_influence  # scikit-fem is loaded only if a solution is needed
 
-    def compute() -> BlockInfluence:
-        # scikit-fem and scipy are loaded only if a solution is needed
-        from metafem.fe.block3d.influence import site_influence
-        from metafem.fe.linear_solve import RESIDUAL
-
-        with doing("solving the true block, once for these sites"):
-            result = site_influence(block, ratio, site, bound.cell, bound.edge_cell)
-        if result.residual > RESIDUAL:
-            raise NotConverged(
-                f"the block's linear solution keeps a residual of {result.residual:.1e} with pivoting", result
-            )
-        return result
-
-    return cached(shape, site, compute)
+    assert bound.block is not None
+    assert bound.poisson_ratio is not None
+    site = np.frombuffer(position).reshape(-1, 2)
+    with doing("solving the true block, once for these sites"):
+        found = site_influence(bound.block, bound.poisson_ratio, site, bound.cell, bound.edge_cell)
+    result = BlockInfluence(*found)
+    try:
+        path = _path(bound, position)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_whole(path, lambda file: np.savez(file, **result._asdict()))
+        message(f"the solution of the true block is stored in {path}")
+    except OSError as error:
+        message(f"the solution of the true block is not stored on disk: {error}")
+    return result

@@ -1,1 +1,0 @@
-"""The true block with its free sides, as a substrate."""
