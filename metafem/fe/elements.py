@@ -147,7 +147,10 @@ class Body:
         return np.asarray(self.displacement.dofs.get_facet_dofs(facets).flatten())
 
     def contact_values(self, value: Callable[[FloatArray], FloatArray]) -> FloatArray:
-        """Return the coefficients (n,) of the polynomials that approximate `value`(r) along the contact."""
+        """Return the coefficients (n,) of polynomials that approximate `value`(r) along the contact.
+
+        They are exact at the nodes and least-squares fits between the nodes.
+        """
         x, _ = np.polynomial.legendre.leggauss(self.degree + EXTRA_POINTS)
         first, last = self.mesh.p[:, self.mesh.facets[:, self.mesh.boundaries["contact"]]].swapaxes(0, 1)
         plane = (first[..., None] + (last - first)[..., None] * 0.5 * (x + 1.0)).reshape(2, -1)
@@ -155,9 +158,12 @@ class Body:
         rows = np.zeros((plane.shape[1], int(self.displacement.dofs.N)))
         shapes, _ = self.displacement.shapes(point)
         rows[np.arange(len(rows)), self.displacement.dofs.element_dofs[:, element]] = shapes
-        dofs, result = self.boundary("contact"), np.zeros(self.displacement.skeleton)
-        result[dofs] = np.linalg.lstsq(rows[:, dofs], value(self.geometry.point(plane)[0]))[0]
-        return result
+        nodes, result = self.nodes("contact"), np.zeros(rows.shape[1])
+        result[nodes] = value(self.geometry.point(self.mesh.p[:, nodes])[0])
+        between = np.setdiff1d(self.boundary("contact"), nodes)
+        rest = value(self.geometry.point(plane)[0]) - rows @ result
+        result[between] = np.linalg.lstsq(rows[:, between], rest)[0]
+        return result[: self.displacement.skeleton]
 
     def located(self, name: str, plane: FloatArray) -> tuple[IntArray, FloatArray]:
         """Return the elements of points (2, n) on a named boundary, and the points' reference coordinates."""

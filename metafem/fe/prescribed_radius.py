@@ -28,7 +28,7 @@ LAYER_EXTENT = 12.0
 # Degree and size of the elements at the edge, over the contact radius, of the returned solution and of a
 # second solution for the error estimate. The error of the indentation is proportional to the size.
 HALF_SPACE = ((12, 1e-7), (10, 1e-6))
-GRADED = ((6, 1e-6), (5, 1e-5))
+GRADED = ((6, 1e-6), (5, 3e-5))
 
 
 @dataclass(frozen=True, eq=False)
@@ -173,21 +173,18 @@ def press(
     """
     a = check.number("contact_radius", contact_radius, above=0.0)
     nu = check.number("poisson_ratio", poisson_ratio, **check.POISSON)
-    shape, body = _profile(radius, height, profile), Flat()
+    shape = _profile(radius, height, profile)
     if thickness is None:
         for name, size in (("height", height), ("block_radius", block_radius), ("cell_radius", cell_radius)):
             refuse_if(size is not None, f"{name} needs a thickness: a half-space has no sides")
-        side, orders, body = a * math.cosh(20.0), HALF_SPACE, Oblate(a)
-        meshes = [half_space_mesh(size) for _, size in orders]
+        side = a * math.cosh(20.0)
+        bodies = [Body(half_space_mesh(size), Oblate(a), degree, nu) for degree, size in HALF_SPACE]
     else:
-        body, side = _body(a, radius, height, thickness, block_radius, cell_radius)
-        foot, orders = body.foot if isinstance(body, Cap) else None, GRADED
-        edge = float(body.surface(np.array(a))[0])
-        meshes = [graded_mesh(edge, side, thickness, foot, contact_edge=size) for _, size in orders]
-    fine, coarse = (
-        pressed(Body(mesh, body, degree, nu), shape, a, side, walled=cell_radius is not None)
-        for mesh, (degree, _) in zip(meshes, orders, strict=True)
-    )
+        flat, side = _body(a, radius, height, thickness, block_radius, cell_radius)
+        edge, foot = float(flat.surface(np.array(a))[0]), flat.foot if isinstance(flat, Cap) else None
+        meshes = [graded_mesh(edge, side, thickness, foot, contact_edge=size) for _, size in GRADED]
+        bodies = [Body(mesh, flat, degree, nu) for mesh, (degree, _) in zip(meshes, GRADED, strict=True)]
+    fine, coarse = (pressed(each, shape, a, side, walled=cell_radius is not None) for each in bodies)
     one, two = ((each.rescaled_load, each.indentation) for each in (fine, coarse))
     refuse_if(not min(one) > 0.0, "the profile carries no load: it must fall away from the axis")
     change = float(np.abs(np.divide(two, one) - 1.0).max())

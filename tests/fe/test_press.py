@@ -11,6 +11,7 @@ from metafem.contact import pedestal_compliance
 from metafem.fe.elements import Body
 from metafem.fe.geometry import Cap, Flat, graded_mesh
 from metafem.fe.prescribed_radius import pressed
+from metafem.reference import bonded_layer
 from metafem.reference import single_contacts as exact
 from tests.core.fe.test_press import R, block, overestimates
 from validation.finite_elements import pedestal
@@ -20,8 +21,10 @@ from validation.finite_elements.frozen_meshes import FOLDER
 def test_graded_mesh_gives_hertz_on_a_deep_block():
     contact = mf.fe.press(1e-5, 1.0, thickness=1.0)
     load, indentation = exact.hertz(1e-5, 1.0)
+    # the bonded base, 1e5 contact radii away, takes 7.5e-6 of the indentation
+    indentation += load * float(bonded_layer.regular_influence(0.0, 1.0, 0.5))
     error = max(abs(contact.rescaled_load / load - 1.0), abs(contact.indentation / indentation - 1.0))
-    assert error < 1e-4
+    assert error < 1e-5
     assert overestimates(contact, error)
 
 
@@ -63,8 +66,9 @@ def test_the_fit_holds_between_the_rows():
 def test_lengths_scale():
     small = block(0.12, 0.10)
     big = mf.fe.press(100.0, 1e3 * R, height=120.0, thickness=7.2e3, block_radius=1e4)
-    assert big.rescaled_load == pytest.approx(1e6 * small.rescaled_load, rel=1e-9)
-    assert big.indentation == pytest.approx(1e3 * small.indentation, rel=1e-9)
+    # rounding, in elements at the edge that are 1e6 times as long as wide
+    assert big.rescaled_load == pytest.approx(1e6 * small.rescaled_load, rel=1e-7)
+    assert big.indentation == pytest.approx(1e3 * small.indentation, rel=1e-7)
 
 
 def test_a_frozen_cell_gives_what_press_gives():
