@@ -259,7 +259,7 @@ def depth_at_pressure(law: Contact, pressure: float, radius: float, *, tangent: 
         n = law.power
         unit = contacts(law, np.array(radius), np.array(radius))
         at_radius = float(unit.load / unit.area) * (0.5 * (n + 1.0) if tangent else 1.0)
-        return min(radius * (pressure / at_radius) ** (n / (n - 1.0)), most)
+        return float(min(radius * (pressure / at_radius) ** (n / (n - 1.0)), most))
     low, high = math.log(LEAST_DEPTH * radius), math.log(most)
     if excess(high) <= 0.0:
         return most

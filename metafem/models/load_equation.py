@@ -115,16 +115,16 @@ class LoadEquation:
             gap.sort(axis=1)
             return gap, table
         order = np.argsort(gap, axis=1, kind="stable")
-        arrays = (np.take_along_axis(part, order, 1) for part in table[:3])
-        return np.take_along_axis(gap, order, 1), Law(*arrays, table.data)
+        gap, radius, which, scale = (np.take_along_axis(part, order, 1) for part in (gap, *table[:3]))
+        return gap, Law(radius, which, scale, table.data)
 
     def _refuse_beyond(self, approach: FloatArray, gap: FloatArray, table: Law) -> None:
         """Raise InvalidInput if contacts are deeper than the law describes."""
         most = deepest(table)
         if table.data.size and (approach - gap > most).any():
             raise InvalidInput(
-                f"the contacts need an approach of {approach.max():.4g} mm, and {self.law!r} describes all of "
-                f"them up to {(gap + most).min():.4g} mm; use lighter loads or a law with a larger range"
+                f"the contacts need an approach of {approach.max():.4g} mm, and {self.law!r} describes all "
+                f"contacts up to {(gap + most).min():.4g} mm; use lighter loads or a law with a larger range"
             )
 
     def _last(self, height: FloatArray, radius: FloatArray, base: float, depth: float) -> RescaledState:

@@ -15,7 +15,7 @@ from metafem._validate import FloatArray
 from metafem.errors import InvalidInput, MetafemWarning, NotConverged
 from metafem.fe.block3d.cache import BlockInfluence, cached, is_cached
 from metafem.progress import doing
-from metafem.substrate.protocol import agreed
+from metafem.substrate.radial import agreed
 from metafem.surface import Block, Surface
 
 # Error estimate, in units of 1/(pi t), above which there is a warning: 1 % of the effect of the base.

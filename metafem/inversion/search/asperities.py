@@ -205,8 +205,8 @@ def power_depths(
         closed = depth > 0.0
         a = np.exp(logarithm + np.log(np.where(closed, depth, 1.0)) / n) * closed
         half, slope = (a * depth) @ share, a.sum(axis=1)
-        # first steps for logarithms, exact for one exponent without gaps; then Newton's method, which converges
-        # from any side, as the load is a convex function of the approach
+        # first steps for logarithms, exact for one exponent without gaps; then Newton's method, which
+        # converges from any side, as the load is a convex function of the approach
         new = x * (0.5 * load / half) ** (half / (x * slope)) if step < 3 else x + (0.5 * load - half) / slope
         change, x = np.abs(new - x), new
         if (change <= SETTLED * x).all():
