@@ -35,14 +35,12 @@ class Substrate(Protocol):
 
     def for_surface(self, surface: Surface) -> Substrate:
         """Return the substrate with the dimensions and the Poisson's ratio of a surface."""
-        ...
 
     def influence_matrix(self, surface: Surface) -> FloatArray:
         """Return the displacement at asperity i per unit of rescaled load on asperity j, (n, n) [1/mm].
 
         The diagonal contains the regular self terms: the difference from a half-space at r = 0.
         """
-        ...
 
     def influence_derivatives(self, surface: Surface) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return derivatives of the displacement at asperity i per unit of rescaled load on j, each (n, n).
@@ -50,7 +48,6 @@ class Substrate(Protocol):
         They are the two components of the in-plane gradient at i [1/mm^2] and the in-plane Laplacian
         [1/mm^3]. The diagonals contain the regular self terms.
         """
-        ...
 
 
 class Radial(ABC):
