@@ -157,11 +157,15 @@ def lists(name: str, value: Any, length: int | None) -> FloatArray:
     return array(name, table, shape=(None, length))
 
 
-def loads(name: str, value: Any) -> FloatArray:
-    """Return `value` as an array of loads (k,), none of which may be negative."""
+def loads(name: str, value: Any, *, negative: bool = False) -> FloatArray:
+    """Return `value` as an array of loads (k,); negative ones are refused unless `negative`."""
     result = array(name, value, shape=(None,))
     lowest = Given(name, result.min())
-    refuse_if(result.min() < 0.0, "holds {.number}; loads cannot be negative", lowest, key=name)
+    below = result.min() < 0.0 and not negative
+    refuse_if(below, "holds {.number}; loads cannot be negative", lowest, key=name)
+    tiny = np.flatnonzero((result != 0.0) & (np.abs(result) < SMALLEST))
+    if tiny.size:
+        raise _beyond(f"{name}[{tiny[0]}]", result[tiny[0]])
     return result
 
 

@@ -13,7 +13,6 @@ from numpy.typing import ArrayLike
 
 from metafem import _validate as check
 from metafem import drawing
-from metafem._given import Given
 from metafem._validate import FloatArray
 from metafem._values import MICROMETRES, Value, span
 from metafem.caps import SPHERE, Cap
@@ -185,12 +184,10 @@ class Surface(Value):
 
     def _repr_html_(self) -> str:
         """Return the HTML representation for notebooks."""
-        few = self.count <= MOST_DRAWN
-
-        def distribution(ax: Axes) -> None:
-            card.distribution(ax, MICROMETRES * self.height, "summit height [µm]")
-
-        return card.card("Surface", self._facts(), self.plot if few else distribution)
+        if self.count <= MOST_DRAWN:
+            return card.card("Surface", self._facts(), self.plot)
+        heights = MICROMETRES * self.height, "summit height [µm]"
+        return card.card("Surface", self._facts(), lambda ax: card.distribution(ax, *heights))
 
     def _facts(self) -> dict[str, str]:
         """Return the quantities for the printed summary."""
@@ -326,35 +323,22 @@ def _refuse_coincident(position: FloatArray) -> None:
     same = np.flatnonzero((rounded[order[1:]] == rounded[order[:-1]]).all(axis=1))
     if same.size:
         i, j = sorted(order[same[0] : same[0] + 2].tolist())
-        words = "and {.name} coincide at ({.number}, {.number}); no two asperities may share a position"
-        place = (Given("position", float(value)) for value in position[i])
-        raise InvalidInput(words, Given(f"position[{j}]"), *place, key=f"position[{i}]")
+        x, y = position[i]
+        words = f"and position[{j}] coincide at ({x:g}, {y:g}); no two asperities may share a position"
+        raise InvalidInput(words, key=f"position[{i}]")
 
 
 def _refuse_misfit(position: FloatArray, radius: FloatArray, cell: PeriodicCell) -> None:
     """Refuse asperities larger than a cell, beyond one period, or coincident in another period."""
-    largest = int(radius.argmax())
-    extent = np.ptp(position, axis=0)
-    for name, side, axis, reach in zip(
-        ("width", "length"), (cell.width, cell.length), "xy", extent, strict=True
-    ):
+    sides, largest, extent = np.array([cell.width, cell.length]), radius.max(), np.ptp(position, axis=0)
+    for name, side, reach in zip(("width", "length"), sides.tolist(), extent, strict=True):
         check.proportion(f"cell.{name}", side, "radius", float(radius.min()))
         given: dict[str, Any] = {"key": f"cell.{name}", "value": side}
-        refuse_if(
-            side < radius[largest],
-            "is smaller than {}; one period must be wider than its asperities",
-            Given(f"radius[{largest}]", float(radius[largest])),
-            **given,
-        )
-        refuse_if(
-            reach > side,
-            f"is smaller than the extent of the positions along {axis}, " + "{.number}; enlarge the cell, or "
-            "subtract multiples of its sides from positions",
-            Given("position", float(reach)),
-            **given,
-        )
+        wider = f"is smaller than the largest radius, {largest:g} mm; one period must be wider than that"
+        refuse_if(side < largest, wider, **given)
+        larger = f"is smaller than the extent of the positions, {reach:g} mm; enlarge the cell, or subtract "
+        refuse_if(side < reach, larger + "multiples of its sides from positions", **given)
     if len(position) > 1:
-        sides = np.array([cell.width, cell.length])
         place = np.mod(position - position.min(axis=0), sides)
         distance, other = scipy.spatial.cKDTree(place, boxsize=sides).query(place, k=2)
         i = int(distance[:, 1].argmin())

@@ -18,7 +18,7 @@ from metafem._caches import cache_folder, write_whole
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput, MetafemWarning
 from metafem.progress import doing, message
-from metafem.substrate.protocol import agreed
+from metafem.substrate.radial import agreed
 from metafem.surface import Block, Surface
 
 # Error estimate, in units of 1/(pi t), above which there is a warning: 1 % of the effect of the base.

@@ -255,6 +255,11 @@ def depth_at_pressure(law: Contact, pressure: float, radius: float, *, tangent: 
         return math.log(max(float(found.load), np.finfo(float).tiny) / found.area / pressure)
 
     most = min(float(law.largest_indentation(radius)), MOST_DEPTH * radius)
+    if law.power is not None and law.power > 1.0:  # P/A ~ d^(1 - 1/n), and dP/dA = (n + 1)/2 P/A
+        n = law.power
+        unit = contacts(law, np.array(radius), np.array(radius))
+        at_radius = float(unit.load / unit.area) * (0.5 * (n + 1.0) if tangent else 1.0)
+        return float(min(radius * (pressure / at_radius) ** (n / (n - 1.0)), most))
     low, high = math.log(LEAST_DEPTH * radius), math.log(most)
     if excess(high) <= 0.0:
         return most

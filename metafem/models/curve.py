@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from enum import Enum
 from functools import cached_property
@@ -64,13 +65,7 @@ class ModelError(float):
     solved: bool
 
     def __new__(
-        cls,
-        value: float,
-        source: str = "",
-        load: FloatArray = NONE,
-        change: FloatArray = NONE,
-        *,
-        solved: bool = True,
+        cls, value: float, source: str = "", load: Any = NONE, change: Any = NONE, solved: bool = True
     ) -> Self:
         """Return the number `value` with its attributes."""
         error = super().__new__(cls, value)
@@ -183,9 +178,8 @@ class Curve:
 
     def with_notes(self, notes: tuple[Note, ...], error: ModelError | None = None) -> Curve:
         """Return the curve with other notes and, if given, another error; cached results are retained."""
-        curve = object.__new__(Curve)
-        curve.__dict__.update(self.__dict__, notes=notes, error=self.error if error is None else error)
-        return curve
+        error = self.error if error is None else error
+        return replace(self, notes=notes, error=error, compute_last=lambda: self.last)
 
     def checked(self) -> Curve:
         """Return the curve if it has converged; otherwise raise NotConverged with the curve attached."""
@@ -252,18 +246,18 @@ def areas_one_by_one(
     curve_of: Callable[[Surface, FloatArray], Curve],
     surface: Surface,
     load: FloatArray,
-    height: FloatArray,
-    radius: FloatArray | None,
-    position: FloatArray | None,
+    *arrays: FloatArray | None,
 ) -> FloatArray:
-    """Return A0 [mm^2] of many surfaces, (m, k), by one curve each; see `Model.areas`."""
-    found = np.full((len(height), len(load)), np.nan)
-    for row in range(len(height)):
-        changes = {"height": height, "radius": radius, "position": position}
-        changed = surface.replaced(**{name: v[row] for name, v in changes.items() if v is not None})
-        try:
+    """Return A0 [mm^2] of many surfaces, (m, k), by one curve each; see `Model.areas`.
+
+    arrays: heights, radii and positions; None for those of the surface.
+    """
+    names = ("height", "radius", "position")
+    given = {name: values for name, values in zip(names, arrays, strict=True) if values is not None}
+    found = np.full((len(given["height"]), len(load)), np.nan)
+    for row in range(len(found)):
+        with suppress(NotConverged):
+            changed = surface.replaced(**{name: values[row] for name, values in given.items()})
             curve = curve_of(changed, load)
-        except NotConverged:
-            continue
-        found[row] = np.where(curve.solved, curve.area, np.nan)
+            found[row] = np.where(curve.solved, curve.area, np.nan)
     return found

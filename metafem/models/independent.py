@@ -18,7 +18,7 @@ from metafem.models.adhesion.load_equation import AdhesiveAsperities
 from metafem.models.adhesion.notes import adhesive_law
 from metafem.models.curve import Curve, Sensitivity, controlled
 from metafem.models.interacting.model import Interacting
-from metafem.models.load_equation import LoadEquation, Paraboloids
+from metafem.models.load_equation import LoadEquation
 from metafem.surface import Surface
 
 
@@ -27,7 +27,7 @@ def load_equation(law: Contact, model: object = None) -> LoadEquation:
     adhesive = adhesive_law(law)
     if adhesive is not None:
         return AdhesiveAsperities(model, adhesive)
-    return (Paraboloids if law == PARABOLOID else LoadEquation)(model, law)
+    return LoadEquation(model, law)
 
 
 @dataclass(frozen=True, repr=False)

@@ -62,28 +62,23 @@ class Model(Protocol):
     @property
     def name(self) -> str:
         """Name of the model in texts and for ``--model``."""
-        ...
 
     @property
     def couples(self) -> bool:
         """Whether the contacts interact, so that A0(P) depends on their positions."""
-        ...
 
     @property
     def gradient_model(self) -> Sensitive:
         """Model whose sensitivities an inversion uses: this model if it has sensitivities."""
-        ...
 
     @property
     def reference(self) -> Interacting:
         """Model for comparison: `Interacting` on the same substrate, of the highest order of the law."""
-        ...
 
     def curve(
         self, surface: Surface, load: FloatArray | None = None, *, approach: FloatArray | None = None
     ) -> Curve:
         """Return equilibria at increasing rescaled loads P/E* [mm^2] or approaches [mm], (k,)."""
-        ...
 
     def areas(
         self,
@@ -97,7 +92,6 @@ class Model(Protocol):
 
         height, radius: (m, n) [mm]; position: (m, n, 2) [mm]; default: the surface's.
         """
-        ...
 
 
 class Sensitive(Model, Protocol):
@@ -110,7 +104,6 @@ class Sensitive(Model, Protocol):
 
         height: summit heights (n,) [mm] that replace the heights of the surface; they are not checked.
         """
-        ...
 
 
 class WithoutGradients:

@@ -109,11 +109,7 @@ def friction_law(
     elif load is None:
         values = {"load": default_loads(surface, solver)}
     else:
-        newtons = np.sort(check.array("load", load, shape=(None,)))
-        refuse_if(
-            newtons[0] < 0.0 and not (unloading and law.adhesive),
-            f"load holds {newtons[0]:g} N; loads must be at least 0 N",
-        )
+        newtons = np.sort(check.loads("load", load, negative=unloading and law.adhesive))
         values = {"load": newtons / surface.material.composite_modulus}
     if not unloading:
         curve = solver.curve(surface, **values)

@@ -1,12 +1,30 @@
-"""Closed-form solutions for one frictionless contact on a half-space of composite modulus 1."""
+"""Closed-form solutions for one frictionless contact, and for the displacement of a layer around it.
+
+The composite modulus is 1. The formulas for elastic-plastic contacts are those published, including their
+jumps: indentation w* = w/w_c, load P/P_c and area A/A_c are relative to those of a Hertz contact at first
+yield. The displacement of a layer is computed by quadrature of its Hankel integral.
+"""
 
 from __future__ import annotations
 
 import math
 
 import numpy as np
+from numpy.typing import ArrayLike
+from scipy.special import j0, jn_zeros
 
 from metafem._validate import FloatArray
+
+# Upper limit of the integrals, beyond which 1 - M is below 1e-38. With 12 Gauss points in each of 250 panels,
+# J0(x r/t) is integrated to rounding up to r = 30 t, where a panel contains about one period of J0.
+LAST, PANELS, POINTS = 50.0, 250, 12
+
+# Lattice sums end at this number of thicknesses, where the displacement of the layer has decayed to about
+# 1e-8: for nu = 0.5 it decays as exp(-0.739 r/t).
+LATTICE_EXTENT = 24.0
+
+# Number of terms of the Dini series; the last terms are 1e-11 of the sum.
+TERMS = 100_000
 
 
 def hertz(contact_radius: float, radius: float) -> tuple[float, float]:
@@ -30,9 +48,8 @@ def hertz_displacement(r: FloatArray, contact_radius: float, radius: float) -> F
     eq. 3.42a, doi:10.1017/CBO9781139171731.
     """
     a, peak = contact_radius, 2.0 * contact_radius / (math.pi * radius)
-    return np.asarray(
-        0.5 * peak / a * ((2.0 * a**2 - r**2) * np.arcsin(a / r) + a * np.sqrt((r - a) * (r + a)))
-    )
+    root = a * np.sqrt((r - a) * (r + a))
+    return np.asarray(0.5 * peak / a * ((2.0 * a**2 - r**2) * np.arcsin(a / r) + root))
 
 
 def sneddon_sphere(contact_radius: float, radius: float) -> tuple[float, float]:
@@ -80,3 +97,104 @@ def conductance(stiffness: float, composite_modulus: float, resistivity: float) 
     4.0
     """
     return 2.0 * stiffness / (composite_modulus * resistivity)
+
+
+def kogut_etsion(w: float, poisson_ratio: float) -> tuple[float, float]:
+    """Return the load P/P_c and the area A/A_c [-] at an indentation w/w_c [-].
+
+    Kogut and Etsion, J. Appl. Mech. 69, 657 (2002), doi:10.1115/1.1490373. Beyond 110 w_c the contact is
+    fully plastic: ``P = H A``, ``A = 2 pi R w``, with ``P_c = 2/3 K H pi w_c R`` and ``K = 0.454 + 0.41 nu``.
+    """
+    if w <= 1.0:
+        return w**1.5, w
+    if w <= 6.0:
+        return 1.03 * w**1.425, 0.93 * w**1.136
+    if w <= 110.0:
+        return 1.40 * w**1.263, 0.94 * w**1.146
+    return 3.0 / (0.454 + 0.41 * poisson_ratio) * w, 2.0 * w
+
+
+def jackson_green(w: float, poisson_ratio: float, strain: float) -> tuple[float, float]:
+    """Return the load P/P_c and the area A/A_c [-] at an indentation w/w_c [-]; `strain` is S_y/E* [-].
+
+    Jackson and Green, J. Tribol. 127, 343 (2005), doi:10.1115/1.1866166.
+    """
+    if w <= 1.9:
+        return w**1.5, w
+    factor = 1.295 * math.exp(0.736 * poisson_ratio)  # C
+    area = w * (w / 1.9) ** (0.14 * math.exp(23.0 * strain))
+    yielding = 0.5 * math.pi * factor * strain  # sqrt(w_c/R)
+    hardness = 2.84 * (1.0 - math.exp(-0.82 * (yielding * area**0.5) ** -0.7))  # H/S_y
+    elastic = math.exp(-(w ** (5.0 / 12.0)) / 4.0) * w**1.5
+    plastic = 4.0 * hardness / factor * (1.0 - math.exp(-(w ** (5.0 / 9.0)) / 25.0)) * w
+    return elastic + plastic, area
+
+
+def layer_multiplier(x: FloatArray, poisson_ratio: float) -> FloatArray:
+    """Return M(x) [-] of a layer on a rigid base, (k,); M is 1 for a half-space.
+
+    ``(2 k sinh 2x - 4x)/(2 k cosh 2x + 4 x^2 + 1 + k^2)``, k = 3 - 4 nu; Johnson, Contact Mechanics
+    (1985), section 5.8, doi:10.1017/CBO9781139171731.
+    """
+    k = 3.0 - 4.0 * poisson_ratio
+    small = np.exp(-2.0 * x)
+    above = k * (1.0 - small**2) - 4.0 * x * small
+    return np.asarray(above / (k * (1.0 + small**2) + (4.0 * x**2 + 1.0 + k**2) * small))
+
+
+def layer_regular(r: ArrayLike, thickness: float, poisson_ratio: float) -> FloatArray:
+    """Return the influence of the layer minus that of the half-space, 1/(pi r) [1/mm]; finite at r = 0.
+
+    ``1/(pi t) int_0^inf (M(x) - 1) J0(x r/t) dx``, for r up to 30 t.
+    """
+    return _layer_integral(np.asarray(r, dtype=np.float64), thickness, poisson_ratio, 0)
+
+
+def layer_laplacian(r: ArrayLike, thickness: float, poisson_ratio: float) -> FloatArray:
+    """Return the surface Laplacian of `layer_regular`, ``-1/(pi t^3) int (M - 1) x^2 J0 dx`` [1/mm^3]."""
+    return -_layer_integral(np.asarray(r, dtype=np.float64), thickness, poisson_ratio, 2) / thickness**2
+
+
+def layer_influence(r: ArrayLike, thickness: float, poisson_ratio: float) -> FloatArray:
+    """Return the surface displacement of the layer per unit P/E* at distances r > 0 [1/mm]."""
+    return layer_regular(r, thickness, poisson_ratio) + 1.0 / (math.pi * np.asarray(r))
+
+
+def layer_lattice_sums(pitch: float, thickness: float, poisson_ratio: float) -> tuple[float, float]:
+    """Return the influence [1/mm] and its Laplacian [1/mm^3] of an infinite square lattice at one site.
+
+    The influence is the sum over all sites, with the regular part of the site itself. The Laplacian is the
+    sum over all other sites.
+    """
+    count = math.ceil(LATTICE_EXTENT * thickness / pitch)
+    index = np.arange(-count, count + 1)
+    square = (index[:, None] ** 2 + index**2).ravel()
+    square, number = np.unique(square[(square > 0) & (square <= count**2)], return_counts=True)
+    r = pitch * np.sqrt(square)
+    laplacian = 1.0 / (math.pi * r**3) + layer_laplacian(r, thickness, poisson_ratio)
+    total = math.fsum(number * layer_influence(r, thickness, poisson_ratio))
+    return total + float(layer_regular(0.0, thickness, poisson_ratio)), math.fsum(number * laplacian)
+
+
+def layer_cell(contact_radius: float, cell_radius: float, thickness: float, poisson_ratio: float) -> float:
+    """Return the central displacement of a Hertzian load on a cylinder minus that on a half-space [1/mm].
+
+    Both are displacements per unit P/E*; on a half-space it is ``3/(4 a)``. The wall of the cylinder has no
+    radial displacement and no shear. The displacement is a Dini series over the zeros of J1(k b):
+    ``2/(pi b^2) sum M(k t) F(k a)/(k J0(k b)^2)``, F(x) = 3 (sin x - x cos x)/x^3.
+    """
+    zeros = jn_zeros(1, TERMS)
+    k = zeros / cell_radius
+    x = k * contact_radius
+    source = 3.0 * (np.sin(x) - x * np.cos(x)) / x**3
+    terms = layer_multiplier(k * thickness, poisson_ratio) * source / (k * j0(zeros) ** 2)
+    return 2.0 / (math.pi * cell_radius**2) * math.fsum(terms) - 0.75 / contact_radius
+
+
+def _layer_integral(r: FloatArray, thickness: float, poisson_ratio: float, power: int) -> FloatArray:
+    y, w = np.polynomial.legendre.leggauss(POINTS)
+    step = LAST / PANELS
+    x = (step * (np.arange(PANELS)[:, None] + 0.5 * (y + 1.0))).ravel()
+    weight = np.tile(0.5 * step * w, PANELS) * (layer_multiplier(x, poisson_ratio) - 1.0) * x**power
+    waves = j0(np.multiply.outer(r / thickness, x))
+    return np.asarray(waves @ weight / (math.pi * thickness))

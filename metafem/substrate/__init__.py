@@ -1,8 +1,6 @@
 """Elastic coupling of the asperities through the block."""
 
 from metafem.substrate.bonded_layer import BondedLayer
-from metafem.substrate.half_space import HalfSpace
-from metafem.substrate.protocol import Substrate
-from metafem.substrate.radial import Radial
+from metafem.substrate.radial import HalfSpace, Radial, Substrate
 
 __all__ = ["BondedLayer", "HalfSpace", "Radial", "Substrate"]

@@ -1,19 +1,30 @@
-"""The elastic layer bonded to a rigid base."""
+"""The elastic layer bonded to a rigid base: its influence as an integral over wavenumbers, tabulated."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from typing import ClassVar
 
 import numpy as np
+from scipy.special import j0, j1
 
 from metafem import _validate as check
+from metafem._kernels import layer as kernel
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput, refuse_if
-from metafem.substrate.layered import Layered, Quadrature, quadrature, regular_table
-from metafem.substrate.protocol import agreed
+from metafem.material import PeriodicCell
+from metafem.substrate.periodic import LatticeSum, image_sum
+from metafem.substrate.radial import Radial, agreed
 from metafem.surface import Surface
+
+# Upper limit of the integrals. Beyond it 1 - M, which decreases at most as x^2 exp(-2x), is below 1e-19.
+LAST_WAVENUMBER = 25.0
+
+# Number of panels and of Gauss points per panel. A panel is shorter than three periods of J0 at the end of
+# the table.
+PANELS, PANEL_POINTS = 72, 16
 
 # End of the table in s = r/t. There G is below 1e-13 of its value on a half-space. Its decay is slowest at
 # nu = 1/2, where it is exp(-0.739 s); 0.739 = cos 0.739 is the first pole of M.
@@ -21,7 +32,7 @@ TABLE_END = 48.0
 
 
 @dataclass(frozen=True)
-class BondedLayer(Layered):
+class BondedLayer(Radial):
     """A layer of thickness t, unbounded in the plane, bonded to a rigid base.
 
     ``G(r) = 1/pi int_0^inf M(k t) J0(k r) dk`` with
@@ -61,36 +72,61 @@ class BondedLayer(Layered):
 
     def for_surface(self, surface: Surface) -> BondedLayer:
         """Return the layer with the thickness and the Poisson's ratio of a surface."""
-        ratio = agreed("BondedLayer", "poisson_ratio", self.poisson_ratio, surface.material.poisson_ratio)
-        block = surface.block
-        refuse_if(
-            block is None and self.thickness is None,
-            "BondedLayer() needs the surface's block, or the argument thickness",
-        )
-        given = None if block is None else block.thickness
+        given = getattr(surface.block, "thickness", None)
         thickness = agreed("BondedLayer", "thickness", self.thickness, given)
+        ratio = agreed("BondedLayer", "poisson_ratio", self.poisson_ratio, surface.material.poisson_ratio)
+        refuse_if(thickness is None, "BondedLayer() needs the surface's block, or the argument thickness")
         return replace(self, thickness=thickness, poisson_ratio=ratio)
 
     @property
-    def _thickness(self) -> float:
-        return self._values()[0]
-
-    @property
-    def _quadrature(self) -> Quadrature:
-        return _quadrature(self._values()[1])
-
-    @property
-    def _table(self) -> FloatArray:
-        return _table(self._values()[1])
-
-    @property
-    def _mean(self) -> float:
-        """Displacement by a uniform pressure p/E* = 1 without lateral strain [mm]."""
+    def self_influence(self) -> float:
+        """Regular part of G at r = 0, ``-1/(pi t) int (1 - M) dx`` [1/mm]."""
         thickness, ratio = self._values()
-        return thickness * (1.0 - 2.0 * ratio) / (1.0 - ratio) ** 2
+        return float(-_quadrature(ratio)[1].sum() / (math.pi * thickness))
 
-    def _deficit(self, wavenumber: FloatArray) -> FloatArray:
-        return _deficit(wavenumber, self._values()[1])
+    @property
+    def self_curvature(self) -> float:
+        """Second derivative of the regular part at r = 0, ``1/(2 pi t^3) int (1 - M) x^2 dx`` [1/mm^3]."""
+        thickness, ratio = self._values()
+        x, weight = _quadrature(ratio)
+        return float(weight @ x**2 / (2.0 * math.pi * thickness**3))
+
+    def regular_derivatives(self, distance: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return the regular parts of G [1/mm], G' [1/mm^2] and G'' [1/mm^3] at distances r >= 0 [mm]."""
+        thickness, ratio = self._values()
+        flat = np.ravel(distance)
+        parts = kernel.empty_results(flat.size)
+        kernel.fill_regular(flat, thickness, _table(ratio), *parts)
+        value, first, second = (part.reshape(np.shape(distance)) for part in parts)
+        return value, first, second
+
+    @property
+    def last_wavenumber(self) -> float:
+        """Wavenumber k beyond which 1 - M(k t) is zero to rounding [1/mm]."""
+        return LAST_WAVENUMBER / self._values()[0]
+
+    def transform(self, wavenumber: FloatArray) -> FloatArray:
+        """Return ``2 (M(k t) - 1)/k`` [mm] at wavenumbers k [1/mm].
+
+        At 0 it is the displacement by a uniform pressure p/E* = 1 without lateral strain.
+        """
+        thickness, ratio = self._values()
+        x = np.where(wavenumber > 0.0, wavenumber * thickness, 1.0)
+        value = -2.0 * thickness * _deficit(np.minimum(x, 4.0 * LAST_WAVENUMBER), ratio) / x
+        mean = thickness * (1.0 - 2.0 * ratio) / (1.0 - ratio) ** 2
+        return np.asarray(np.where(wavenumber > 0.0, value, mean))
+
+    def periodic(self, cell: PeriodicCell, x: FloatArray, y: FloatArray) -> LatticeSum:
+        """Return the influence of all periods; directly where fewer periods than waves are summed.
+
+        The waves of a thin layer in a large cell would need gigabytes.
+        """
+        sides, reach = np.array([cell.width, cell.length]), TABLE_END * self._values()[0]
+        waves = np.prod(1.0 + self.last_wavenumber * sides / (2.0 * math.pi))
+        if np.prod(1.0 + 2.0 * reach / sides) > waves:
+            return super().periodic(cell, x, y)
+        own = self.self_influence, 2.0 * self.self_curvature
+        return image_sum(cell, x, y, partial(self.influence, derivatives=True), reach, own)
 
     def _values(self) -> tuple[float, float]:
         if self.thickness is None or self.poisson_ratio is None:
@@ -109,10 +145,24 @@ def _deficit(wavenumber: FloatArray, poisson_ratio: float) -> FloatArray:
 
 
 @lru_cache
-def _quadrature(poisson_ratio: float) -> Quadrature:
-    return quadrature(partial(_deficit, poisson_ratio=poisson_ratio))
+def _quadrature(poisson_ratio: float) -> tuple[FloatArray, FloatArray]:
+    """Return nodes x and weights w for which sum w f(x) is the integral of (1 - M) f."""
+    node, weight = np.polynomial.legendre.leggauss(PANEL_POINTS)
+    half = 0.5 * LAST_WAVENUMBER / PANELS
+    x = (half * (2.0 * np.arange(PANELS)[:, None] + 1.0 + node)).ravel()
+    return x, half * np.tile(weight, PANELS) * _deficit(x, poisson_ratio)
 
 
 @lru_cache
 def _table(poisson_ratio: float) -> FloatArray:
-    return regular_table(_quadrature(poisson_ratio), TABLE_END)
+    """Return the read-only table of the regular part."""
+    x, weight = _quadrature(poisson_ratio)
+
+    def regular(s: FloatArray) -> tuple[FloatArray, ...]:
+        phase = np.outer(s, x)
+        zero, one = j0(phase), j1(phase)
+        return -(zero @ weight), one @ (weight * x), (zero - one / phase) @ (weight * x**2)
+
+    table = kernel.tabulated(regular, TABLE_END)
+    table.flags.writeable = False
+    return table

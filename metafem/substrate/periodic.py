@@ -56,76 +56,68 @@ def lattice_sum(
     splitting: factor of alpha, on which the sums do not depend; the default balances the two parts.
     """
     alpha = splitting * math.sqrt(math.pi / cell.area)
-    series = _Series.of(cell, alpha, transform, max(2.0 * LAST * alpha, last_wavenumber))
+
+    def screened(r: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return erfc(alpha r)/(pi r) and its first two derivatives."""
+        value = erfc(alpha * r) / (math.pi * r)
+        gauss = 2.0 * alpha / math.pi**1.5 * np.exp(-((alpha * r) ** 2))
+        first = -(value + gauss) / r
+        return value, first, 2.0 * (alpha**2 * gauss - first / r)
+
+    own = -2.0 * alpha / math.pi**1.5, 8.0 * alpha**3 / (3.0 * math.pi**1.5)
+    found = np.array(image_sum(cell, x, y, screened, LAST / alpha, own)).reshape(4, -1)
+    found[0] -= 2.0 / (math.sqrt(math.pi) * alpha * cell.area)
+    last = max(2.0 * LAST * alpha, last_wavenumber)
+    qx, qy = (
+        2.0 * math.pi / side * np.arange(int(last * side / (2.0 * math.pi)) + 1.0)
+        for side in (cell.width, cell.length)
+    )
+    square = qx[:, None] ** 2 + qy**2
+    q = np.sqrt(square)
+    q[0, 0] = 1.0
+    smooth = 2.0 / q * erfc(q / (2.0 * alpha))
+    q[0, 0] = smooth[0, 0] = 0.0
+    # every wave stands for those with negative wavenumbers, too
+    number = np.multiply.outer(*(np.where(k > 0.0, 2.0, 1.0) for k in (qx, qy)))
+    f = np.where(q <= last, number * (smooth + transform(q)) / cell.area, 0.0)
+    series = f, -qx[:, None] * f, -qy * f, -square * f
     flat_x, flat_y = cell.nearest(np.ravel(x), np.ravel(y))
-    found = np.empty((4, flat_x.size))
     for start in range(0, flat_x.size, BATCH):
         part = slice(start, start + BATCH)
-        found[:, part] = series.at(flat_x[part], flat_y[part])
-        found[:, part] += _images(cell, alpha, flat_x[part], flat_y[part])
-    found[1:3, (flat_x == 0.0) & (flat_y == 0.0)] = 0.0  # by symmetry; the series has rounding
-    found[0] -= 2.0 / (math.sqrt(math.pi) * alpha * cell.area)
-    return LatticeSum(*(line.reshape(np.shape(x)) for line in found))
-
-
-class _Series(NamedTuple):
-    """Fourier series of the smooth part: wavenumbers along x and y from 0, and their coefficients."""
-
-    along_x: FloatArray
-    along_y: FloatArray
-    coefficient: FloatArray  # with the weights of negative wavenumbers
-
-    @classmethod
-    def of(
-        cls, cell: PeriodicCell, alpha: float, transform: Callable[[FloatArray], FloatArray], last: float
-    ) -> _Series:
-        qx, qy = (
-            2.0 * math.pi / side * np.arange(int(last * side / (2.0 * math.pi)) + 1.0)
-            for side in (cell.width, cell.length)
-        )
-        q = np.hypot(qx[:, None], qy)
-        q[0, 0] = 1.0
-        value = 2.0 / q * erfc(q / (2.0 * alpha))
-        q[0, 0] = value[0, 0] = 0.0
-        value += transform(q)
-        weight = np.multiply.outer(*(np.where(np.arange(k.size) == 0, 1.0, 2.0) for k in (qx, qy)))
-        return cls(qx, qy, np.where(q <= last, weight * value / cell.area, 0.0))
-
-    def at(self, x: FloatArray, y: FloatArray) -> FloatArray:
-        """Return the series, its gradient and its Laplacian at points, (4, k)."""
-        qx, qy, f = self
-        phase_x, phase_y = np.outer(x, qx), np.outer(y, qy)
+        phase_x, phase_y = np.outer(flat_x[part], qx), np.outer(flat_y[part], qy)
         cos_x, cos_y = np.cos(phase_x), np.cos(phase_y)
-        square = qx[:, None] ** 2 + qy**2
-        return np.array(
-            [
-                ((cos_x @ f) * cos_y).sum(axis=1),
-                ((np.sin(phase_x) @ (-qx[:, None] * f)) * cos_y).sum(axis=1),
-                ((cos_x @ (-qy * f)) * np.sin(phase_y)).sum(axis=1),
-                ((cos_x @ (-square * f)) * cos_y).sum(axis=1),
-            ]
-        )
+        factors = (cos_x, cos_y), (np.sin(phase_x), cos_y), (cos_x, np.sin(phase_y)), (cos_x, cos_y)
+        for line, terms, (along_x, along_y) in zip(found, series, factors, strict=True):
+            line[part] += ((along_x @ terms) * along_y).sum(axis=1)
+    found[1:3, (flat_x == 0.0) & (flat_y == 0.0)] = 0.0  # by symmetry; the series has rounding
+    return LatticeSum(*found.reshape(4, *np.shape(x)))
 
 
-def _images(cell: PeriodicCell, alpha: float, x: FloatArray, y: FloatArray) -> FloatArray:
-    """Return the sum of erfc(alpha r)/(pi r) over all periods, its gradient and its Laplacian, (4, k)."""
-    total = np.zeros((4, x.size))
-    most_x, most_y = (math.ceil(LAST / (alpha * side) + 0.5) for side in (cell.width, cell.length))
+def image_sum(
+    cell: PeriodicCell,
+    x: FloatArray,
+    y: FloatArray,
+    radial: Callable[[FloatArray], tuple[FloatArray, FloatArray, FloatArray]],
+    reach: float,
+    own: tuple[float, float],
+) -> LatticeSum:
+    """Return the sum of a function of r, and of its derivatives, over all periods within reach [mm].
+
+    radial: the function with its first two derivatives; own: its value and its Laplacian at r = 0.
+    """
+    flat_x, flat_y = cell.nearest(np.ravel(x), np.ravel(y))
+    total = np.zeros((4, flat_x.size))
+    most_x, most_y = (math.ceil(reach / side + 0.5) for side in (cell.width, cell.length))
     for i in range(-most_x, most_x + 1):
         for j in range(-most_y, most_y + 1):
-            dx, dy = x - i * cell.width, y - j * cell.length
+            dx, dy = flat_x - i * cell.width, flat_y - j * cell.length
             r = np.hypot(dx, dy)
-            used = np.flatnonzero((r > 0.0) & (r < LAST / alpha))
-            if not used.size:
-                continue
-            dx, dy, r = dx[used], dy[used], r[used]
-            value = erfc(alpha * r) / r
-            gauss = 2.0 * alpha / math.sqrt(math.pi) * np.exp(-((alpha * r) ** 2))
-            first = -(value + gauss) / r  # derivative of erfc(alpha r)/r
-            laplacian = -first / r + 2.0 * alpha**2 * gauss
-            terms = value, first * dx / r, first * dy / r, laplacian
-            total[:, used] += np.array(terms) / math.pi
-    own = np.flatnonzero((x == 0.0) & (y == 0.0))
-    total[0, own] -= 2.0 * alpha / math.pi**1.5
-    total[3, own] += 8.0 * alpha**3 / (3.0 * math.pi**1.5)
-    return total
+            used = np.flatnonzero((r > 0.0) & (r < reach))
+            if used.size:
+                dx, dy, r = dx[used], dy[used], r[used]
+                value, first, second = radial(r)
+                total[:, used] += np.array([value, first * dx / r, first * dy / r, second + first / r])
+    at_source = (flat_x == 0.0) & (flat_y == 0.0)
+    total[0, at_source] += own[0]
+    total[3, at_source] += own[1]
+    return LatticeSum(*total.reshape(4, *np.shape(x)))

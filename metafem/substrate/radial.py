@@ -1,19 +1,53 @@
-"""Substrates whose influence depends only on the distance between source and displaced point."""
+"""Elastic substrates: their protocol, those whose influence is radial, and the half-space.
+
+The influence of a radial substrate depends only on the distance between source and displaced point.
+"""
 
 from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from typing import Literal, Self, overload
+from dataclasses import dataclass
+from typing import Any, ClassVar, Protocol, Self, runtime_checkable
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from metafem._validate import FloatArray
-from metafem.errors import InvalidInput
+from metafem.errors import InvalidInput, refuse_if
 from metafem.material import PeriodicCell
 from metafem.substrate.periodic import LatticeSum, lattice_sum
 from metafem.surface import Surface
+
+
+def agreed(substrate: str, name: str, stated: Any, given: Any) -> Any:
+    """Return a value that the substrate or the surface defines; raise InvalidInput if both do and differ."""
+    refuse_if(
+        stated is not None and given is not None and stated != given,
+        f"{substrate} has {name} = {stated}, but the surface has {given}",
+    )
+    return given if stated is None else stated
+
+
+@runtime_checkable
+class Substrate(Protocol):
+    """Green's function of the block: the surface displacement per unit of rescaled load P/E*."""
+
+    def for_surface(self, surface: Surface) -> Substrate:
+        """Return the substrate with the dimensions and the Poisson's ratio of a surface."""
+
+    def influence_matrix(self, surface: Surface) -> FloatArray:
+        """Return the displacement at asperity i per unit of rescaled load on asperity j, (n, n) [1/mm].
+
+        The diagonal contains the regular self terms: the difference from a half-space at r = 0.
+        """
+
+    def influence_derivatives(self, surface: Surface) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return derivatives of the displacement at asperity i per unit of rescaled load on j, each (n, n).
+
+        They are the two components of the in-plane gradient at i [1/mm^2] and the in-plane Laplacian
+        [1/mm^3]. The diagonals contain the regular self terms.
+        """
 
 
 class Radial(ABC):
@@ -25,11 +59,6 @@ class Radial(ABC):
     >>> isinstance(HalfSpace(), Radial)
     True
     """
-
-    @property
-    def name(self) -> str:
-        """Name of the substrate; default: the name of its class."""
-        return type(self).__name__
 
     def for_surface(self, surface: Surface) -> Self:
         """Return the substrate with the dimensions and the Poisson's ratio of a surface."""
@@ -73,19 +102,9 @@ class Radial(ABC):
 
     def regular(self, distance: ArrayLike) -> FloatArray:
         """Return ``G(r) - 1/(pi r)`` [1/mm], finite down to r = 0."""
-        return self.regular_derivatives(_distances(distance, positive=False))[0]
+        return self.regular_derivatives(np.asarray(distance, dtype=np.float64))[0]
 
-    @overload
-    def influence(self, distance: ArrayLike, derivatives: Literal[False] = False) -> FloatArray: ...
-
-    @overload
-    def influence(
-        self, distance: ArrayLike, derivatives: Literal[True]
-    ) -> tuple[FloatArray, FloatArray, FloatArray]: ...
-
-    def influence(
-        self, distance: ArrayLike, derivatives: bool = False
-    ) -> FloatArray | tuple[FloatArray, FloatArray, FloatArray]:
+    def influence(self, distance: ArrayLike, derivatives: bool = False) -> Any:
         """Return the surface displacement at a distance from a point load, per unit of P/E*.
 
         Parameters
@@ -104,7 +123,11 @@ class Radial(ABC):
         InvalidInput
             If a distance is not positive and finite.
         """
-        r = _distances(distance, positive=True)
+        r = np.asarray(distance, dtype=np.float64)
+        refuse_if(
+            not ((r > 0.0) & (r < math.inf)).all(),
+            f"distance = {distance!r:.80} must be finite and greater than 0",
+        )
         value, first, second = self.regular_derivatives(r)
         point = 1.0 / (math.pi * r)
         if not derivatives:
@@ -113,13 +136,7 @@ class Radial(ABC):
 
     def influence_matrix(self, surface: Surface) -> FloatArray:
         """Return the displacement at asperity i per unit of rescaled load on asperity j, (n, n) [1/mm]."""
-        if surface.cell is not None:
-            return self.influence_terms(surface)[0]
-        bound = self.for_surface(surface)
-        _, _, r = _differences(surface.position)
-        matrix = bound.influence(r)
-        np.fill_diagonal(matrix, bound.self_influence)
-        return matrix
+        return self.influence_terms(surface)[0]
 
     def influence_derivatives(self, surface: Surface) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return gradient (x, y) [1/mm^2] and Laplacian [1/mm^3] at i of the influence of j, (n, n) each."""
@@ -130,10 +147,13 @@ class Radial(ABC):
 
         With a periodic cell they are sums over all periods, see `metafem.substrate.periodic`.
         """
-        bound = self.for_surface(surface)
-        dx, dy, r = _differences(surface.position)
+        bound, (x, y) = self.for_surface(surface), surface.position.T
+        dx, dy = x[:, None] - x, y[:, None] - y
         if surface.cell is not None:
-            return _symmetric(bound.periodic(surface.cell, dx[_upper(len(dx))], dy[_upper(len(dx))]), len(dx))
+            upper = np.triu_indices(len(x))
+            return _symmetric(bound.periodic(surface.cell, dx[upper], dy[upper]), upper, dx)
+        r = np.hypot(dx, dy)
+        np.fill_diagonal(r, 1.0 if len(r) == 1 else r[0, 1])  # not used
         matrix, first, second = bound.influence(r, derivatives=True)
         np.fill_diagonal(matrix, bound.self_influence)
         first /= r
@@ -142,35 +162,41 @@ class Radial(ABC):
         return matrix, first * dx, first * dy, laplacian
 
 
-def _upper(count: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    return np.triu_indices(count)
-
-
-def _symmetric(half: LatticeSum, count: int) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+def _symmetric(
+    half: LatticeSum, upper: tuple[Any, Any], like: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """Return the matrices (n, n) from their upper halves; the gradients change sign below the diagonal."""
-    i, j = _upper(count)
-    value, slope_x, slope_y, laplacian = (np.empty((count, count)) for _ in range(4))
-    pairs = zip((value, slope_x, slope_y, laplacian), half, (1.0, -1.0, -1.0, 1.0), strict=True)
-    for matrix, part, sign in pairs:
-        matrix[j, i] = sign * part
-        matrix[i, j] = part
-    return value, slope_x, slope_y, laplacian
+    i, j = upper
+    matrix, slope_x, slope_y, laplacian = (np.empty_like(like) for _ in half)
+    for whole, part, sign in zip(
+        (matrix, slope_x, slope_y, laplacian), half, (1.0, -1.0, -1.0, 1.0), strict=True
+    ):
+        whole[j, i] = sign * part
+        whole[i, j] = part
+    return matrix, slope_x, slope_y, laplacian
 
 
-def _differences(position: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return x_i - x_j, y_i - y_j and the distances, (n, n) each; the unused diagonal is positive."""
-    x, y = position.T
-    dx, dy = x[:, None] - x, y[:, None] - y
-    r = np.hypot(dx, dy)
-    np.fill_diagonal(r, 1.0 if len(r) == 1 else r[0, 1])
-    return dx, dy, r
+@dataclass(frozen=True)
+class HalfSpace(Radial):
+    """An elastic half-space: ``G(r) = 1/(pi r)``.
 
+    It is valid if the distances between asperities are small compared with the block. Boussinesq (1885);
+    Johnson, Contact Mechanics, equation 3.22a, doi:10.1017/CBO9781139171731.
 
-def _distances(distance: ArrayLike, positive: bool) -> FloatArray:
-    try:
-        r = np.asarray(distance, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise InvalidInput(f"distance is not an array of numbers: {distance!r:.80}") from None
-    if not (np.isfinite(r).all() and ((r > 0.0) | ((not positive) & (r == 0.0))).all()):
-        raise InvalidInput(f"distance = {distance!r:.80} must be finite and greater than 0")
-    return r
+    Examples
+    --------
+    >>> HalfSpace().influence([1.0, 2.0]).round(6)
+    array([0.31831 , 0.159155])
+    """
+
+    name: ClassVar[str] = "half-space"
+    self_influence: ClassVar[float] = 0.0  # Hertz's law contains the response of the half-space
+    self_curvature: ClassVar[float] = 0.0
+
+    def regular_derivatives(self, distance: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return three arrays of zeros: a half-space has no regular part."""
+        return np.zeros_like(distance), np.zeros_like(distance), np.zeros_like(distance)
+
+    def transform(self, wavenumber: FloatArray) -> FloatArray:
+        """Return zeros: a half-space has no regular part, and its mean displacement is left out."""
+        return np.zeros_like(wavenumber)

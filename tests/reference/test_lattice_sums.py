@@ -2,12 +2,12 @@
 
 import pytest
 
-from metafem.reference import bonded_layer as layer
+from metafem.reference import single_contacts as exact
 
 
 def test_lattice_sum_does_not_depend_on_where_it_ends(monkeypatch):
-    total, laplacian = layer.lattice_sums(1.5, 7.2, 0.5)
-    monkeypatch.setattr(layer, "LATTICE_EXTENT", 20.0)
-    shorter = layer.lattice_sums(1.5, 7.2, 0.5)
+    total, laplacian = exact.layer_lattice_sums(1.5, 7.2, 0.5)
+    monkeypatch.setattr(exact, "LATTICE_EXTENT", 20.0)
+    shorter = exact.layer_lattice_sums(1.5, 7.2, 0.5)
     # What lies beyond 20 thicknesses, exp(-14.8), times the number of sites there.
     assert shorter == pytest.approx((total, laplacian), rel=1e-5)

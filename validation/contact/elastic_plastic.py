@@ -11,7 +11,7 @@ import metafem as mf
 from metafem.contact.elastic_plastic import ElasticPlastic
 from metafem.drawing import ACHIEVED, TARGET
 from metafem.reference import single_contacts
-from metafem.reference.elastic_plastic import jackson_green, kogut_etsion
+from metafem.reference.single_contacts import jackson_green, kogut_etsion
 from validation.check import Claim, Picture, Row, below, reported
 from validation.figures import panels
 from validation.sources import closed_form

@@ -14,7 +14,7 @@ from metafem.caps.shapes import sphere_profile
 from metafem.fe.elements import Body
 from metafem.fe.geometry import Cap, Oblate, graded_mesh, half_space_mesh
 from metafem.fe.prescribed_radius import HALF_SPACE, press, pressed
-from metafem.reference import bonded_layer, single_contacts
+from metafem.reference import single_contacts
 from validation.check import Check
 from validation.finite_elements.active_set import search_contact
 from validation.sources import Source, closed_form, known_input, second_method
@@ -37,12 +37,12 @@ SPHERE = closed_form(
     single_contacts.sneddon_sphere, "sphere, Sneddon (1965), doi:10.1016/0020-7225(65)90019-4"
 )
 INTEGRAL = "Hankel integral of the bonded layer, Johnson (1985), section 5.8, doi:10.1017/CBO9781139171731"
-HANKEL = closed_form(bonded_layer.influence, INTEGRAL)
+HANKEL = closed_form(single_contacts.layer_influence, INTEGRAL)
 CURVATURE = closed_form(
-    bonded_layer.lattice_sums, f"1/R + P S/2 with the curvature S of the lattice sum; {INTEGRAL}"
+    single_contacts.layer_lattice_sums, f"1/R + P S/2 with the curvature S of the lattice sum; {INTEGRAL}"
 )
-LATTICE = closed_form(bonded_layer.lattice_sums, f"lattice sum of the layer's influence; {INTEGRAL}")
-DINI = closed_form(bonded_layer.cell_influence, "Dini series of a cylinder on a rigid base")
+LATTICE = closed_form(single_contacts.layer_lattice_sums, f"lattice sum of the layer's influence; {INTEGRAL}")
+DINI = closed_form(single_contacts.layer_cell, "Dini series of a cylinder on a rigid base")
 SEARCHED = second_method(search_contact, "active set of quadratic elements on its own mesh")
 COARSER = second_method(press, "the same with elements of a lower degree and larger at the edge")
 EXPONENTIAL = known_input("theory: the error falls by a constant factor with each degree")
@@ -129,7 +129,7 @@ def layer_check(poisson_ratio: float = 0.5) -> list[Check]:
     for r in (0.5, 1.0, 1.5, 3.0, 5.0, 6.0, 10.0):
         displacement = float(single_contacts.hertz_displacement(np.array(r), a, RADIUS))
         half_space = displacement / single_contacts.hertz(a, RADIUS)[0]
-        layer = half_space + float(bonded_layer.regular_influence(r, THICKNESS, poisson_ratio))
+        layer = half_space + float(single_contacts.layer_regular(r, THICKNESS, poisson_ratio))
         computed = float(contact.displacement(r)) / contact.rescaled_load / half_space
         expected, passed = f"{layer / half_space:.6g} ± 0.0001", abs(computed - layer / half_space) <= 1e-4
         name = f"ν = {poisson_ratio}, r = {r} mm: layer over half-space"
@@ -140,7 +140,7 @@ def layer_check(poisson_ratio: float = 0.5) -> list[Check]:
 def cell_check() -> list[Check]:
     """Check a cell of the infinite lattice against the layer's lattice sum and the cylinder's Dini series."""
     side = PITCH / math.sqrt(math.pi)
-    total, curvature = bonded_layer.lattice_sums(PITCH, THICKNESS, 0.5)
+    total, curvature = single_contacts.layer_lattice_sums(PITCH, THICKNESS, 0.5)
     checks = []
     for a in (0.12, 0.20, 0.28):
         contact = press(a, RADIUS, thickness=THICKNESS, cell_radius=side)
@@ -148,7 +148,7 @@ def cell_check() -> list[Check]:
         sharpened = RADIUS * (1.0 - 2.0 / 3.0 * a**3 * curvature)
         load, single = single_contacts.hertz(a, sharpened)
         lattice = single + load * (total + 0.1 * a**2 * curvature)
-        series = single + load * bonded_layer.cell_influence(a, side, THICKNESS, 0.5)
+        series = single + load * single_contacts.layer_cell(a, side, THICKNESS, 0.5)
         checks += [
             _near(f"a = {a} mm: load", contact.rescaled_load, load, 5e-4, CURVATURE),
             _near(f"a = {a} mm: indentation, lattice sum", contact.indentation, lattice, 5e-3, LATTICE),

@@ -7,7 +7,6 @@ import math
 import numpy as np
 
 from metafem import fe
-from metafem.reference import bonded_layer
 from metafem.reference import single_contacts as exact
 from validation.check import Claim, Picture
 from validation.figures import panels
@@ -39,7 +38,7 @@ def _figure(ax):
     a = np.linspace(0.08, 0.32, 7)
     side = PITCH / math.sqrt(math.pi)
     load = [fe.press(x, RADIUS, thickness=THICKNESS, cell_radius=side).rescaled_load for x in a.tolist()]
-    _, curvature = bonded_layer.lattice_sums(PITCH, THICKNESS, 0.5)
+    _, curvature = exact.layer_lattice_sums(PITCH, THICKNESS, 0.5)
     fine = np.linspace(0.05, 0.33, 60)
     ax.plot(a, 100.0 * (np.array(load) / exact.hertz(a, RADIUS)[0] - 1.0), "o", label="one cell")
     bent = 1.0 / (1.0 - 2.0 / 3.0 * fine**3 * curvature)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from metafem import fe
-from metafem.reference import bonded_layer
+from metafem.reference import single_contacts
 from validation.check import Claim, Picture
 from validation.figures import panels
 from validation.finite_elements.checks import RADIUS, THICKNESS, layer_check
@@ -35,5 +35,11 @@ def _figure(ax):
     ax.plot(
         r, np.pi * r * contact.displacement(r) / contact.rescaled_load, ".", ms=4, label="finite elements"
     )
-    ax.plot(r, np.pi * r * bonded_layer.influence(r, THICKNESS, 0.5), "k-", lw=0.8, label="Hankel integral")
+    ax.plot(
+        r,
+        np.pi * r * single_contacts.layer_influence(r, THICKNESS, 0.5),
+        "k-",
+        lw=0.8,
+        label="Hankel integral",
+    )
     ax.set(xlabel="r [mm]", ylabel="layer / half-space")

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from metafem._kernels.contact import power_caps as kernel
 from metafem._validate import FloatArray, IntArray
 from metafem.contact.caps import power_logarithms
 from metafem.contact.law import contacts
@@ -21,6 +20,10 @@ from metafem.models import Independent, Sensitivity
 
 # Relative step of finite differences with respect to the radius: the cube root of machine precision.
 RELATIVE = 6e-6
+
+# Maximum number of Newton steps, each of which reduces the error by 1/(n + 1) at least; and the relative step
+# after which the next one is below rounding.
+MOST_NEWTON, SETTLED = 200, 1e-9
 
 # Probabilities that the radius, exponent or tool of an asperity changes; each random change uses one of them
 # at random.
@@ -165,32 +168,50 @@ class OfExponents(Asperities):
         """
 
         def residual(unknowns: FloatArray) -> LateResidual:
-            height, exponent = self.split(unknowns)
-            logarithm, turn = power_logarithms(exponent, self.range.coefficient, self.radius)
-            shape = len(target.load), len(height)
-            approach, area = np.empty(shape[0]), np.empty(shape[0])
-            by_height, by_exponent = np.empty(shape), np.empty(shape)
-            order = np.argsort(-height, kind="stable")
-            given = (
-                height[order[0]] - height[order],
-                exponent[order],
-                logarithm[order],
-                turn[order],
-                math.pi,
-                2.0,
-            )
-            # a read-only array would compile the kernel again
-            kernel.sensitivities(*given, np.array(target.load), approach, area, by_height, by_exponent)
+            height, n = self.split(unknowns)
+            logarithm, turn = power_logarithms(n, self.range.coefficient, self.radius)
+            depth = power_depths(height.max() - height, n, logarithm, target.load)
+            closed = depth > 0.0
+            rest = np.log(np.where(closed, depth, 1.0))
+            a = np.exp(logarithm + rest / n) * closed
+            area = math.pi * a**2
 
             def gradient() -> FloatArray:
-                found = np.zeros((shape[0], 2 * shape[1]))
-                found[:, order] = by_height
-                found[:, shape[1] + order] = by_exponent * (exponent[order] / self.depth)
-                return found
+                growth = 2.0 / n * area / np.where(closed, depth, 1.0)
+                ratio = (growth.sum(axis=1) / (2.0 * a).sum(axis=1))[:, None]
+                wider = turn - rest / n**2  # d ln a/dn
+                by_load = 2.0 * n / (n + 1.0) * a * depth * (wider + 1.0 / (n * (n + 1.0)))
+                by_exponent = 2.0 * area * wider - ratio * by_load
+                return np.hstack([growth - ratio * 2.0 * a, by_exponent * (n / self.depth)])
 
-            return target.late_residual(area, gradient)
+            return target.late_residual(area.sum(axis=1), gradient)
 
         return residual
+
+
+def power_depths(
+    gap: FloatArray, exponent: FloatArray, logarithm: FloatArray, load: FloatArray
+) -> FloatArray:
+    """Return the indentations (k, n) [mm] of independent power caps at loads (k,); minus the gap if open.
+
+    The contact radius is ``a = b d^(1/n)`` and the load ``2 n/(n + 1) a d``. logarithm: ln b.
+    """
+    n, first = exponent, int(gap.argmin())
+    share = n / (n + 1.0)
+    # upper bound: the tallest cap carries the load by itself
+    x = np.exp((np.log(0.5 * load / share[first]) - logarithm[first]) * share[first])
+    for step in range(MOST_NEWTON):
+        depth = x[:, None] - gap
+        closed = depth > 0.0
+        a = np.exp(logarithm + np.log(np.where(closed, depth, 1.0)) / n) * closed
+        half, slope = (a * depth) @ share, a.sum(axis=1)
+        # first steps for logarithms, exact for one exponent without gaps; then Newton's method, which
+        # converges from any side, as the load is a convex function of the approach
+        new = x * (0.5 * load / half) ** (half / (x * slope)) if step < 3 else x + (0.5 * load - half) / slope
+        change, x = np.abs(new - x), new
+        if (change <= SETTLED * x).all():
+            break
+    return np.asarray(x[:, None] - gap)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -18,7 +18,7 @@ from scipy.optimize import brentq
 from metafem._validate import FloatArray, IntArray
 from metafem.contact import Contact
 from metafem.contact.law import contacts
-from metafem.inversion.bounds import at_load, depth_at_pressure, relative_depth
+from metafem.inversion.bounds import LEAST_DEPTH, at_load, depth_at_pressure, relative_depth
 from metafem.inversion.tools.radii import Radii
 
 # Smallest and largest indentation over R in the table of contacts, and number of tabulated contacts.
@@ -46,7 +46,7 @@ def initial_heights(
         # cones have the same P/A at any depth, so the first load is divided among all asperities
         depth = float(at_load(law, load[:1] / count, radius[0])[0][0])
     else:
-        depth = depth_at_pressure(law, load[0] / friction[0], radius[0])
+        depth = depth_at_pressure(law, load[0] / friction[0], radius[0]) or LEAST_DEPTH * radius[0]
     first = float(contacts(law, np.array(depth), radius[:1]).area[0])
     levels, numbers, kinds = [0.0], [friction[0] / first], [radius[0]]
     plane, widest, single, at = -depth, float(radius.max()), _Single(law, radius), [0]
@@ -89,7 +89,7 @@ def _entering(
 
     carried, area = at(0.0)
     deepest = depth_of(1, friction) if area < friction else 0.0
-    if area >= friction or at(deepest)[0] <= load:
+    if area >= friction or deepest <= 0.0 or at(deepest)[0] <= load:
         return (0.0 if carried >= load else depth_of(0, load)), 0.0
     one = single.sums(np.array([radius]), np.ones(1))
 

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from scipy.optimize import brentq
 
 from metafem._kernels import independent as kernel
+from metafem._kernels.contact.tabulated import Law
 
 
 def sums_twin(gap, radius, approach):
@@ -35,47 +36,53 @@ def build(scene):
     return gap, spread ** np.random.default_rng(seed).uniform(-0.5, 0.5, len(gap))
 
 
+def hertz(radius, shape):
+    """Hertz's law for the kernels, for surfaces of this shape."""
+    size = np.broadcast_to(radius, shape).copy()
+    return Law(size, np.full(shape, -1), size, np.empty((0, 0)))
+
+
+def curves(gap, radius, load):
+    """Approach, load, area and slope of one surface at loads."""
+    results = tuple(np.empty((1, len(load))) for _ in range(4))
+    kernel.curves(hertz(radius, (1, len(gap))), gap[None], np.array(load), *results)
+    return [part[0] for part in results]
+
+
 @given(scenes, st.floats(1e-12, 10.0))
 def test_sums_agree_with_exact_summation(scene, approach):
     gap, radius = build(scene)
-    np.testing.assert_allclose(
-        kernel.sums(gap, np.sqrt(radius), 0.0, approach), sums_twin(gap, radius, approach), rtol=1e-13
-    )
+    found = tuple(np.zeros(1) for _ in range(3))
+    kernel.curve_at_approach(hertz(radius, gap.shape), gap, np.array([approach]), *found)
+    np.testing.assert_allclose(np.array(found)[:, 0], sums_twin(gap, radius, approach), rtol=1e-13)
 
 
-@given(scenes, st.floats(-15.0, 3.0).map(lambda e: 10.0**e), st.floats(0.0, 0.999))
-def test_approach_solves_the_load_equation(scene, load, start):
+loads = st.lists(st.floats(-15.0, 3.0).map(lambda e: 10.0**e), min_size=1, max_size=8)
+
+
+@given(scenes, loads)
+def test_approach_solves_the_load_equation(scene, loads):
     gap, radius = build(scene)
-    top = (0.75 * load / math.sqrt(radius[0])) ** (2.0 / 3.0)
-    exact = brentq(
-        lambda x: sums_twin(gap, radius, x)[0] / load - 1.0, 0.0, 1.01 * top, xtol=1e-300, rtol=1e-14
-    )
-    found = kernel.approach_at_load(gap, np.sqrt(radius), load, start * exact)
-    assert found == pytest.approx(exact, rel=1e-13)
-    assert sums_twin(gap, radius, found)[0] == pytest.approx(load, rel=1e-12)
-
-
-@given(scenes, st.lists(st.floats(-15.0, 3.0).map(lambda e: 10.0**e), min_size=1, max_size=8))
-def test_areas_alone_are_those_of_the_curves(scene, loads):
-    gap, radius = build(scene)
-    rows, root, load = gap[None], np.sqrt(radius)[None], np.array([0.0, *sorted(loads)])
-    results, area = kernel.empty_results(1, len(load)), np.full((1, len(load)), -1.0)
-    kernel.curves(rows, root, load, *results)
-    kernel.areas(rows, root, load, area)
-    np.testing.assert_allclose(area, results[2], rtol=1e-12)
+    load = [0.0, *sorted(loads)]
+    approach, carried, area, slope = curves(gap, radius, load)
+    assert approach[0] == carried[0] == area[0] == slope[0] == 0.0
+    for k in range(1, len(load)):
+        top = (0.75 * load[k] / math.sqrt(radius[0])) ** (2.0 / 3.0)
+        exact = brentq(
+            lambda x, p=load[k]: sums_twin(gap, radius, x)[0] / p - 1.0,
+            0.0,
+            1.01 * top,
+            xtol=1e-300,
+            rtol=1e-14,
+        )
+        assert approach[k] == pytest.approx(exact, rel=1e-13)
+        assert carried[k] == pytest.approx(load[k], rel=1e-13)
+        twin = sums_twin(gap, radius, approach[k])
+        assert (carried[k], area[k], slope[k]) == pytest.approx(twin, rel=1e-12)
 
 
 @given(scenes)
-def test_areas_have_a_solution_where_a_contact_just_touches(scene):
+def test_contacts_that_just_touch_have_a_solution(scene):
     gap, radius = build(scene)
-    rows, root = gap[None], np.sqrt(radius)[None]
-    touching = np.unique([kernel.load_and_slope(gap, root[0], x)[0] for x in gap])
-    results, area = kernel.empty_results(1, len(touching)), np.empty((1, len(touching)))
-    kernel.curves(rows, root, touching, *results)
-    kernel.areas(rows, root, touching, area)
-    # the last step, relative 1e-8, is one of Newton's; the curvature of a contact that opens is unbounded
-    np.testing.assert_allclose(area, results[2], rtol=1e-10)
-
-
-def test_no_load_needs_no_approach():
-    assert kernel.approach_at_load(np.zeros(1), np.ones(1), 0.0, 0.0) == 0.0
+    touching = np.unique([sums_twin(gap, radius, x)[0] for x in gap])
+    np.testing.assert_allclose(curves(gap, radius, touching)[1], touching, rtol=1e-13)

@@ -60,6 +60,12 @@ def test_power_laws_are_met_under_every_model():
             np.testing.assert_allclose(area, wanted, rtol=1e-2)  # single loads against the rms of 30
 
 
+def test_indentations_far_below_the_radius_are_found():
+    """At R = 1e7 mm the contacts of the target are indented by less than 1e-12 R."""
+    template = mf.Surface.square_lattice(0.1, (8, 8), 1.5e7, radius=1e7, material=mf.Material(1.36))
+    assert mf.design(mf.PowerLaw(0.9, (1e-4, 1e-3)), template).misfit <= 1.5e-3
+
+
 def test_a_smaller_second_slope():
     for model in MODELS:
         target = mf.MultilinearLaw([9.5, 7.0], [(0.07, 0.18)], (0.03, 0.26))

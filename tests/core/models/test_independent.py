@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
 import metafem as mf
-from metafem.models.independent import load_equation
 from tests.models.scenes import LAWS, scene
 
 MATERIAL = mf.Material(1.36)
@@ -62,12 +61,10 @@ def test_shallow_contacts_on_deep_gaps_keep_their_digits():
 def test_contacts_are_those_of_single_equilibria():
     for name in ("hertz", *LAWS):
         contact = mf.Hertz() if name == "hertz" else LAWS[name](1.0, 1.0)
-        surface = scene()
+        surface, model = scene(), mf.Independent(contact=contact)
         load = np.array([0.002, 0.02, 0.1])
-        law = contact.for_material(surface.material)
-        rescaled = load / surface.material.composite_modulus
-        size, indentation = load_equation(law).contacts(surface.height, surface.radius, rescaled)
+        found = model.sensitivity(surface, load / surface.material.composite_modulus)
         for k, each in enumerate(load.tolist()):
-            state = mf.equilibrium(surface, mf.Independent(contact=contact), load=each)
-            assert_allclose(law.area(size[k]), state.asperity_area, rtol=1e-9, atol=1e-12)
-            assert_allclose(indentation[k], state.approach - surface.gap, rtol=1e-9, atol=1e-12)
+            state = mf.equilibrium(surface, model, load=each)
+            assert_allclose(found.indentation[k], state.approach - surface.gap, rtol=1e-9, atol=1e-12)
+            assert_allclose(found.curve.area[k], state.asperity_area.sum(), rtol=1e-9)

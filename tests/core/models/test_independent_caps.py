@@ -47,12 +47,15 @@ def test_the_law_of_a_paraboloid_is_that_of_hertz():
 
 
 def test_a_spherical_contact_far_beyond_its_radius_keeps_its_load():
-    """The load under an approach of many radii is found again, although a differs from R by less than eps."""
+    """The load under an approach of some radii is found again, and more than four radii are refused."""
     surface = scene(np.zeros((1, 2)), [0.5], 0.01)
     model = mf.Independent(contact=law_of(mf.Sphere()))
-    state = mf.equilibrium(surface, model, approach=0.4)
+    state = mf.equilibrium(surface, model, approach=0.039)
     again = mf.equilibrium(surface, model, load=state.load)
-    assert again.approach == pytest.approx(0.4, rel=1e-12)
+    assert again.approach == pytest.approx(0.039, rel=1e-12)
+    for beyond in ({"approach": 0.041}, {"load": 1.1 * state.load}):
+        with pytest.raises(mf.InvalidInput, match="lighter loads"):
+            mf.equilibrium(surface, model, **beyond)
 
 
 def test_loads_beyond_what_a_law_can_carry_do_not_converge():

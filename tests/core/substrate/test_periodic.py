@@ -1,12 +1,13 @@
 """Lattice sums of a periodic cell: other splittings, and sums over images."""
 
+from functools import partial
 from itertools import product
 
 import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.substrate.periodic import lattice_sum
+from metafem.substrate.periodic import image_sum, lattice_sum
 
 CELLS = (mf.PeriodicCell(1.5, 1.5), mf.PeriodicCell(6.0, 2.0))
 LAYERS = (mf.BondedLayer(1.0, 0.3), mf.BondedLayer(1.0, 0.5), mf.BondedLayer(7.2, 0.5))
@@ -105,3 +106,28 @@ def test_matrices_are_symmetric_with_regular_terms():
         own = substrate.periodic(cell, np.zeros(1), np.zeros(1))
         assert np.diagonal(value) == pytest.approx(own.value[0], rel=ROUNDING)
         assert (substrate.influence_matrix(surface) == value).all()
+
+
+def test_a_thin_layer_in_a_large_cell_is_its_nearest_period():
+    """Its waves would take gigabytes; the next period is 2,000 thicknesses away."""
+    layer, cell = mf.BondedLayer(0.05, 0.5), mf.PeriodicCell(100.0, 100.0)
+    x, y = np.array([0.0, 0.03, 0.0, 99.9]), np.array([0.0, 0.0, 0.2, 0.1])
+    value, slope_x, slope_y, laplacian = layer.periodic(cell, x, y)
+    r = np.array([0.03, 0.2, np.hypot(0.1, 0.1)])
+    g, g1, g2 = layer.influence(r, derivatives=True)
+    np.testing.assert_allclose(value, [layer.self_influence, *g], rtol=1e-12)
+    np.testing.assert_allclose(slope_x, [0.0, g1[0], 0.0, -g1[2] / np.sqrt(2.0)], rtol=1e-12)
+    np.testing.assert_allclose(slope_y, [0.0, 0.0, g1[1], g1[2] / np.sqrt(2.0)], rtol=1e-12)
+    np.testing.assert_allclose(laplacian, [2.0 * layer.self_curvature, *(g2 + g1 / r)], rtol=1e-12)
+
+
+def test_periods_and_waves_of_a_layer_have_one_sum():
+    x, y = np.array([0.0, 1.0, 2.4, 3.1]), np.array([0.0, 0.3, 2.5, 0.0])
+    for thickness in (0.5, 1.5):
+        layer, cell = mf.BondedLayer(thickness, 0.4), mf.PeriodicCell(6.0, 5.0)
+        own = layer.self_influence, 2.0 * layer.self_curvature
+        given = partial(layer.influence, derivatives=True)
+        direct = image_sum(cell, x, y, given, 48.0 * thickness, own)
+        waves = lattice_sum(cell, x, y, layer.transform, layer.last_wavenumber)
+        for one, other in zip(direct, waves, strict=True):
+            np.testing.assert_allclose(one, other, rtol=1e-9, atol=1e-11)

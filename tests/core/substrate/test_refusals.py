@@ -30,7 +30,6 @@ REFUSALS = [
     (lambda: mf.BondedLayer().for_surface(FREE), "BondedLayer", "block"),
     (lambda: mf.HalfSpace().influence(0.0), "distance", "0.0"),
     (lambda: mf.HalfSpace().influence(np.nan), "distance", "nan"),
-    (lambda: mf.HalfSpace().influence("far"), "distance", "far"),
     (lambda: mf.equilibrium(PERIODIC, mf.Interacting(substrate=Mine()), load=0.01), "transform", "Mine"),
 ]
 

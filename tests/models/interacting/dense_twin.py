@@ -14,7 +14,7 @@ contact of radius a is pi a^2 F, see `on_slope`.
 import numpy as np
 
 import metafem as mf
-from metafem.models.load_equation import approach_at_load
+from metafem.models.load_equation import LoadEquation
 
 MAX_STEPS, MAX_CUTS, GOAL = 100, 30, 3e-14
 
@@ -102,7 +102,7 @@ class Twin:
         if load is None:
             x, z = approach, 0.5 * approach - self.gap
         else:
-            x = approach_at_load(self.law, self.gap, self.radius, np.array([load]))[0]
+            x = LoadEquation(None, self.law).curve(-self.gap, self.radius, np.array([load])).approach[0]
             z = x - self.gap
         for _ in range(MAX_STEPS):
             error, p, a, matrix = self.equations(z, x)
