@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Protocol, cast, runtime_checkable
 
 import numpy as np
@@ -10,29 +11,25 @@ import numpy as np
 from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.caps.cap import Values
-from metafem.errors import InvalidInput
+from metafem.errors import InvalidInput, NotConverged
 from metafem.material import Material
 from metafem.notes import Note
 
 if TYPE_CHECKING:
     from metafem.surface import Surface
 
-__all__ = [
-    "Contact",
-    "Contacts",
-    "Values",
-    "area_change",
-    "checked_contact",
-    "contacts",
-    "material_of",
-    "sizes_of",
-]
-
 # Summits of caps that differ: R [mm], and the index of the cap of each asperity.
 SUMMIT = np.dtype([("radius", np.float64), ("cap", np.int64)])
 
 # Relative step of the contact radius in the finite difference for D''.
 STEP = 1e-3
+
+# Relative excess over the end of a law that is treated as rounding: a thousand times machine precision.
+ROUNDING = 1e-12
+
+# Maximum number of steps of `root`, which takes 3 to 8; each either follows Newton's method or halves a
+# bracket of logarithms. After a step below SETTLED the next one of Newton's method is below rounding.
+MAX_STEPS, SETTLED = 200, 1e-9
 
 
 @runtime_checkable
@@ -158,6 +155,32 @@ def sizes_of(summits: Any) -> FloatArray:
     """Return R [mm] of summits, which are numbers or `SUMMIT` records."""
     found = np.asarray(summits)
     return found["radius"] if found.dtype.names else np.asarray(found, dtype=np.float64)
+
+
+def root(
+    parts: Callable[[FloatArray], tuple[FloatArray, FloatArray]], target: FloatArray, start: FloatArray
+) -> FloatArray:
+    """Return the x > 0 at which the first value of parts(x) equals the target > 0.
+
+    The second value of parts(x) is the derivative of the first with respect to ln x. Newton's method uses the
+    logarithms of x and of the value, in which power laws are straight lines; it stays within a bracket.
+    """
+    x, low, high = start, np.zeros_like(target), np.full_like(target, math.inf)
+    for _ in range(MAX_STEPS):
+        value, slope = parts(x)
+        rising = (value > 0.0) & (slope > 0.0)
+        low = np.where(rising & (value <= target), x, low)
+        high = np.where(rising & (value < target), high, x)
+        with np.errstate(all="ignore"):
+            step = np.where(rising, np.log(target / value) * value / slope, -1.0)
+            new = x * np.exp(np.clip(step, -3.0, 3.0))  # by a factor of 20 at most
+            middle = np.sqrt(low) * np.sqrt(high)
+        outside = ~((new >= low) & (new <= high)) & (middle > 0.0) & np.isfinite(middle)
+        new = np.where(outside, middle, new)
+        if (np.abs(new - x) <= SETTLED * x).all():
+            return np.asarray(new)
+        x = new
+    raise NotConverged(f"no contact radius or indentation was found in {MAX_STEPS} steps")
 
 
 class Contacts(NamedTuple):

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from metafem import fe
-from metafem.contact.cap_compliance import pedestal_compliance
+from metafem.contact.pedestal import pedestal_compliance
 from validation.check import Claim, Picture, below
 from validation.figures import panels
 from validation.scenes.pedestals import FOOT_RATIOS, TABLE
