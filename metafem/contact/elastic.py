@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -112,7 +112,7 @@ class Elastic(Contact):
     cap: Cap | None = None
 
     def __repr__(self) -> str:
-        return "Elastic()" if self.cap is None else f"Elastic({self.cap!r})"
+        return f"{type(self).__name__}({'' if self.cap is None else repr(self.cap)})"
 
     @property
     def similar(self) -> bool:  # type: ignore[override]
@@ -127,7 +127,7 @@ class Elastic(Contact):
     def bound(self, surface: Surface) -> Contact:
         """Return the law of the caps of a surface: Hertz's law for paraboloids."""
         cap = surface.cap if self.cap is None else self.cap
-        return PARABOLOID if cap in (Paraboloid(), Power(2.0)) else Elastic(cap)
+        return PARABOLOID if cap in (Paraboloid(), Power(2.0)) else replace(self, cap=cap)
 
     def summits(self, surface: Surface, radius: FloatArray | None = None) -> Any:
         """Return R of all asperities [mm], or records of R and the index of the cap if the caps differ."""

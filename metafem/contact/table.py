@@ -188,7 +188,7 @@ class TabulatedContact(Value, LawByIndentation):
 
     @cached_property
     def _cubics(self) -> CubicHermiteSpline:
-        """Monotone cubics of ln P/E* and ln A in ln d; at the first point with the slope of the first secant."""
+        """Monotone cubics of ln P/E* and ln A in ln d; the first slope is that of the first secant."""
         depth, load, area = np.log(self.table)
         value = np.stack([load - math.log(material_of(self).composite_modulus), area], axis=1)
         slope = scipy.interpolate.pchip_interpolate(depth, value, depth, der=1)

@@ -2,8 +2,8 @@
 
 The nominal indentation z of a contact with load p is the indentation at which the law without extra curvature
 has this load. A table contains, as functions of ln z, ln p, ln a^2, the logarithm of the complementary energy
-``int_0^z z dp`` and, for elastic laws, that of the second moment M of the pressure. All lengths are divided by
-a scale. z is then the integral D(a) of the cap (`metafem.caps.Cap`), with loads P(a), and the table is read
+``int_0^z z dp`` and, for elastic laws, that of the second moment M of the pressure. All lengths are divided
+by a scale. z is then the integral D(a) of the cap (`metafem.caps.Cap`), with loads P(a), and the table is read
 at other a as well. The logarithm of a power law is a straight line, so straight lines continue the table
 beyond both ends.
 
@@ -50,8 +50,8 @@ MOST_EXTRA = 0.1
 
 
 # Layout of a row of `Law.data`: the largest indentation, three numbers for T, the number of panels over ln z,
-# the number of bins of equal width, the smallest ln z, the inverse bin width, the first panel of each bin, and
-# the edges of the panels. For each panel the polynomials of the distance from its lower edge follow, one for
+# the number of bins of equal width, the smallest ln z, the inverse bin width, the first panel of each bin,
+# and the edges of the panels. For each panel the polynomials of the distance from its lower edge follow, one for
 # each function, with COEFFICIENTS coefficients each, the constant term first.
 DEEPEST, LEVER_EDGE, LEVER_START, LEVER_OFFSET, PANELS, BINS, LOWEST, PER_BIN, HEADER = range(9)
 LOAD, SQUARE, ENERGY, MOMENT, FUNCTIONS = range(5)
@@ -92,7 +92,7 @@ def panel(data, at, x):
 
 @compiled
 def line(data, at, first, t, beyond):
-    """Return a polynomial at t, continued by a straight line over the distance `beyond`, and its derivative."""
+    """Return a polynomial at t, continued by a straight line over `beyond`, and its derivative."""
     f = f1 = 0.0
     for k in range(COEFFICIENTS - 1, -1, -1):
         f1 = f1 * t + f

@@ -28,7 +28,7 @@ def test_kernels_are_the_laws():
             one = contacts(law, np.array(z), np.array(R))
             own = law.area_slope(one.contact_radius, R) / (np.pi * one.stiffness)
             pairs = [(p, one.load), (rate, one.stiffness), (square, one.contact_radius**2)]
-            assert widening == pytest.approx(own, rel=1e3 * rtol)  # a derivative of the profile
+            assert widening == pytest.approx(own, rel=1e4 * rtol)  # a derivative of the profile
             assert kernel.indentation_at_load(*one_of, p) == pytest.approx(z, rel=10 * rtol)
             for k in (0.0, 0.02 / R, 0.5 / R):
                 wide, d, bend, _, moment, inside = kernel.bent(*one_of, p, square, widening, k)
