@@ -69,10 +69,6 @@ class Cap(ABC):
     def unit_load(self, a: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return P and M at contact radii."""
 
-    @abstractmethod
-    def unit_radius(self, depth: FloatArray) -> FloatArray:
-        """Return the contact radii at indentations D > 0: exactly for a power, else nearly."""
-
     def at(self, some: Any) -> Cap:
         """Return the caps of some asperities, given by indices or by a mask: here the cap itself."""
         return self
@@ -216,8 +212,7 @@ class Caps(Value, Cap):
         """Raise TypeError: the profiles differ."""
         raise TypeError("caps that differ have no common profile")
 
-    unit_profile = unit_foot = unit_depth = unit_load = unit_radius = _no_common_one
-    depth_at = _no_common_one  # type: ignore[assignment]
+    unit_profile = unit_foot = unit_depth = unit_load = depth_at = _no_common_one  # type: ignore[assignment]
 
     summit_radius, tallest = _of_each("summit_radius"), _of_each("tallest")
     foot_radius, ring_count = _of_each("foot_radius"), _of_each("ring_count")

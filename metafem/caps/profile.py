@@ -151,8 +151,8 @@ class Profile(Value, Cap):
     def integrals(self) -> tuple[BSpline, BSpline]:
         """Splines of ln F and ln G over ln a."""
         octave = np.arange(-PER_OCTAVE * OCTAVES, 1) / PER_OCTAVE
-        x = np.log(self.reach) - np.log(2.0) * octave**2 / (END - octave)
-        rho, w, weight = self._nodes(np.exp(x)[:, None])
+        a = self.reach * 2.0 ** (octave * octave / (octave - END))  # ends at the extent, to the last bit
+        x, (rho, w, weight) = np.log(a), self._nodes(a[:, None])
         depth = self.unit_profile(rho)
         if callable(self.profile):
             good = depth.shape == rho.shape and np.isfinite(depth).all() and (np.diff(depth) > 0.0).all()
@@ -210,8 +210,3 @@ class Profile(Value, Cap):
         """Return P/E* [mm^2] and M/E* [mm^4] at contact radii [mm]."""
         a, value, power, _, other = self._at(a)
         return 2.0 * value * (power - 1.0), 4.0 / 3.0 * (a**2 * value * (power - 3.0) + 6.0 * other)
-
-    def unit_radius(self, depth: FloatArray) -> FloatArray:
-        """Return contact radii [mm] near those at the indentations [mm]."""
-        x = self.integrals[0].t[:: PER_OCTAVE // 8]
-        return np.exp(np.interp(np.log(depth), np.log(self.unit_depth(np.exp(x))[0]), x))

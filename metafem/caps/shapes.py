@@ -80,10 +80,6 @@ class Sphere(Cap):
         fourth = a**5 / 5.0 * hyp2f1(1.0, 2.5, 3.5, square)
         return square * angle + second, square**2 * angle / 3.0 + fourth
 
-    def unit_radius(self, depth: FloatArray) -> FloatArray:
-        """Return radii above those at the indentations: t tanh t >= t^2/(1 + t) with a = tanh t."""
-        return np.minimum(np.tanh(0.5 * (depth + np.sqrt(depth * (depth + 4.0)))), self.reach)
-
 
 SPHERE = Sphere()
 
@@ -115,22 +111,15 @@ class PowerLaw(Cap):
 
     def unit_depth(self, a: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return D and D' for R = 1."""
-        slope = self.power * self._depth_at_one() * a ** (self.power - 1.0)
-        return a * slope / self.power, slope
+        n = self.power
+        ratio = math.sqrt(math.pi) * math.gamma(0.5 * n + 1.0) / math.gamma(0.5 * (n + 1.0))
+        slope = n * self.factor * ratio * a ** (n - 1.0)
+        return a * slope / n, slope
 
     def unit_load(self, a: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return P and M for R = 1."""
         n, depth = self.power, self.unit_depth(a)[0]
         return 2.0 * n / (n + 1.0) * a * depth, 4.0 / 3.0 * n / (n + 3.0) * a**3 * depth
-
-    def unit_radius(self, depth: FloatArray) -> FloatArray:
-        """Return the contact radii at the indentations D."""
-        return np.asarray((depth / self._depth_at_one()) ** (1.0 / self.power))
-
-    def _depth_at_one(self) -> float:
-        """Return D(R)/R = c K [-]."""
-        n = self.power
-        return self.factor * math.sqrt(math.pi) * math.gamma(0.5 * n + 1.0) / math.gamma(0.5 * (n + 1.0))
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,8 @@ import numpy as np
 
 from metafem._validate import FloatArray
 from metafem.caps import Cap, Caps, Paraboloid, Power
-from metafem.contact.law import ROUNDING, SUMMIT, Contact, Values, root
+from metafem.caps.cap import Values
+from metafem.contact.law import ROUNDING, SUMMIT, Contact, root
 from metafem.errors import InvalidInput
 
 if TYPE_CHECKING:
@@ -229,18 +230,15 @@ def _contact_radius(cap: Cap, scale: FloatArray, d: FloatArray, curvature: Float
                 f"{(cap.reach * lengths).min():.4g} mm from the axis; use lighter loads or a wider profile"
             )
         depth = np.minimum(depth, most)
-    a = cap.unit_radius(depth)
-    if bend.any() or cap.power is None:
-        with np.errstate(divide="ignore", invalid="ignore"):  # each term alone gives too large a radius
-            start = np.where(bend > 0.0, np.minimum(a, np.sqrt(depth / bend)), a)
 
-        def parts(x: FloatArray) -> tuple[FloatArray, FloatArray]:
-            inside = np.minimum(x, cap.reach)
-            own, slope = cap.unit_depth(inside)
-            return own + bend * inside**2, inside * slope + 2.0 * bend * inside**2
+    def parts(x: FloatArray) -> tuple[FloatArray, FloatArray]:
+        inside = np.minimum(x, cap.reach)
+        own, slope = cap.unit_depth(inside)
+        extra = bend * inside**2 if bend.any() else 0.0
+        return own + extra, inside * slope + 2.0 * extra
 
-        a = np.minimum(root(parts, depth, start), cap.reach)
-    found[closed] = scale[closed] * a
+    start = np.minimum(np.sqrt(depth), cap.reach)  # that of a paraboloid
+    found[closed] = scale[closed] * np.minimum(root(parts, depth, start), cap.reach)
     return found
 
 

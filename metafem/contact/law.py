@@ -168,12 +168,12 @@ def root(
     x, low, high = start, np.zeros_like(target), np.full_like(target, math.inf)
     for _ in range(MAX_STEPS):
         value, slope = parts(x)
-        rising = (value > 0.0) & (slope > 0.0)
-        low = np.where(rising & (value <= target), x, low)
-        high = np.where(rising & (value < target), high, x)
+        rising, tiny = (value > 0.0) & (slope > 0.0), value == 0.0  # by underflow
+        low = np.where(tiny | (rising & (value <= target)), x, low)
+        high = np.where(tiny | (rising & (value < target)), high, x)
         with np.errstate(all="ignore"):
-            step = np.where(rising, np.log(target / value) * value / slope, -1.0)
-            new = x * np.exp(np.clip(step, -3.0, 3.0))  # by a factor of 20 at most
+            step = np.where(rising, np.log(target / value) * value / slope, np.where(tiny, 3.0, -1.0))
+            new = x * np.exp(np.clip(step, -300.0, 300.0))  # neither 0 nor infinity
             middle = np.sqrt(low) * np.sqrt(high)
         outside = ~((new >= low) & (new <= high)) & (middle > 0.0) & np.isfinite(middle)
         new = np.where(outside, middle, new)

@@ -14,7 +14,8 @@ import scipy
 from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem._values import percent
-from metafem.contact.law import Values, material_of
+from metafem.caps.cap import Values
+from metafem.contact.law import material_of
 from metafem.contact.table import LawByIndentation
 from metafem.errors import InvalidInput
 from metafem.material import Material
@@ -90,7 +91,7 @@ class ElasticPlastic(LawByIndentation):
         return (0.5 * math.pi * self._factor * self._strength) ** 2
 
     @abstractmethod
-    def _published(self, w: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def _published(self, w: Any) -> tuple[FloatArray, FloatArray]:
         """Return P/P_c and A/A_c at w/w_c from the published formulas, which have jumps.
 
         The formulas are analytic between their jumps, so that w may have a small imaginary part.
@@ -247,7 +248,7 @@ class KogutEtsion(ElasticPlastic):
         around = [(w / AROUND, w * AROUND) for w in (6.0, 110.0)]
         return [(1.0, AFTER_YIELD), *around]
 
-    def _published(self, w: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def _published(self, w: Any) -> tuple[FloatArray, FloatArray]:
         # factors and exponents in the four regimes; in the last, H 2 pi R w/P_c = 3/K w*
         load = [(1.0, 1.5), (1.03, 1.425), (1.40, 1.263), (3.0 / self._factor, 1.0)]
         area = [(1.0, 1.0), (0.93, 1.136), (0.94, 1.146), (2.0, 1.0)]
@@ -320,7 +321,7 @@ class JacksonGreen(ElasticPlastic):
     def _blends(self) -> list[tuple[float, float]]:
         return [(HERTZIAN, HERTZIAN * AFTER_YIELD)]
 
-    def _published(self, w: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def _published(self, w: Any) -> tuple[FloatArray, FloatArray]:
         plastic = w.real > HERTZIAN
         wide = (self._yield * w * (w / HERTZIAN) ** self._exponent) ** -0.35  # (a/R)^-0.7
         hardness = -2.84 * np.expm1(-0.82 * wide)

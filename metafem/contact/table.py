@@ -15,7 +15,8 @@ from numpy.typing import ArrayLike
 from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem._values import Value
-from metafem.contact.law import ROUNDING, Contact, Values, material_of, root
+from metafem.caps.cap import Values
+from metafem.contact.law import ROUNDING, Contact, material_of, root
 from metafem.errors import InvalidInput, refuse_if
 from metafem.material import Material
 
@@ -204,7 +205,7 @@ class TabulatedContact(Value, LawByIndentation):
         return np.moveaxis(cubics(inside), -1, 0) + slope * (x - inside), slope
 
     def _knots(self) -> FloatArray:
-        return self.table[0]
+        return np.asarray(self.table[0])
 
     def _scales(self, radius: Any) -> tuple[FloatArray, FloatArray, FloatArray]:
         one = np.ones_like(radius)

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Hashable
 from functools import lru_cache
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from scipy.interpolate import PPoly, make_interp_spline
@@ -20,8 +21,8 @@ from metafem.contact.elastic import PARABOLOID
 from metafem.contact.law import contacts
 
 # Relative error of a table, and the number of times that the spacing of its points is halved at most, from 1
-# in the logarithm. A sphere needs 4 halvings, a smooth profile 5, and each takes a millisecond.
-RESOLVED, HALVINGS = 1e-10, 7
+# in the logarithm. A sphere needs 5 halvings; the cubics of a table stop at the last, 1e-8 off.
+RESOLVED, HALVINGS = 1e-10, 6
 
 # Smallest contact radius and smallest indentation of a table over its scale: below the first, smooth laws are
 # powers within 1e-9; above the second, products of powers up to 32 do not underflow.
@@ -40,7 +41,7 @@ SAME = 1e-9
 FLATTEST = 0.005
 
 
-def tables(law: Contact, radius: FloatArray) -> Law:
+def tables(law: Contact, radius: Any) -> Law:
     """Return the tables of a law for unit E* and radii (..., n) [mm], as the kernels read them."""
     if law == PARABOLOID:
         size = np.array(radius, dtype=np.float64, order="C")
@@ -50,7 +51,7 @@ def tables(law: Contact, radius: FloatArray) -> Law:
     which, keys = np.zeros(size.shape, dtype=np.int64), list[tuple[Contact, float]]()
     laws: list[Contact] = [Elastic(cap) for cap in law.cap.kinds] if mixed else [law]  # type: ignore[attr-defined]
     for k, one in enumerate(laws):
-        own = np.asarray(radius)["cap"] == k if mixed else np.full(size.shape, True)
+        own = radius["cap"] == k if mixed else np.full(size.shape, True)
         kinds, inverse = np.unique(size[own], return_inverse=True)
         which[own] = len(keys) + (0 if one.similar else inverse)
         keys += [(one, 1.0)] if one.similar else [(one, float(kind)) for kind in kinds]
@@ -71,7 +72,7 @@ def deepest(law: Law) -> FloatArray:
 
 
 @lru_cache(maxsize=64)
-def _kept(keys: tuple[tuple[Contact, float], ...]) -> FloatArray:
+def _kept(keys: tuple[tuple[Any, float], ...]) -> FloatArray:
     """Return an array with one table in each row, padded with zeros to the longest."""
     found = [_one(*key) if isinstance(key[0], Hashable) else _one.__wrapped__(*key) for key in keys]
     size = max(map(len, found))
@@ -79,7 +80,7 @@ def _kept(keys: tuple[tuple[Contact, float], ...]) -> FloatArray:
 
 
 @lru_cache(maxsize=256)
-def _one(law: Contact, radius: float) -> FloatArray:
+def _one(law: Any, radius: float) -> FloatArray:
     """Return the table of a law for one radius [mm]; it takes milliseconds to compute and about 100 kB."""
     end = float(law.largest_indentation(radius))
     last = end if math.isfinite(end) else DEEPEST * radius

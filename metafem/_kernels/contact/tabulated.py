@@ -3,8 +3,8 @@
 The nominal indentation z of a contact with load p is the indentation at which the law without extra curvature
 has this load. A table contains, as functions of ln z, ln p, ln a^2, the logarithm of the complementary energy
 ``int_0^z z dp`` and, for elastic laws, that of the second moment M of the pressure. All lengths are divided
-by a scale. z is then the integral D(a) of the cap (`metafem.caps.Cap`), with loads P(a), and the table is read
-at other a as well. The logarithm of a power law is a straight line, so straight lines continue the table
+by a scale. z is then the integral D(a) of the cap (`metafem.caps.Cap`), with loads P(a), and the table is
+read at other a as well. The logarithm of a power law is a straight line, so straight lines continue the table
 beyond both ends.
 
 If the neighbours add the curvature k, a contact with load p has the radius a with ``P(a) + 4/3 k a^3 = p``.
@@ -51,8 +51,8 @@ MOST_EXTRA = 0.1
 
 # Layout of a row of `Law.data`: the largest indentation, three numbers for T, the number of panels over ln z,
 # the number of bins of equal width, the smallest ln z, the inverse bin width, the first panel of each bin,
-# and the edges of the panels. For each panel the polynomials of the distance from its lower edge follow, one for
-# each function, with COEFFICIENTS coefficients each, the constant term first.
+# and the edges of the panels. For each panel the polynomials of the distance from its lower edge follow, one
+# for each function, with COEFFICIENTS coefficients each, the constant term first.
 DEEPEST, LEVER_EDGE, LEVER_START, LEVER_OFFSET, PANELS, BINS, LOWEST, PER_BIN, HEADER = range(9)
 LOAD, SQUARE, ENERGY, MOMENT, FUNCTIONS = range(5)
 COEFFICIENTS = 6

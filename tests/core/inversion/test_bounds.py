@@ -79,7 +79,7 @@ def test_a_line_ends_where_it_meets_equal_contacts():
 @pytest.mark.parametrize("law", LAWS[1:3], ids=repr)
 def test_the_examined_bounds_of_a_profile_are_those_of_its_power(law):
     def profile(rho):
-        return law.coefficient * RADIUS * (rho / RADIUS) ** law.exponent
+        return law.cap.coefficient * RADIUS * (rho / RADIUS) ** law.cap.exponent
 
     radii, load, friction = Radii.of(RADIUS), np.array([0.1, 0.11, 0.3]), np.array([1.0, 1.2, 3.0])
     named, unnamed = (
@@ -87,7 +87,7 @@ def test_the_examined_bounds_of_a_profile_are_those_of_its_power(law):
     )
     np.testing.assert_allclose(unnamed.friction(load), named.friction(load), rtol=1e-10)
     assert unnamed.least_exponent == pytest.approx(named.least_exponent, rel=1e-8)
-    if law.exponent > 2.0:
+    if law.cap.exponent > 2.0:
         after = [each.highest_after(load, friction) for each in (named, unnamed)]
         np.testing.assert_allclose(*after, rtol=1e-9)
 
