@@ -35,11 +35,6 @@ class Cap(ABC):
     scaled: ClassVar[bool] = True
 
     @property
-    def power(self) -> float | None:
-        """Exponent n of a profile that is a power of rho; else None."""
-        return None
-
-    @property
     def extent(self) -> float:
         """Unit distance from the axis at which the profile ends; infinite if it has no end."""
         return math.inf

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from abc import abstractmethod
 from dataclasses import dataclass
 
 import numpy as np
@@ -91,34 +90,27 @@ class PowerLaw(Cap):
     and ``M = 2 (n + 1)/(3 (n + 3)) P a^2``. Galin (1946); Sneddon (1965).
     """
 
-    @property
-    @abstractmethod
-    def power(self) -> float:
-        """Exponent n of the profile [-]."""
-
-    @property
-    @abstractmethod
-    def factor(self) -> float:
-        """Factor c of the profile [-]."""
+    exponent: float
+    coefficient: float
 
     def unit_profile(self, rho: FloatArray) -> FloatArray:
         """Return the depth for R = 1."""
-        return np.asarray(self.factor * rho**self.power)
+        return np.asarray(self.coefficient * rho**self.exponent)
 
     def unit_foot(self, height: FloatArray) -> FloatArray:
         """Return the foot radii for R = 1."""
-        return np.asarray((height / self.factor) ** (1.0 / self.power))
+        return np.asarray((height / self.coefficient) ** (1.0 / self.exponent))
 
     def unit_depth(self, a: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return D and D' for R = 1."""
-        n = self.power
+        n = self.exponent
         ratio = math.sqrt(math.pi) * math.gamma(0.5 * n + 1.0) / math.gamma(0.5 * (n + 1.0))
-        slope = n * self.factor * ratio * a ** (n - 1.0)
+        slope = n * self.coefficient * ratio * a ** (n - 1.0)
         return a * slope / n, slope
 
     def unit_load(self, a: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return P and M for R = 1."""
-        n, depth = self.power, self.unit_depth(a)[0]
+        n, depth = self.exponent, self.unit_depth(a)[0]
         return 2.0 * n / (n + 1.0) * a * depth, 4.0 / 3.0 * n / (n + 3.0) * a**3 * depth
 
 
@@ -132,8 +124,8 @@ class Paraboloid(PowerLaw):
     array([0.3553])
     """
 
-    power = 2.0
-    factor = 0.5
+    exponent = 2.0
+    coefficient = 0.5
 
     def summit_radius(self, radius: FloatArray) -> FloatArray:
         """Return R [mm]."""
@@ -170,16 +162,6 @@ class Power(PowerLaw):
     def __post_init__(self) -> None:
         check.member(self, "exponent", above=1.0, at_most=STEEPEST)
         check.member(self, "coefficient", above=0.0)
-
-    @property
-    def power(self) -> float:
-        """Exponent n of the profile [-]."""
-        return self.exponent
-
-    @property
-    def factor(self) -> float:
-        """Factor c of the profile [-]."""
-        return self.coefficient
 
     def summit_radius(self, radius: FloatArray) -> FloatArray:
         """Return R/(2 c) [mm] for n = 2; other powers have no curvature at the summit, or an infinite one."""

@@ -123,7 +123,7 @@ class Elastic(Contact):
     @property
     def power(self) -> float | None:
         """Exponent n of the profile of all caps; None if it is no power."""
-        return None if self.cap is None else self.cap.power
+        return getattr(self.cap, "exponent", None)
 
     def bound(self, surface: Surface) -> Contact:
         """Return the law of the caps of a surface: Hertz's law for paraboloids."""

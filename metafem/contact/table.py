@@ -6,7 +6,7 @@ import math
 from abc import abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import scipy
@@ -30,15 +30,6 @@ if TYPE_CHECKING:
 FEWEST = 3
 
 
-class Pressed(NamedTuple):
-    """Contacts at given indentations; all arrays have the same shape."""
-
-    load: FloatArray  # P/E* [mm^2]
-    stiffness: FloatArray  # d(P/E*)/dd [mm]
-    area: FloatArray  # [mm^2]
-    area_slope: FloatArray  # dA/dd [mm]
-
-
 class LawByIndentation(Contact):
     """Contact law with load P/E* and area A as functions of the indentation d; its coupling is of order 1.
 
@@ -58,17 +49,18 @@ class LawByIndentation(Contact):
     def _logarithms(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return ln P and ln A, (2, ...), at x = ln d, and their derivatives; all in units."""
 
-    def pressed(self, depth: FloatArray, radius: FloatArray) -> Pressed:
-        """Return the contacts at indentations depth > 0 [mm]."""
+    def _pressed(self, depth: FloatArray, radius: FloatArray) -> tuple[FloatArray, ...]:
+        """Return P/E* [mm^2], A [mm^2], and their derivatives [mm] at indentations depth > 0 [mm]."""
         length, *units = self._scales(radius)
         value, slope = self._logarithms(np.log(depth / length))
         load, area = (unit * part for unit, part in zip(units, np.exp(value), strict=True))
-        return Pressed(load, load * slope[0] / depth, area, area * slope[1] / depth)
+        return load, area, load * slope[0] / depth, area * slope[1] / depth
 
     def breaks(self, radius: float) -> FloatArray:
         """Return the contact radii [mm] between which load and area are smooth."""
         length = self._scales(radius)[0]
-        return np.sqrt(self.pressed(length * self._knots(), np.array(radius)).area / math.pi)
+        area = self._pressed(length * self._knots(), np.array(radius))[1]
+        return np.asarray(np.sqrt(area / math.pi))
 
     def contact_radius(self, indentation: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Return the contact radius sqrt(A/pi) [mm]; 0 where the contact is open."""
@@ -83,7 +75,7 @@ class LawByIndentation(Contact):
                 "describes; use lighter loads or a law with a larger range"
             )
         closed = d > 0.0
-        area = self.pressed(np.where(closed, d, size), size).area
+        area = self._pressed(np.where(closed, d, size), size)[1]
         return np.asarray(np.where(closed, np.sqrt(area / math.pi), 0.0))[()]
 
     def indentation(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
@@ -104,21 +96,21 @@ class LawByIndentation(Contact):
 
     def load(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Return the rescaled load P/E* [mm^2]."""
-        return self._of_closed("load", contact_radius, radius)
+        return self._of_closed(0, contact_radius, radius)
 
     def stiffness(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Return d(P/E*)/dd [mm]; 0 for an open contact."""
-        return self._of_closed("stiffness", contact_radius, radius)
+        return self._of_closed(2, contact_radius, radius)
 
     def area_slope(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Return dA/dd [mm]; 0 for an open contact."""
-        return self._of_closed("area_slope", contact_radius, radius)
+        return self._of_closed(3, contact_radius, radius)
 
-    def _of_closed(self, name: str, contact_radius: Values, radius: Values) -> FloatArray:
-        """Return a member of `Pressed` at contact radii [mm]; 0 for open contacts."""
+    def _of_closed(self, which: int, contact_radius: Values, radius: Values) -> FloatArray:
+        """Return one of the values of `_pressed` at contact radii [mm]; 0 for open contacts."""
         d, size = np.broadcast_arrays(self.indentation(contact_radius, radius), radius)
         closed = d > 0.0
-        found = getattr(self.pressed(np.where(closed, d, size), size), name)
+        found = self._pressed(np.where(closed, d, size), size)[which]
         return np.asarray(np.where(closed, found, 0.0))[()]
 
 

@@ -30,8 +30,8 @@ class Read(mf.Elastic):
 class Cone(PowerLaw):
     """A cap of the exponent 1, for which `mf.Power` is not made."""
 
-    factor: float = 0.5
-    power = 1.0
+    coefficient: float = 0.5
+    exponent = 1.0
 
     def summit_radius(self, radius):
         return radius

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from functools import partial
 
 import numpy as np
-from metafem.contact.elastic_plastic import ElasticPlastic
+from metafem.contact.plastic import ElasticPlastic
 
 import metafem as mf
 from metafem.drawing import ACHIEVED, TARGET
