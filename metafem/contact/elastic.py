@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
+from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.caps import Cap, Caps, Paraboloid, Power
 from metafem.caps.cap import Values
@@ -111,6 +112,9 @@ class Elastic(Contact):
     largest_order: ClassVar[int] = 3
 
     cap: Cap | None = None
+
+    def __post_init__(self) -> None:
+        check.instance("cap", self.cap, Cap, "a cap such as metafem.Sphere()", optional=True)
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}({'' if self.cap is None else repr(self.cap)})"
