@@ -36,7 +36,7 @@ class Sphere(Cap):
 
     With ``L = artanh(a/R)``, ``D = a L``, ``P/E* = (a^2 + R^2) L - a R`` and
     ``M/E* = ((a^4 + 3 R^4) L - a^3 R - 3 a R^3)/3``. Load and indentation grow without limit towards the
-    equator, so contacts end at a = 0.999 R, where D = 3.8 R. Sneddon, Int. J. Eng. Sci. 3, 47 (1965),
+    equator, so contacts end at a = 0.9994 R, where D = 4.05 R. Sneddon, Int. J. Eng. Sci. 3, 47 (1965),
     doi:10.1016/0020-7225(65)90019-4.
 
     Examples
@@ -52,8 +52,8 @@ class Sphere(Cap):
 
     @property
     def reach(self) -> float:
-        """Largest contact radius over R, at which the slope of the profile is 22."""
-        return 0.999
+        """Largest contact radius over R, at which the slope of the profile is 29."""
+        return 0.9994
 
     def summit_radius(self, radius: FloatArray) -> FloatArray:
         """Return R [mm]."""

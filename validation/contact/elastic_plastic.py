@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from functools import partial
 
 import numpy as np
-from metafem.contact.plastic import ElasticPlastic
 
 import metafem as mf
+from metafem.contact.plastic import ElasticPlastic
 from metafem.drawing import ACHIEVED, TARGET
 from metafem.reference import single_contacts
 from metafem.reference.elastic_plastic import jackson_green, kogut_etsion

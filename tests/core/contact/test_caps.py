@@ -101,10 +101,10 @@ def test_the_profile_is_that_of_the_law():
 
 
 def test_a_sphere_is_continued_by_its_tangent():
-    rho = RADIUS * np.array([0.5, 0.99, 0.9990001, 1.0, 2.0])
+    rho = RADIUS * np.array([0.5, 0.99, 0.9994001, 1.0, 2.0])
     depth = mf.Elastic(mf.Sphere()).depth_at(rho, RADIUS)
     assert_allclose(depth[:2], RADIUS - np.sqrt(RADIUS**2 - rho[:2] ** 2), rtol=1e-14)
-    slope = 0.999 / np.sqrt(1.0 - 0.999**2)
+    slope = 0.9994 / np.sqrt(1.0 - 0.9994**2)
     assert_allclose(np.diff(depth)[2:], slope * np.diff(rho)[2:], rtol=1e-5)  # a difference quotient
 
 

@@ -45,12 +45,12 @@ def test_the_law_of_a_paraboloid_is_that_of_hertz():
 
 
 def test_a_sphere_is_pressed_up_to_its_equator_and_not_beyond():
-    """Its contact ends at 0.999 R, where D is 3.8 R; at a = R load and indentation have no limit."""
+    """Its contact ends at 0.9994 R, where D is 4.05 R; at a = R load and indentation have no limit."""
     surface = scene(np.zeros((1, 2)), [0.5], 0.4)
     model = mf.Independent(contact=mf.Elastic(mf.Sphere()))
     end = float(model.contact.largest_indentation(0.4))
     state = mf.equilibrium(surface, model, approach=end)
-    assert state.asperity_area == pytest.approx(np.pi * (0.999 * 0.4) ** 2, rel=1e-12)
+    assert state.asperity_area == pytest.approx(np.pi * (0.9994 * 0.4) ** 2, rel=1e-12)
     assert mf.equilibrium(surface, model, load=state.load).approach == pytest.approx(end, rel=1e-12)
     with pytest.raises(mf.InvalidInput, match="end of"):
         mf.equilibrium(surface, model, approach=40.0)
