@@ -241,7 +241,9 @@ def _contact_radius(cap: Cap, scale: FloatArray, d: FloatArray, curvature: Float
         extra = bend * inside**2 if bend.any() else 0.0
         return own + extra, inside * slope + 2.0 * extra
 
-    start = np.minimum(np.sqrt(depth), cap.reach)  # that of a paraboloid
+    size = min(1.0, cap.reach)  # from the root of a power law through this contact radius
+    share = depth / float(cap.unit_depth(np.array(size))[0])
+    start = np.minimum(size * share ** (1.0 / getattr(cap, "exponent", 2.0)), cap.reach)
     found[closed] = scale[closed] * np.minimum(root(parts, depth, start), cap.reach)
     return found
 

@@ -131,6 +131,14 @@ class Contact(Protocol):
         """Return the derivative dA/dd of the real contact area [mm]; 0 for an open contact."""
         ...
 
+    def contacts(self, indentation: FloatArray, radius: FloatArray) -> Contacts:
+        """Return the contacts at indentations [mm] without neighbours."""
+        a = self.contact_radius(indentation, radius)
+        stiffness = self.stiffness(a, radius)
+        # first-order correction for rounding of a, because `load` loses digits near the equator of a sphere
+        missing = np.where(a > 0.0, indentation - self.indentation(a, radius), 0.0)
+        return Contacts(self.load(a, radius) + stiffness * missing, self.area(a), stiffness, a)
+
     def profile_slope(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Return the slope dd/da of the indentation of an elastic cap [-], for a > 0."""
         a = np.asarray(contact_radius, dtype=np.float64)
@@ -194,11 +202,7 @@ class Contacts(NamedTuple):
 
 def contacts(law: Contact, indentation: FloatArray, radius: FloatArray) -> Contacts:
     """Return the contacts at indentations [mm] without neighbours; at d < 0 a contact is open."""
-    a = law.contact_radius(indentation, radius)
-    stiffness = law.stiffness(a, radius)
-    # first-order correction for rounding of a, because `load` loses digits near the equator of a sphere
-    missing = np.where(a > 0.0, indentation - law.indentation(a, radius), 0.0)
-    return Contacts(law.load(a, radius) + stiffness * missing, law.area(a), stiffness, a)
+    return law.contacts(indentation, radius)
 
 
 def area_change(

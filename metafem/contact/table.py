@@ -16,7 +16,7 @@ from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem._values import Value
 from metafem.caps.cap import Values
-from metafem.contact.law import ROUNDING, Contact, material_of, root
+from metafem.contact.law import ROUNDING, Contact, Contacts, material_of, root
 from metafem.errors import InvalidInput, refuse_if
 from metafem.material import Material
 
@@ -62,8 +62,8 @@ class LawByIndentation(Contact):
         area = self._pressed(length * self._knots(), np.array(radius))[1]
         return np.asarray(np.sqrt(area / math.pi))
 
-    def contact_radius(self, indentation: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
-        """Return the contact radius sqrt(A/pi) [mm]; 0 where the contact is open."""
+    def contacts(self, indentation: FloatArray, radius: FloatArray) -> Contacts:
+        """Return the contacts at indentations [mm], without an inversion of A(d)."""
         given = (np.asarray(value, dtype=np.float64) for value in (indentation, radius))
         d, size = np.broadcast_arrays(*given)
         most = self.largest_indentation(size)
@@ -75,8 +75,13 @@ class LawByIndentation(Contact):
                 "describes; use lighter loads or a law with a larger range"
             )
         closed = d > 0.0
-        area = self._pressed(np.where(closed, d, size), size)[1]
-        return np.asarray(np.where(closed, np.sqrt(area / math.pi), 0.0))[()]
+        load, area, stiffness, _ = self._pressed(np.where(closed, d, size), size)
+        values = load, area, stiffness, np.sqrt(area / math.pi)
+        return Contacts(*(np.asarray(np.where(closed, value, 0.0))[()] for value in values))
+
+    def contact_radius(self, indentation: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
+        """Return the contact radius sqrt(A/pi) [mm]; 0 where the contact is open."""
+        return self.contacts(np.asarray(indentation), np.asarray(radius)).contact_radius
 
     def indentation(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Return the indentation d [mm]; 0 for an open contact."""
