@@ -15,7 +15,7 @@ from metafem._validate import FloatArray
 from metafem._values import Value, percent
 from metafem.calibration.measured_law.law import MeasuredLaw
 from metafem.calibration.verdict import Verdict, judged
-from metafem.contact.by_profile import usual_law
+from metafem.contact.elastic import usual_law
 from metafem.errors import refuse_if
 from metafem.inversion import Design
 from metafem.models import Independent, Model

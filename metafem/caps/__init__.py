@@ -1,8 +1,7 @@
 """Shapes of caps."""
 
-from metafem.caps.cap import Cap
-from metafem.caps.mixed import Caps
+from metafem.caps.cap import Cap, Caps, caps_of
 from metafem.caps.profile import Profile
 from metafem.caps.shapes import SPHERE, Paraboloid, Power, Sphere
 
-__all__ = ["SPHERE", "Cap", "Caps", "Paraboloid", "Power", "Profile", "Sphere"]
+__all__ = ["SPHERE", "Cap", "Caps", "Paraboloid", "Power", "Profile", "Sphere", "caps_of"]

@@ -15,13 +15,27 @@ from metafem._given import shown
 from metafem._validate import FloatArray
 from metafem._values import Value
 from metafem.caps.cap import Cap
+from metafem.caps.shapes import NO_CURVATURE
 from metafem.errors import InvalidInput, refuse_if
 
 if TYPE_CHECKING:
-    from scipy.interpolate import PchipInterpolator
+    from scipy.interpolate import BSpline, PchipInterpolator
 
-# Step of the finite difference for the slope at the end of a profile, relative to the extent.
-TANGENT = 1e-6
+# Contact radii at which the integrals of a profile are computed: 64 in each of 30 factors of 2 below the
+# extent. With quintic splines between them D has a relative error of 1e-11 for a sphere up to a/R = 0.9, and
+# D' 3e-9.
+PER_OCTAVE, OCTAVES = 64, 30
+
+# Number of octaves below the extent within which the spacing falls to a tenth, because splines are less
+# accurate at their ends.
+END = 0.25
+
+# Number of nodes of the quadrature over a function. The variable of integration is the cube root of the
+# angle, in which fractional powers at the summit are smooth.
+NODES = 96
+
+# A function is smooth if splines through every other contact radius differ by less than this, relatively.
+SMOOTH = 1e-9
 
 # Distances from the axis, over the extent, at which the curvature 2 f/rho^2 of the summit of a function is
 # computed, and the largest relative difference of the two values for a summit with a curvature.
@@ -32,7 +46,11 @@ NEAR_AXIS, SAME_CURVATURE = (2e-3, 1e-3), 1e-3
 class Profile(Value, Cap):
     """Caps with any profile f(rho); all asperities have the same profile, whatever their R.
 
-    Between the points of a table, f is a monotone cubic in rho^2.
+    Between the points of a table, f is a monotone cubic in rho^2: 30 points of a sphere up to a/R = 0.66 give
+    the indentation of a contact within 6e-5, and 100 points within 3e-6. With
+    ``F(a) = int_0^a f(sqrt(a^2 - w^2)) dw`` and ``G(a) = int_0^a w^2 f(sqrt(a^2 - w^2)) dw``, ``D = F'``,
+    ``P/E* = 2 (a D - F)`` and ``M/E* = 4/3 (a^3 D - 3 a^2 F + 6 G)``. F and G are computed once by
+    quadrature; their logarithms are splines of ln a.
 
     Parameters
     ----------
@@ -87,20 +105,16 @@ class Profile(Value, Cap):
             shape = f"<{self.profile.shape[1]} points>"
         return f"Profile({shape}, extent={self.extent:g})"
 
-    def unit_profile(self, rho: FloatArray) -> FloatArray:
-        """Return the depth [mm] at distances from the axis; beyond the extent, along the tangent."""
-        rho, extent = np.asarray(rho, dtype=np.float64), float(self.extent)  # type: ignore[arg-type]
-        before = (1.0 - TANGENT) * extent
-        low, high = self.within(np.array([before, extent]))
-        slope = (high - low) / (extent - before)
-        inside = np.minimum(rho, extent)
-        return np.asarray(self.within(inside.ravel()).reshape(rho.shape) + slope * (rho - inside))
+    @property
+    def reach(self) -> float:
+        """Largest contact radius [mm]: the extent."""
+        return float(self.extent)  # type: ignore[arg-type]
 
-    def within(self, rho: FloatArray) -> FloatArray:
+    def unit_profile(self, rho: FloatArray) -> FloatArray:
         """Return the depth [mm] at distances up to the extent."""
         if callable(self.profile):
             return np.asarray(self.profile(rho), dtype=np.float64)
-        return np.asarray(self.cubic(rho**2))
+        return np.asarray(self.cubic(np.square(rho)))
 
     @cached_property
     def cubic(self) -> PchipInterpolator:
@@ -110,13 +124,89 @@ class Profile(Value, Cap):
 
     def summit_radius(self, radius: FloatArray) -> FloatArray:
         """Return 1/f''(0) [mm]; raise InvalidInput if f'' has no finite, positive limit at the summit."""
-        rho = np.array(NEAR_AXIS) * float(self.extent)  # type: ignore[arg-type]
-        far, near = 2.0 * self.within(rho) / rho**2
+        rho = np.array(NEAR_AXIS) * self.reach
+        far, near = 2.0 * self.unit_profile(rho) / rho**2
         if not callable(self.profile):
             near = far = 2.0 * float(self.cubic(0.0, 1))
         if not (near > 0.0 and abs(far / near - 1.0) < SAME_CURVATURE):
-            words = (
-                "has no finite curvature at its summit, which this contact law needs; use contact = Elastic()"
-            )
-            raise InvalidInput(words, key="cap", value=repr(self))
+            raise InvalidInput(NO_CURVATURE, key="cap", value=repr(self))
         return np.full_like(radius, 1.0 / near)
+
+    def unit_foot(self, height: FloatArray) -> FloatArray:
+        """Return the distances [mm] at which the depth is the height, to rounding."""
+        most = float(self.unit_profile(np.array(self.reach)))
+        refuse_if(
+            (height > most).any(),
+            f"cap.profile: the profile ends {most:.4g} mm below the summit, at its extent of "
+            f"{self.extent:g} mm; a cap of the height {height.max():.4g} mm needs a wider profile",
+        )
+        ends = np.zeros_like(height), np.full_like(height, self.reach)
+        # loaded by no surface whose caps have a closed form
+        found = scipy.optimize.elementwise.find_root(
+            lambda x, h: self.unit_profile(x) - h, ends, args=(height,)
+        )
+        return np.asarray(found.x)
+
+    @cached_property
+    def integrals(self) -> tuple[BSpline, BSpline]:
+        """Splines of ln F and ln G over ln a."""
+        octave = np.arange(-PER_OCTAVE * OCTAVES, 1) / PER_OCTAVE
+        a = self.reach * 2.0 ** (octave * octave / (octave - END))  # ends at the extent, to the last bit
+        x, (rho, w, weight) = np.log(a), self._nodes(a[:, None])
+        depth = self.unit_profile(rho)
+        if callable(self.profile):
+            good = depth.shape == rho.shape and np.isfinite(depth).all() and (np.diff(depth) > 0.0).all()
+            words = "profile: the function must return increasing, finite numbers for arrays of rho"
+            refuse_if(not good, words)
+        y = np.log([(weight * depth).sum(axis=1), (weight * w**2 * depth).sum(axis=1)])
+        first, second = (scipy.interpolate.make_interp_spline(x, part, k=5) for part in y)
+        coarse = scipy.interpolate.make_interp_spline(x[::2], y[0, ::2], k=5)
+        refuse_if(
+            callable(self.profile) and (np.abs(coarse(x) - y[0]) > SMOOTH).any(),
+            "profile: the function is not smooth up to the extent; use a smaller one, or give it as a table "
+            "(rho, f)",
+        )
+        power = first(x, 1)
+        refuse_if(
+            not (first(x, 2) + power**2 - power > 0.0).all(),
+            "profile: the contact radius does not grow with the indentation",
+        )
+        return first, second
+
+    def _nodes(self, a: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return rho, w and weights (m, nodes) of the quadrature over w at contact radii (m, 1) [mm]."""
+        if callable(self.profile):
+            node, weight = np.polynomial.legendre.leggauss(NODES)
+            cube = 0.5 * (node + 1.0)
+            angle = 0.5 * np.pi * cube**3
+            return a * np.sin(angle), a * np.cos(angle), a * np.sin(angle) * 0.75 * np.pi * cube**2 * weight
+        # between the points of the table, w^2 f is a polynomial of degree 8 in w: 5 Gauss nodes are exact
+        node, weight = np.polynomial.legendre.leggauss(5)
+        ends = np.sqrt(np.maximum(a**2 - self.profile[0] ** 2, 0.0))
+        half = 0.5 * (ends[:, :-1] - ends[:, 1:])[..., None]
+        w = (ends[:, 1:, None] + half * (node + 1.0)).reshape(len(a), -1)
+        return np.sqrt(np.maximum(a**2 - w**2, 0.0)), w, (half * weight).reshape(len(a), -1)
+
+    def _at(self, a: FloatArray) -> tuple[FloatArray, ...]:
+        """Return a [mm], F [mm^2], d ln F/d ln a, d^2 ln F/(d ln a)^2 and G [mm^4] at contact radii [mm].
+
+        Below the smallest contact radius of the splines, F and G are powers.
+        """
+        first, second = self.integrals
+        a = np.maximum(a, 1e-200 * self.reach)  # 0 has no logarithm
+        x = np.log(a)
+        inside = np.clip(x, first.t[0], first.t[-1])
+        power, below = first(inside, 1), x - inside
+        value, other = first(inside) + power * below, second(inside) + second(inside, 1) * below
+        return a, np.exp(value), power, first(inside, 2), np.exp(other)
+
+    def unit_depth(self, a: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return D [mm] and D' [-] at contact radii [mm]."""
+        a, value, power, bend, _ = self._at(a)
+        depth = value * power / a
+        return depth, depth / a * (bend / power + power - 1.0)
+
+    def unit_load(self, a: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return P/E* [mm^2] and M/E* [mm^4] at contact radii [mm]."""
+        a, value, power, _, other = self._at(a)
+        return 2.0 * value * (power - 1.0), 4.0 / 3.0 * (a**2 * value * (power - 3.0) + 6.0 * other)

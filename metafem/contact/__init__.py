@@ -1,13 +1,11 @@
 """Contact of one asperity and a rigid plane."""
 
 from metafem.contact.adhesion import JKR
-from metafem.contact.by_profile import Elastic
-from metafem.contact.cap_compliance import pedestal_compliance
-from metafem.contact.elastic import Hertz
-from metafem.contact.jackson_green import JacksonGreen
-from metafem.contact.kogut_etsion import KogutEtsion
+from metafem.contact.elastic import Elastic, Hertz
 from metafem.contact.law import Contact
-from metafem.contact.tabulated import TabulatedContact
+from metafem.contact.pedestal import pedestal_compliance
+from metafem.contact.plastic import JacksonGreen, KogutEtsion
+from metafem.contact.table import TabulatedContact
 
 __all__ = [
     "JKR",

@@ -14,8 +14,9 @@ from scipy.optimize import elementwise
 from metafem import _validate as check
 from metafem._given import shown
 from metafem._validate import FloatArray, IntArray
+from metafem.caps.cap import Values
 from metafem.contact.elastic import PARABOLOID
-from metafem.contact.law import Contact, Values, material_of, sizes_of
+from metafem.contact.law import Contact, material_of, sizes_of
 from metafem.errors import InvalidInput, refuse_if
 from metafem.material import Material
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Protocol, cast, runtime_checkable
 
 import numpy as np
@@ -10,29 +11,25 @@ import numpy as np
 from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.caps.cap import Values
-from metafem.errors import InvalidInput
+from metafem.errors import InvalidInput, NotConverged
 from metafem.material import Material
 from metafem.notes import Note
 
 if TYPE_CHECKING:
     from metafem.surface import Surface
 
-__all__ = [
-    "Contact",
-    "Contacts",
-    "Values",
-    "area_change",
-    "checked_contact",
-    "contacts",
-    "material_of",
-    "sizes_of",
-]
-
 # Summits of caps that differ: R [mm], and the index of the cap of each asperity.
 SUMMIT = np.dtype([("radius", np.float64), ("cap", np.int64)])
 
 # Relative step of the contact radius in the finite difference for D''.
 STEP = 1e-3
+
+# Relative excess over the end of a law that is treated as rounding: a thousand times machine precision.
+ROUNDING = 1e-12
+
+# Maximum number of steps of `root`, which takes 3 to 8; each either follows Newton's method or halves a
+# bracket of logarithms. After a step below SETTLED the next one of Newton's method is below rounding.
+MAX_STEPS, SETTLED = 200, 1e-9
 
 
 @runtime_checkable
@@ -134,6 +131,14 @@ class Contact(Protocol):
         """Return the derivative dA/dd of the real contact area [mm]; 0 for an open contact."""
         ...
 
+    def contacts(self, indentation: FloatArray, radius: FloatArray) -> Contacts:
+        """Return the contacts at indentations [mm] without neighbours."""
+        a = self.contact_radius(indentation, radius)
+        stiffness = self.stiffness(a, radius)
+        # first-order correction for rounding of a, because `load` loses digits near the equator of a sphere
+        missing = np.where(a > 0.0, indentation - self.indentation(a, radius), 0.0)
+        return Contacts(self.load(a, radius) + stiffness * missing, self.area(a), stiffness, a)
+
     def profile_slope(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Return the slope dd/da of the indentation of an elastic cap [-], for a > 0."""
         a = np.asarray(contact_radius, dtype=np.float64)
@@ -160,6 +165,32 @@ def sizes_of(summits: Any) -> FloatArray:
     return found["radius"] if found.dtype.names else np.asarray(found, dtype=np.float64)
 
 
+def root(
+    parts: Callable[[FloatArray], tuple[FloatArray, FloatArray]], target: FloatArray, start: FloatArray
+) -> FloatArray:
+    """Return the x > 0 at which the first value of parts(x) equals the target > 0.
+
+    The second value of parts(x) is the derivative of the first with respect to ln x. Newton's method uses the
+    logarithms of x and of the value, in which power laws are straight lines; it stays within a bracket.
+    """
+    x, low, high = start, np.zeros_like(target), np.full_like(target, math.inf)
+    for _ in range(MAX_STEPS):
+        value, slope = parts(x)
+        rising, tiny = (value > 0.0) & (slope > 0.0), value == 0.0  # by underflow
+        low = np.where(tiny | (rising & (value <= target)), x, low)
+        high = np.where(tiny | (rising & (value < target)), high, x)
+        with np.errstate(all="ignore"):
+            step = np.where(rising, np.log(target / value) * value / slope, np.where(tiny, 3.0, -1.0))
+            new = x * np.exp(np.clip(step, -300.0, 300.0))  # neither 0 nor infinity
+            middle = np.sqrt(low) * np.sqrt(high)
+        outside = ~((new >= low) & (new <= high)) & (middle > 0.0) & np.isfinite(middle)
+        new = np.where(outside, middle, new)
+        if (np.abs(new - x) <= SETTLED * x).all():
+            return np.asarray(new)
+        x = new
+    raise NotConverged(f"no contact radius or indentation was found in {MAX_STEPS} steps")
+
+
 class Contacts(NamedTuple):
     """State of contacts at given indentations; all arrays have the same shape."""
 
@@ -171,11 +202,7 @@ class Contacts(NamedTuple):
 
 def contacts(law: Contact, indentation: FloatArray, radius: FloatArray) -> Contacts:
     """Return the contacts at indentations [mm] without neighbours; at d < 0 a contact is open."""
-    a = law.contact_radius(indentation, radius)
-    stiffness = law.stiffness(a, radius)
-    # first-order correction for rounding of a, because `load` loses digits near the equator of a sphere
-    missing = np.where(a > 0.0, indentation - law.indentation(a, radius), 0.0)
-    return Contacts(law.load(a, radius) + stiffness * missing, law.area(a), stiffness, a)
+    return law.contacts(indentation, radius)
 
 
 def area_change(

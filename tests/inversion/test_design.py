@@ -6,7 +6,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import metafem as mf
-from metafem.contact.by_profile import law_of
 from metafem.inversion import DesignStatus
 from tests.models.scenes import said
 from validation.scenes.random_laws import LATTICE, RADIUS, noisy_law, random_law
@@ -14,7 +13,7 @@ from validation.scenes.real_targets import misfit
 
 LIMITS = mf.Limits(max_height=0.12, offset=0.05)
 RHO = np.linspace(0.0, 0.5, 120)
-TABLE = law_of(mf.Profile([RHO, RADIUS - np.sqrt(RADIUS**2 - RHO**2)]))
+TABLE = mf.Elastic(mf.Profile([RHO, RADIUS - np.sqrt(RADIUS**2 - RHO**2)]))
 
 
 @settings(max_examples=15)
@@ -67,7 +66,7 @@ def test_later_points_move_as_well_where_the_moved_one_needs_all_asperities(temp
     assert mf.design(near, template, limits=mf.Limits(0.27)).misfit < 1e-9
 
 
-COUPLED = [mf.Interacting(3, mf.BondedLayer()), mf.Interacting(contact=law_of(mf.Sphere()))]
+COUPLED = [mf.Interacting(3, mf.BondedLayer()), mf.Interacting(contact=mf.Elastic(mf.Sphere()))]
 
 
 @pytest.mark.parametrize("model", COUPLED, ids=["layer", "spheres"])
@@ -82,7 +81,9 @@ def test_points_of_a_surface_are_not_refused_under_its_own_model(model, spread):
 
 
 @pytest.mark.parametrize(
-    "law", [law_of(mf.Power(1.5)), law_of(mf.Power(4)), mf.KogutEtsion(5.0), mf.JKR(9e-6), TABLE], ids=repr
+    "law",
+    [mf.Elastic(mf.Power(1.5)), mf.Elastic(mf.Power(4)), mf.KogutEtsion(5.0), mf.JKR(9e-6), TABLE],
+    ids=repr,
 )
 @settings(max_examples=2)
 @given(seed=st.integers(0, 10**6))
@@ -95,7 +96,7 @@ def test_laws_of_random_surfaces_are_recovered_under_every_law(law, seed):
 
 
 def test_power_laws_of_flat_and_adhesive_caps():
-    for exponent, cap in ((0.5, law_of(mf.Power(4))), (0.8, mf.JKR(9e-6))):
+    for exponent, cap in ((0.5, mf.Elastic(mf.Power(4))), (0.8, mf.JKR(9e-6))):
         target, model = mf.PowerLaw(exponent, (0.1, 0.4)), mf.Independent(contact=cap)
         assert mf.design(target, LATTICE, model, mf.Limits(0.3)).misfit <= 2e-3
 

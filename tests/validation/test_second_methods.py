@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.contact.by_profile import law_of
 from metafem.reference.single_contacts import hertz
 from validation import methods
 from validation.methods import contact_equations, periodic_sums, two_contacts
@@ -72,7 +71,7 @@ def test_sums_of_closed_forms_agree_with_metafem(substrate):
 @pytest.mark.parametrize(
     "model",
     [mf.Independent(mf.JKR(9e-6)), mf.Interacting(1, mf.BondedLayer(), mf.KogutEtsion(3.0)),
-     mf.Interacting(3, mf.BondedLayer()), mf.Interacting(3, contact=law_of(mf.Sphere()), pedestal=True)],
+     mf.Interacting(3, mf.BondedLayer()), mf.Interacting(3, contact=mf.Elastic(mf.Sphere()), pedestal=True)],
     ids=repr,
 )  # fmt: skip
 def test_a_solution_obeys_the_equations_and_a_changed_one_does_not(model):

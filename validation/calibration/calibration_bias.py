@@ -12,7 +12,6 @@ import numpy as np
 import metafem as mf
 from metafem._validate import FloatArray
 from metafem.calibration import ContactCalibration, Sample, fit_compression
-from metafem.contact.by_profile import law_of
 from metafem.drawing import ACHIEVED, QUIET
 from metafem.fe.geometry import Cap
 from metafem.reference.single_contacts import hertz, sneddon_sphere
@@ -144,7 +143,7 @@ def _interaction() -> Iterator[Row]:
 
 
 def _sphere() -> list[Row]:
-    sphere = law_of(mf.Sphere())
+    sphere = mf.Elastic(mf.Sphere())
     found, own = of_cap(sphere), fitted(pressed(sphere, RADII), contact=sphere)
     expected = by_hand(np.array([sneddon_sphere(radius, RADIUS)[0] for radius in LIGHT]), LIGHT)
     line = closed_form(sneddon_sphere, "line through E*[(a² + R²)/2 ln((R + a)/(R − a)) − aR]")
@@ -187,7 +186,7 @@ def _biases(ax):
     """Bias of E* where Hertz's law of caps far apart is fitted to data of another law, by the effect left out
     and the largest contact radius. The grey band is the uncertainty that the paper states.
     """
-    sphere, shifts = law_of(mf.Sphere()), dict(by_model())
+    sphere, shifts = mf.Elastic(mf.Sphere()), dict(by_model())
     shifts["small-strain sphere, a/R up to 0.25"] = shift(of_cap(sphere, LIGHT))
     shifts["small-strain sphere, a/R up to 0.76"] = shift(of_cap(sphere))
     for height in deep_caps():

@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 
 import metafem as mf
-from metafem.contact.elastic_plastic import ElasticPlastic
+from metafem.contact.plastic import ElasticPlastic
 from metafem.drawing import ACHIEVED, TARGET
 from metafem.reference import single_contacts
 from metafem.reference.single_contacts import jackson_green, kogut_etsion

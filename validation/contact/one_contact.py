@@ -9,7 +9,6 @@ import numpy as np
 import metafem as mf
 from metafem.calibration.compression.adhesive_line import adhesive_line
 from metafem.contact import Contact
-from metafem.contact.by_profile import law_of
 from metafem.reference import single_contacts
 from metafem.reference.single_contacts import sneddon_sphere
 from validation.check import Claim, Picture, Row, below, near
@@ -34,9 +33,9 @@ ROUNDING, NUMERICAL = 1e-12, 1e-8
 
 CLOSED = {
     "paraboloid": (mf.Hertz(), lambda a: single_contacts.hertz(a, RADIUS), single_contacts.hertz),
-    "sphere": (law_of(mf.Sphere()), lambda a: sneddon_sphere(a, RADIUS), sneddon_sphere),
-    "power 1.5": (law_of(mf.Power(1.5)), lambda a: _power(a, 1.5), single_contacts.power_law),
-    "power 4": (law_of(mf.Power(4.0)), lambda a: _power(a, 4.0), single_contacts.power_law),
+    "sphere": (mf.Elastic(mf.Sphere()), lambda a: sneddon_sphere(a, RADIUS), sneddon_sphere),
+    "power 1.5": (mf.Elastic(mf.Power(1.5)), lambda a: _power(a, 1.5), single_contacts.power_law),
+    "power 4": (mf.Elastic(mf.Power(4.0)), lambda a: _power(a, 4.0), single_contacts.power_law),
 }  # fmt: skip
 
 PUNCHES = known_input("identity: the pressure is that of flat punches s with loads 2 s dD(s)")

@@ -14,7 +14,6 @@ import numpy as np
 from scipy.optimize import brentq
 
 import metafem as mf
-from metafem.contact.by_profile import law_of
 from metafem.drawing import QUIET
 from validation.check import Check, Claim, Picture, Result, above, below, near, reported
 from validation.figures import panels
@@ -30,7 +29,7 @@ RADIUS, PITCH = 0.526, 1.5
 
 # Approaches [mm] of the 3 x 3 lattice: contact radii from 0.10 to 0.22 of the pitch.
 APPROACHES = (0.05, 0.1, 0.15, 0.2, 0.3)
-CAPS = {"sphere": law_of(mf.Sphere()), "quartic cap": law_of(mf.Power(4.0))}
+CAPS = {"sphere": mf.Elastic(mf.Sphere()), "quartic cap": mf.Elastic(mf.Power(4.0))}
 CAP_APPROACH = 0.1
 
 # Nine crowded contacts: largest radius over the pitch and over R, at the ends of the documented ranges, where
@@ -38,9 +37,9 @@ CAP_APPROACH = 0.1
 CROWDED, WIDTH = 0.319, 0.5
 SHAPES = {
     "paraboloid": mf.Hertz(),
-    "sphere": law_of(mf.Sphere()),
-    "power 3": law_of(mf.Power(3.0)),
-    "power 4": law_of(mf.Power(4.0)),
+    "sphere": mf.Elastic(mf.Sphere()),
+    "power 3": mf.Elastic(mf.Power(3.0)),
+    "power 4": mf.Elastic(mf.Power(4.0)),
 }
 
 CROWDED_SCENE = f"3 x 3, a/r = {CROWDED:g}, {{}}"

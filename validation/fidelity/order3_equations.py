@@ -8,7 +8,6 @@ from functools import cache
 import numpy as np
 
 import metafem as mf
-from metafem.contact.by_profile import law_of
 from metafem.models.interacting.model import DENSE_LIMIT
 from validation.check import Claim, Picture, Row, below, reported
 from validation.figures import panels
@@ -64,7 +63,7 @@ class Scene:
     @property
     def model(self) -> mf.Interacting:
         """Interaction of third order with the cap and the substrate."""
-        law = mf.Hertz() if self.exponent == 2.0 else law_of(mf.Power(self.exponent))
+        law = mf.Hertz() if self.exponent == 2.0 else mf.Elastic(mf.Power(self.exponent))
         return mf.Interacting(3, mf.BondedLayer() if self.layer else mf.HalfSpace(), law)
 
     def second(self) -> tuple[float, np.ndarray]:

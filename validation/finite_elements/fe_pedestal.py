@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from metafem.contact.cap_compliance import pedestal_compliance
+from metafem.contact.pedestal import pedestal_compliance
 from validation.check import Claim, Picture, below
 from validation.figures import panels
 from validation.finite_elements.pedestal import measure_pedestal

@@ -17,7 +17,7 @@ import numpy as np
 
 import metafem as mf
 from metafem.contact import Contact
-from metafem.contact.cap_compliance import pedestal_influence
+from metafem.contact.pedestal import pedestal_influence
 from metafem.models import Curve, Model
 
 # Newton's steps to a contact radius, to rounding.

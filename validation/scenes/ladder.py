@@ -9,11 +9,10 @@ import numpy as np
 import metafem as mf
 from metafem._validate import FloatArray
 from metafem.contact import Contact
-from metafem.contact.by_profile import law_of
 from metafem.models.truncation import truncation
 from metafem.substrate import Substrate
 
-LAWS = (mf.Hertz(), law_of(mf.Sphere()), law_of(mf.Power(3.0)), law_of(mf.Power(4.0)))
+LAWS = (mf.Hertz(), mf.Elastic(mf.Sphere()), mf.Elastic(mf.Power(3.0)), mf.Elastic(mf.Power(4.0)))
 TOLERANCES = (1e-4, 1e-3, 1e-2)
 
 # Part of the tolerance up to which the estimated error of order 3 makes it the reference.

@@ -18,9 +18,6 @@ import numpy as np
 
 import metafem as mf
 from metafem.contact import Contact
-from metafem.contact.by_profile import law_of
-from metafem.contact.caps import SphericalCap
-from metafem.contact.profile import AxisymmetricCap
 from metafem.models import Model
 from metafem.models.boundary_elements.model import resolvable
 
@@ -96,7 +93,9 @@ def random_scene(seed: int, inside: bool = True) -> Scene:
     law = _law(rng, units)
     if kind == "resolved" and not resolvable(law):
         kind = "automatic"
-    if kind == "design" and (law.adhesive or isinstance(law, AxisymmetricCap)):
+    if kind == "design" and (
+        law.adhesive or (isinstance(law, mf.Elastic) and isinstance(law.cap, mf.Profile))
+    ):
         law = mf.Hertz()
     resolved = kind in ("automatic", "resolved")
     few = law.adhesive and rng.random() >= CROWDED
@@ -130,7 +129,7 @@ def _surface(rng: np.random.Generator, units: Units, most: int, kind: str, insid
     height = top - np.minimum(depth - depth.min(), 0.95 * top)
     length = units.length
     width = length * (2.0 * float(np.abs(position).max()) + 1.0)
-    block = mf.Block(width, width, length * rng.uniform(1.0, 8.0))
+    block = mf.Block(width, width, length * rng.uniform(1.05, 8.0))
     material = mf.Material(MODULUS * units.modulus, float(rng.choice(POISSON)))
     return mf.Surface(length * position, length * height, length * radius, material, block=block)
 
@@ -150,14 +149,14 @@ def scattered(rng: np.random.Generator, count: int, closest: float, width: float
 def _law(rng: np.random.Generator, units: Units) -> Contact:
     """Return a random law."""
     stress, energy = units.modulus, units.length * units.modulus
-    cap: Contact = (mf.Hertz(), law_of(mf.Sphere()), law_of(mf.Power(rng.uniform(1.5, 4.0))))[
+    cap: Contact = (mf.Hertz(), mf.Elastic(mf.Sphere()), mf.Elastic(mf.Power(rng.uniform(1.5, 4.0))))[
         int(rng.integers(3))
     ]
     work = energy * float(np.exp(rng.uniform(np.log(1e-6), np.log(3e-5))))
     laws: tuple[Callable[[], Contact], ...] = (
         mf.Hertz,
-        SphericalCap,
-        lambda: law_of(mf.Power(rng.uniform(1.0, 8.0), rng.uniform(0.3, 1.0))),
+        lambda: mf.Elastic(mf.Sphere()),
+        lambda: mf.Elastic(mf.Power(rng.uniform(1.05, 8.0), rng.uniform(0.3, 1.0))),
         lambda: _profile(int(rng.integers(PROFILES)), units),
         lambda: mf.JKR(work, cap),
         lambda: mf.JKR(work),
@@ -180,7 +179,7 @@ PROFILES = 8
 
 
 @cache
-def _profile(which: int, units: Units) -> AxisymmetricCap:
+def _profile(which: int, units: Units) -> mf.Elastic:
     """Return one of the caps rho²/(2 b R) + c rho⁴ with R = 0.526 mm."""
     b, c = np.random.default_rng(which).uniform(0.8, 1.5, 2)
     length = units.length
@@ -189,7 +188,7 @@ def _profile(which: int, units: Units) -> AxisymmetricCap:
         at = rho / length
         return np.asarray(length * (at**2 / (1.052 * b) + c * at**4))
 
-    return law_of(mf.Profile(depth, 1.2 * length))
+    return mf.Elastic(mf.Profile(depth, 1.2 * length))
 
 
 def largest_load(surface: mf.Surface, law: Contact, part: float) -> float:

@@ -9,7 +9,6 @@ import numpy as np
 import metafem as mf
 from metafem._validate import FloatArray
 from metafem.contact import Contact
-from metafem.contact.by_profile import law_of
 from metafem.inversion.targets.target import Target
 from metafem.models import Model
 from validation.scenes.random_contacts import largest_load
@@ -40,8 +39,8 @@ MODELS: dict[str, Callable[[Contact], Model]] = {
 # Half of the caps are paraboloids without adhesion.
 LAWS: dict[str, Callable[[np.random.Generator], Contact]] = {
     "Hertz": lambda rng: mf.Hertz(),
-    "sphere": lambda rng: law_of(mf.Sphere()),
-    "power": lambda rng: law_of(mf.Power(rng.uniform(1.5, 4.0))),
+    "sphere": lambda rng: mf.Elastic(mf.Sphere()),
+    "power": lambda rng: mf.Elastic(mf.Power(rng.uniform(1.5, 4.0))),
     "JKR": lambda rng: mf.JKR(float(np.exp(rng.uniform(np.log(1e-6), np.log(3e-5))))),
     "plastic": lambda rng: mf.KogutEtsion(float(np.exp(rng.uniform(np.log(1.0), np.log(100.0))))),
 }

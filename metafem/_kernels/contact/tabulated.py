@@ -1,10 +1,11 @@
 """Tabulated contact laws for kernels, for unit E*; Hertz's law is in closed form in `hertz`.
 
 The nominal indentation z of a contact with load p is the indentation at which the law without extra curvature
-has this load. A table contains ln p, ln a^2 and the logarithm of the complementary energy ``int_0^z z dp`` as
-functions of ln z. For elastic laws it also contains ln D, ln P and ln M (`metafem.contact.caps`) as functions
-of ln a. All lengths are divided by a scale. The logarithm of a power law is a straight line, so straight
-lines continue the table beyond both ends.
+has this load. A table contains, as functions of ln z, ln p, ln a^2, the logarithm of the complementary energy
+``int_0^z z dp`` and, for elastic laws, that of the second moment M of the pressure. All lengths are divided
+by a scale. z is then the integral D(a) of the cap (`metafem.caps.Cap`), with loads P(a), and the table is
+read at other a as well. The logarithm of a power law is a straight line, so straight lines continue the table
+beyond both ends.
 
 If the neighbours add the curvature k, a contact with load p has the radius a with ``P(a) + 4/3 k a^3 = p``.
 Then ``d = D + k a^2``, ``M = M(a) + 8/15 k a^5``, ``dd/dp = 1/(2 a)`` and ``da^2/dp = 1/(D' + 2 k a)``. A
@@ -43,21 +44,18 @@ MAX_STEPS = 40
 # square.
 SETTLED, SETTLED_SQUARE = 1e-5, 1e-8
 
-# Distance from 1 (logarithm) or 0 (exponential) within which a short series is exact to rounding: 1e-3^6/7.
-NEAR = 1e-3
-
 # Largest ratio of the load due to the curvature to the load p at which a local power law gives the first
 # guess of the contact radius.
 MOST_EXTRA = 0.1
 
 
-# Layout of a row of `Law.data`. It begins with the largest indentation, three numbers for T, and the offsets
-# of two parts: the panels over ln z and the panels over ln a. Each part contains the number of panels, the
-# number of bins of equal width, the smallest argument, the inverse bin width, the first panel of each bin,
-# and the edges of the panels. For each panel, the inverse of half its width and three polynomials of the
-# position in the panel follow. A polynomial has COEFFICIENTS coefficients, the constant term first.
-DEEPEST, LEVER_EDGE, LEVER_START, LEVER_OFFSET, BY_DEPTH, BY_RADIUS, HEADER = range(7)
-COEFFICIENTS = 8
+# Layout of a row of `Law.data`: the largest indentation, three numbers for T, the number of panels over ln z,
+# the number of bins of equal width, the smallest ln z, the inverse bin width, the first panel of each bin,
+# and the edges of the panels. For each panel the polynomials of the distance from its lower edge follow, one
+# for each function, with COEFFICIENTS coefficients each, the constant term first.
+DEEPEST, LEVER_EDGE, LEVER_START, LEVER_OFFSET, PANELS, BINS, LOWEST, PER_BIN, HEADER = range(9)
+LOAD, SQUARE, ENERGY, MOMENT, FUNCTIONS = range(5)
+COEFFICIENTS = 6
 
 
 class Law(NamedTuple):
@@ -76,59 +74,43 @@ def part(law, row):
 
 
 @compiled
-def panel(data, at, part, x):
-    """Return the panel of x: its polynomials' offset, the inverse of half its width, and the position of x.
+def panel(data, at, x):
+    """Return the panel of x: its polynomials' offset, and the distance of x from its lower edge.
 
-    The position ranges from -1 to 1 within the panel and is limited to this range; a fourth number is the
-    distance of x beyond it.
+    The distance is limited to the width of the panel; a third number is the distance of x beyond it.
     """
-    start = int(data[at, part])
-    panels, bins = int(data[at, start]), int(data[at, start + 1])
-    place = (x - data[at, start + 2]) * data[at, start + 3]
-    k = int(data[at, start + 4 + min(max(int(place), 0), bins - 1)])
-    edges = start + 4 + bins
+    panels, bins = int(data[at, PANELS]), int(data[at, BINS])
+    place = (x - data[at, LOWEST]) * data[at, PER_BIN]
+    k = int(data[at, HEADER + int(min(max(place, 0.0), bins - 1.0))])
+    edges = HEADER + bins
     while k + 1 < panels and x >= data[at, edges + k + 1]:
         k += 1
-    first = edges + panels + 1 + (1 + 3 * COEFFICIENTS) * k
-    inverse = data[at, first]
-    free = (x - data[at, edges + k]) * inverse - 1.0
-    t = min(max(free, -1.0), 1.0)
-    return first + 1, inverse, t, free - t
+    low = data[at, edges + k]
+    t = min(max(x, low), data[at, edges + k + 1]) - low
+    return edges + panels + 1 + FUNCTIONS * COEFFICIENTS * k, t, x - low - t
 
 
 @compiled
 def line(data, at, first, t, beyond):
-    """Return a polynomial at t, continued by a straight line over the distance `beyond`, and its derivative.
-
-    Even and odd powers are evaluated separately, v = e(t^2) + t o(t^2), so that a processor computes them in
-    parallel.
-    """
-    u = t * t
-    e = o = e1 = o1 = 0.0
-    for k in range(COEFFICIENTS // 2 - 1, -1, -1):
-        e1 = e1 * u + e
-        o1 = o1 * u + o
-        e = e * u + data[at, first + 2 * k]
-        o = o * u + data[at, first + 2 * k + 1]
-    slope = 2.0 * t * e1 + (o + 2.0 * u * o1)
-    return e + t * o + slope * beyond, slope
+    """Return a polynomial at t, continued by a straight line over `beyond`, and its derivative."""
+    f = f1 = 0.0
+    for k in range(COEFFICIENTS - 1, -1, -1):
+        f1 = f1 * t + f
+        f = f * t + data[at, first + k]
+    return f + f1 * beyond, f1
 
 
 @compiled
 def curve(data, at, first, t, beyond):
-    """Return the results of `line`, and the second derivative."""
-    u = t * t
-    e = o = e1 = o1 = e2 = o2 = 0.0
-    for k in range(COEFFICIENTS // 2 - 1, -1, -1):
-        e2 = e2 * u + e1
-        o2 = o2 * u + o1
-        e1 = e1 * u + e
-        o1 = o1 * u + o
-        e = e * u + data[at, first + 2 * k]
-        o = o * u + data[at, first + 2 * k + 1]
-    slope = 2.0 * t * e1 + (o + 2.0 * u * o1)
-    bend = 2.0 * e1 + 8.0 * u * e2 + t * (6.0 * o1 + 8.0 * u * o2)
-    return e + t * o + slope * beyond, slope, bend if beyond == 0.0 else 0.0
+    """Return the results of `line`, and the second and third derivatives, which are 0 beyond the table."""
+    f = f1 = f2 = f3 = 0.0
+    for k in range(COEFFICIENTS - 1, -1, -1):
+        f3 = f3 * t + f2
+        f2 = f2 * t + f1
+        f1 = f1 * t + f
+        f = f * t + data[at, first + k]
+    inside = 1.0 if beyond == 0.0 else 0.0
+    return f + f1 * beyond, f1, 2.0 * f2 * inside, 6.0 * f3 * inside
 
 
 @compiled
@@ -140,45 +122,28 @@ def covers(data, at, scale, z):
 @compiled
 def load_and_rate(data, at, scale, z):
     """Return p [mm^2] and dp/dz [mm] at z > 0."""
-    first, inverse, t, beyond = panel(data, at, BY_DEPTH, math.log(z / scale))
+    first, t, beyond = panel(data, at, math.log(z / scale))
     f, f1 = line(data, at, first, t, beyond)
     p = math.exp(f) * scale * scale
-    return p, p * f1 * inverse / z
-
-
-@compiled
-def logarithm(x):
-    """Return ln x; for x near 1 by a series, which takes a third of the time."""
-    e = x - 1.0
-    if abs(e) > NEAR:
-        return math.log(x)
-    return e * (1.0 - e * (1.0 / 2.0 - e * (1.0 / 3.0 - e * (1.0 / 4.0 - e * (1.0 / 5.0 - e / 6.0)))))
-
-
-@compiled
-def exponential(x):
-    """Return e^x; for small x by a series."""
-    if abs(x) > NEAR:
-        return math.exp(x)
-    return 1.0 + x * (1.0 + x / 2.0 * (1.0 + x / 3.0 * (1.0 + x / 4.0 * (1.0 + x / 5.0))))
+    return p, p * f1 / z
 
 
 @compiled
 def pressed(data, at, scale, z):
     """Return p, dp/dz, a^2 and da^2/dp at a nominal indentation z > 0."""
-    first, inverse, t, beyond = panel(data, at, BY_DEPTH, math.log(z / scale))
+    first, t, beyond = panel(data, at, math.log(z / scale))
     f, f1 = line(data, at, first, t, beyond)
-    g, g1 = line(data, at, first + COEFFICIENTS, t, beyond)
+    g, g1 = line(data, at, first + SQUARE * COEFFICIENTS, t, beyond)
     p, square = math.exp(f) * scale * scale, math.exp(g) * scale * scale
-    return p, p * f1 * inverse / z, square, square * g1 / (p * f1)
+    return p, p * f1 / z, square, square * g1 / (p * f1)
 
 
 @compiled
 def tilted(data, at, scale, z):
     """Return p, dp/dz, a^2, da^2/dp, 2 T, 2 dT/dp and 2 d2T/dp2 at a nominal indentation z > 0."""
-    first, per_half, t, beyond = panel(data, at, BY_DEPTH, math.log(z / scale))
-    f, f1, f2 = curve(data, at, first, t, beyond)
-    g, g1, g2 = curve(data, at, first + COEFFICIENTS, t, beyond)
+    first, t, beyond = panel(data, at, math.log(z / scale))
+    f, f1, f2, _ = curve(data, at, first, t, beyond)
+    g, g1, g2, _ = curve(data, at, first + SQUARE * COEFFICIENTS, t, beyond)
     p, square = math.exp(f), math.exp(g)
     inverse = 1.0 / (p * f1)
     widening = square * g1 * inverse
@@ -192,7 +157,7 @@ def tilted(data, at, scale, z):
         bend = rate * (1.5 * g1 - f1 + (g2 / g1 - f2 / f1)) * inverse
         lever = 2.0 / 3.0 * square * a + data[at, LEVER_OFFSET]
     return (
-        p * area, p * area * f1 * per_half / z, square * area, widening,
+        p * area, p * area * f1 / z, square * area, widening,
         2.0 * lever * area * scale, 2.0 * rate * scale, 2.0 * bend / scale,
     )  # fmt: skip
 
@@ -205,9 +170,9 @@ def bent(data, at, scale, load, square, widening, curvature):
     """
     per_scale = 1.0 / scale
     k, p, a0 = curvature * scale, load * per_scale * per_scale, math.sqrt(square) * per_scale
-    y, per_load = math.log(a0), 1.0 / p
-    # d ln a/d ln P = (P/2 a) da^2/dP
+    # d ln a/d ln P = (P/2 a) da^2/dP; for a local power law of exponent n this is 1/(n + 1)
     share = 0.5 * load * widening / square
+    exponent = 1.0 / share - 1.0
     inside = True
     if k < 0.0:
         # D' = (dP/da)/(2 a)
@@ -215,56 +180,52 @@ def bent(data, at, scale, load, square, widening, curvature):
         # a flat summit that just touches is flattened by any small field: its k is always in range
         inside = k > least or p <= data[at, LEVER_EDGE]
         k = max(k, least)
-    extra = 4.0 / 3.0 * k * a0 * a0 * a0 * per_load
+    extra = 4.0 / 3.0 * k * a0 * a0 * a0 / p
     if abs(extra) <= MOST_EXTRA:  # ln a to second order in `extra`, for a local power law
-        step = -share * extra * (1.0 + extra * (0.5 - 3.0 * share))
-        y += step
-        a = a0 * exponential(step)
+        wider = -share * extra * (1.0 + extra * (0.5 - 3.0 * share))
     else:  # both P(a) = p and 4/3 k a^3 = p give larger radii than their sum
-        y = min(y, math.log(0.75 * p / k) / 3.0) if k > 0.0 else y
-        a = math.exp(y)
+        wider = min(0.0, -math.log(extra) / 3.0) if k > 0.0 else 0.0
+    y = math.log(0.5 * p / (a0 * (1.0 - share))) + exponent * wider  # ln D, exact for a power law with k = 0
     for _ in range(MAX_STEPS):
-        first, inverse, t, beyond = panel(data, at, BY_RADIUS, y)
-        g, g1, g2 = curve(data, at, first + COEFFICIENTS, t, beyond)
-        g1, g2 = g1 * inverse, g2 * inverse * inverse
-        own, extra = math.exp(g), 4.0 / 3.0 * k * a * a * a
+        first, t, beyond = panel(data, at, y)
+        f, f1, f2, _ = curve(data, at, first, t, beyond)
+        g, g1, g2, _ = curve(data, at, first + SQUARE * COEFFICIENTS, t, beyond)
+        own, extra = math.exp(f), 4.0 / 3.0 * k * math.exp(1.5 * g)
         total = own + extra
         step = 0.5
         if total > 0.0:  # Chebyshev's method, of third order
-            part = 1.0 / total
-            h1 = (own * g1 + 3.0 * extra) * part
-            h2 = (own * (g1 * g1 + g2) + 9.0 * extra) * part - h1 * h1
-            per_slope = 1.0 / h1
-            step = logarithm(total * per_load) * per_slope
-            step = min(max(-step * (1.0 + 0.5 * step * h2 * per_slope), -0.5), 0.5)
+            h1 = (own * f1 + 1.5 * extra * g1) / total
+            h2 = (own * (f1 * f1 + f2) + extra * (2.25 * g1 * g1 + 1.5 * g2)) / total - h1 * h1
+            step = math.log(total / p) / h1
+            step = min(max(-step * (1.0 + 0.5 * step * h2 / h1), -0.5 * exponent), 0.5 * exponent)
         y += step
-        a *= exponential(step)
         if abs(step) <= SETTLED:
             break
-    t += step * inverse
-    f, f1 = line(data, at, first, t, beyond)
-    w, _ = line(data, at, first + 2 * COEFFICIENTS, t, beyond)
-    depth, wide, per_a = math.exp(f), a * a, 1.0 / a
-    slope = depth * f1 * inverse * per_a + 2.0 * k * a
+    t += step
+    g, g1 = line(data, at, first + SQUARE * COEFFICIENTS, t, beyond)
+    w, _ = line(data, at, first + MOMENT * COEFFICIENTS, t, beyond)
+    depth, wide = math.exp(y), math.exp(g)
+    a = math.sqrt(wide)
+    slope = 2.0 * depth / (g1 * a) + 2.0 * k * a
     moment = math.exp(w) + 8.0 / 15.0 * k * wide * wide * a
     area = scale * scale
     return (
-        wide * area, (depth + k * wide) * scale, a0 * per_a, 1.0 / slope, 0.25 * moment * area * area, inside
+        wide * area, (depth + k * wide) * scale, a0 / a, 1.0 / slope, 0.25 * moment * area * area, inside
     )  # fmt: skip
 
 
 @compiled
-def derivatives(data, at, first, t, beyond):
-    """Return the results of `line`, and the second and third derivatives; for values of few contacts."""
-    f = f1 = f2 = f3 = 0.0
-    for k in range(COEFFICIENTS - 1, -1, -1):
-        f3 = f3 * t + f2
-        f2 = f2 * t + f1
-        f1 = f1 * t + f
-        f = f * t + data[at, first + k]
-    if beyond != 0.0:
-        f2 = f3 = 0.0
-    return f + f1 * beyond, f1, 2.0 * f2, 6.0 * f3
+def at_square(data, at, square, start):
+    """Return ln D and the panel of a contact radius, from a^2 and a first guess of D, all over the scale."""
+    x, goal = math.log(start), math.log(square)
+    for _ in range(MAX_STEPS):
+        first, t, beyond = panel(data, at, x)
+        g, g1 = line(data, at, first + SQUARE * COEFFICIENTS, t, beyond)
+        step = (goal - g) / g1
+        x += step
+        if abs(step) <= SETTLED_SQUARE:
+            break
+    return x, first, t + step, beyond
 
 
 @compiled
@@ -276,11 +237,13 @@ def on_slope(data, at, scale, square, widening, steepness):
     which is ``1 - 2 y`` to first order and positive for any slope; else F = 1 - 2 y.
     """
     a = math.sqrt(square) / scale
-    first, inverse, t, beyond = panel(data, at, BY_RADIUS, math.log(a))
-    f, f1, f2, f3 = derivatives(data, at, first, t, beyond)
-    f1, f2, f3 = f1 * inverse, f2 * inverse**2, f3 * inverse**3
+    x, first, t, beyond = at_square(data, at, a * a, 0.5 * a / widening)
+    _, g1, g2, g3 = curve(data, at, first + SQUARE * COEFFICIENTS, t, beyond)
+    # derivatives of ln D with respect to ln a, the inverse of half the logarithm of a^2
+    f1, depth = 2.0 / g1, math.exp(x)
+    f2 = -g2 / g1 * f1 * f1
+    f3 = (3.0 * (g2 / g1) ** 2 - g3 / g1) * f1**3
     # E = a^2 D'' - a D', and a dE/da; both are without k, as for every paraboloid
-    depth = math.exp(f)
     bend = depth * (f1 * f1 + f2 - 2.0 * f1)
     bend_rate = depth * (f1 * (f1 * f1 + 3.0 * f2) + f3 - 2.0 * (f1 * f1 + f2))
     per_slope = widening**3 / a  # 1/(a (D' + 2 k a)^3)
@@ -299,20 +262,17 @@ def on_slope(data, at, scale, square, widening, steepness):
 @compiled
 def complementary(data, at, scale, order, z, square, curvature):
     """Return the complementary energy int_0^p d dp [mm^3] of a contact with the extra curvature k."""
+    k, a, x = curvature * scale, math.sqrt(square) / scale, math.log(z / scale)
+    first, t, beyond = panel(data, at, x)
+    if order > 1:
+        x, first, t, beyond = at_square(data, at, a * a, z / scale)
+    energy = math.exp(line(data, at, first + ENERGY * COEFFICIENTS, t, beyond)[0])
     if order == 1:
-        first, _, t, beyond = panel(data, at, BY_DEPTH, math.log(z / scale))
-        w, _ = line(data, at, first + 2 * COEFFICIENTS, t, beyond)
-        return math.exp(w) * scale**3
-    k, a = curvature * scale, math.sqrt(square) / scale
-    first, _, t, beyond = panel(data, at, BY_RADIUS, math.log(a))
-    f, _ = line(data, at, first, t, beyond)
-    h, _ = line(data, at, first + 2 * COEFFICIENTS, t, beyond)
-    first, _, t, beyond = panel(data, at, BY_DEPTH, f)
-    w, _ = line(data, at, first + 2 * COEFFICIENTS, t, beyond)
-    depth = math.exp(f)
+        return energy * scale**3
+    moment, depth = math.exp(line(data, at, first + MOMENT * COEFFICIENTS, t, beyond)[0]), math.exp(x)
     # w = a d^2 - int_0^a (D + k s^2)^2 ds
-    squares = a * depth * depth - math.exp(w)
-    mixed = (a**3 * depth - 0.75 * math.exp(h)) / 3.0
+    squares = a * depth * depth - energy
+    mixed = (a**3 * depth - 0.75 * moment) / 3.0
     d = depth + k * a * a
     return (a * d * d - squares - 2.0 * k * mixed - 0.2 * k * k * a**5) * scale**3
 
@@ -321,11 +281,11 @@ def complementary(data, at, scale, order, z, square, curvature):
 def indentation_at_load(data, at, scale, load):
     """Return the nominal indentation z [mm] at a load [mm^2]."""
     goal = math.log(load / scale**2)
-    x = data[at, int(data[at, BY_DEPTH]) + 2]
+    x = data[at, LOWEST]
     for _ in range(MAX_STEPS):
-        first, inverse, t, beyond = panel(data, at, BY_DEPTH, x)
+        first, t, beyond = panel(data, at, x)
         f, f1 = line(data, at, first, t, beyond)
-        step = (f - goal) / (f1 * inverse)
+        step = (f - goal) / f1
         x -= step
         if abs(step) <= SETTLED_SQUARE:
             break

@@ -11,10 +11,9 @@ import numpy as np
 from metafem import _validate as check
 from metafem._given import Given, shown
 from metafem._validate import FloatArray
+from metafem.caps import Profile
 from metafem.contact import JKR, Contact, Elastic, Hertz, TabulatedContact
-from metafem.contact.caps import SphericalCap
 from metafem.contact.law import checked_contact
-from metafem.contact.profile import AxisymmetricCap
 from metafem.errors import refuse_if
 
 # Default contact law.
@@ -22,9 +21,6 @@ HERTZ = Hertz()
 
 # Contact radius over R at which the slope of an open contact is evaluated.
 OPEN = 1e-6
-
-# Largest contact radius over R of a sphere; at 1 the load is infinite.
-MOST_OF_SPHERE = 0.999
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,7 +82,7 @@ class Sample:
         for holds, reason in (
             (law.adhesive, f"has an adhesion energy, which is fitted{without}"),
             (law.plastic, f"is plastic; E* is fitted to an elastic law{without}"),
-            (isinstance(law, Elastic), f"takes the caps of a surface{without}"),
+            (law == Elastic(), f"takes the caps of a surface{without}"),
             (
                 of_one_modulus,
                 "has loads in N for one E*, which must be known: contact.for_material(material)",
@@ -110,9 +106,7 @@ def cap_curve(cap: Contact, radius: float) -> AreaCurve:
     """Return the load curve of an isolated contact with a cap of this radius [mm]."""
 
     deepest = float(cap.largest_indentation(radius))
-    widest = MOST_OF_SPHERE * radius if isinstance(cap, SphericalCap) else math.inf
-    if math.isfinite(deepest):
-        widest = float(cap.contact_radius(deepest, radius))
+    widest = float(cap.contact_radius(deepest, radius)) if math.isfinite(deepest) else math.inf
 
     def load_and_slope(area: FloatArray) -> tuple[FloatArray, FloatArray]:
         closed = np.clip(np.sqrt(area / math.pi), OPEN * radius, widest)
@@ -127,12 +121,11 @@ def scaled_cap(cap: Contact, scale: float) -> Contact:
     if isinstance(cap, TabulatedContact):
         depth, load, area = cap.table
         return TabulatedContact(scale * depth, scale**2 * load, scale**2 * area, material=cap.material)
-    if isinstance(cap, AxisymmetricCap):
-        profile = cap.profile
+    if isinstance(cap, Elastic) and isinstance(cap.cap, Profile):
+        profile = cap.cap.profile
         if callable(profile):
-            extent = None if cap.extent is None else scale * cap.extent
-            return AxisymmetricCap(lambda rho: scale * profile(rho / scale), extent)
-        return AxisymmetricCap(scale * profile)
+            return Elastic(Profile(lambda rho: scale * profile(rho / scale), scale * cap.cap.reach))
+        return Elastic(Profile(scale * profile))
     return cap
 
 

@@ -21,7 +21,7 @@ from metafem.calibration.covariance import checked_covariance, propagated
 from metafem.calibration.measured_law.law import MeasuredLaw
 from metafem.calibration.sheared.proportional import proportional
 from metafem.calibration.verdict import Verdict, judged
-from metafem.contact.by_profile import usual_law
+from metafem.contact.elastic import usual_law
 from metafem.drawing import calibration
 from metafem.errors import InvalidInput, refuse_if
 from metafem.material import Friction

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from scipy.special import digamma, gammaln
 
 from metafem._validate import FloatArray, IntArray
-from metafem.contact.caps import power_logarithms
 from metafem.contact.law import contacts
 from metafem.errors import InvalidInput
 from metafem.inversion.search.spaces import Heights, LateResidual, Residual, moved
@@ -33,6 +33,20 @@ NEW_SHAPE = (0.0, 0.1, 0.3)
 def beyond(load: FloatArray, height: FloatArray) -> LateResidual:
     """Return infinite differences (k,) for heights beyond the range of the contact law."""
     return np.full(len(load), np.inf), lambda: np.zeros((len(load), len(height)))
+
+
+def power_logarithms(
+    exponent: FloatArray, coefficient: float, radius: float
+) -> tuple[FloatArray, FloatArray]:
+    """Return ln b of the contact radii ``a = b d^(1/n)`` of power caps, and its derivative with respect to n.
+
+    With K as in `metafem.caps.Power`, ``b = R (c K R)^(-1/n)``.
+    """
+    n = exponent
+    depth = math.log(coefficient * radius * math.sqrt(math.pi)) + gammaln(0.5 * n + 1.0)
+    depth -= gammaln(0.5 * (n + 1.0))  # ln(c K R)
+    turn = 0.5 * (digamma(0.5 * n + 1.0) - digamma(0.5 * (n + 1.0)))  # K'/K
+    return math.log(radius) - depth / n, (depth / n - turn) / n
 
 
 def _halves(unknowns: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -12,8 +12,7 @@ import numpy as np
 from metafem import _validate as check
 from metafem._given import shown
 from metafem._validate import FloatArray
-from metafem.contact import Contact, Hertz
-from metafem.contact.caps import ElasticCap
+from metafem.contact import Contact, Elastic, Hertz
 from metafem.contact.elastic import PARABOLOID
 from metafem.errors import InvalidInput
 from metafem.models.boundary_elements import far_field
@@ -145,7 +144,7 @@ class BoundaryElements(WithoutGradients):
         """Return the surface with its law and cells."""
         if surface.cell is not None:
             raise InvalidInput("contacts in a periodic cell cannot be resolved; use metafem.Interacting()")
-        law = cast("Hertz | ElasticCap", self.contact.bound(surface))
+        law = cast("Hertz | Elastic", self.contact.bound(surface))
         return Scene(surface, self.cell, self.substrate, law)
 
     def _light(self, surface: Surface, values: FloatArray, by_load: bool) -> Curve:

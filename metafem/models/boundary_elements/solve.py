@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from metafem._validate import FloatArray
-from metafem.contact import Hertz
-from metafem.contact.caps import ElasticCap
+from metafem.contact import Elastic, Hertz
 from metafem.errors import InvalidInput, MetafemError
 from metafem.models._resources import require_memory
 from metafem.models.boundary_elements import quadratic_program
@@ -83,7 +82,7 @@ class Solution:
 class Scene:
     """One surface on one substrate, with the data that are common to all loads."""
 
-    def __init__(self, surface: Surface, cell: float, substrate: Radial, law: Hertz | ElasticCap) -> None:
+    def __init__(self, surface: Surface, cell: float, substrate: Radial, law: Hertz | Elastic) -> None:
         self.surface = surface
         self.law = law
         self.cell = cell

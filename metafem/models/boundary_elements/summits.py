@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from metafem._validate import FloatArray
-from metafem.contact import Hertz
-from metafem.contact.caps import ElasticCap
+from metafem.contact import Elastic, Hertz
 from metafem.contact.elastic import PARABOLOID
 from metafem.contact.law import area_change, sizes_of
 from metafem.surface import Surface
@@ -47,12 +46,12 @@ class Summits:
     position: FloatArray
     depth: FloatArray
     radius: FloatArray
-    cap: Hertz | ElasticCap = PARABOLOID
+    cap: Hertz | Elastic = PARABOLOID
     cell: float = 1.0  # [mm]
     of_law: Any = 0.0  # what the law takes as the radius of each asperity, (n,) [mm]
 
     @classmethod
-    def of(cls, surface: Surface, cap: Hertz | ElasticCap, cell: float) -> Summits:
+    def of(cls, surface: Surface, cap: Hertz | Elastic, cell: float) -> Summits:
         """Return the summits of a surface, with lengths divided by the cell."""
         low, high = surface.position.min(axis=0), surface.position.max(axis=0)
         # relative to the corner, so that no digits are lost if the surface is far from the origin

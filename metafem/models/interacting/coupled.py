@@ -7,7 +7,7 @@ from typing import Any
 
 from metafem._validate import FloatArray
 from metafem.contact import Contact
-from metafem.contact.cap_compliance import TALLEST, pedestal_influence
+from metafem.contact.pedestal import TALLEST, pedestal_influence
 from metafem.errors import refuse_if
 from metafem.models.curve import RescaledState
 from metafem.notes import Note, information

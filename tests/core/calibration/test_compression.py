@@ -12,7 +12,6 @@ from metafem.calibration import MeasurementErrors, Sample, fit_compression
 from metafem.calibration.bounded_interval import WIDTH
 from metafem.calibration.compression.adhesive_line import adhesive_line
 from metafem.calibration.compression.distance_fit import adhesive_load, distance_fit
-from metafem.contact.by_profile import law_of
 from tests.calibration.compression.scenes import (
     AREA,
     ENERGY,
@@ -27,13 +26,13 @@ from tests.calibration.compression.scenes import (
 )
 
 FIVE = Sample(5)
-CAP = law_of(mf.Profile(lambda rho: rho**2 / (2 * RADIUS) + rho**4, extent=0.4))
-PROFILE = law_of(mf.Profile(np.array([SMALL, SMALL**2 / (2 * RADIUS)]) * (SMALL > 0.05)))
+CAP = mf.Elastic(mf.Profile(lambda rho: rho**2 / (2 * RADIUS) + rho**4, extent=0.4))
+PROFILE = mf.Elastic(mf.Profile(np.array([SMALL, SMALL**2 / (2 * RADIUS)]) * (SMALL > 0.05)))
 EXACT = fit_compression(load_of(A), AREA, RADIUS)
 
 
 def test_exact_data_of_any_cap_give_e_and_w_back():
-    for cap in (law_of(mf.Sphere()), TABLE):
+    for cap in (mf.Elastic(mf.Sphere()), TABLE):
         found = fit_compression(5.0 * load_of(SMALL, cap), 5.0 * math.pi * SMALL**2, RADIUS, of_cap(cap, 5))
         assert found.composite_modulus == pytest.approx(MODULUS, rel=1e-9)
         assert found.adhesion_energy == pytest.approx(ENERGY, rel=1e-7)
@@ -232,7 +231,7 @@ def test_errors_of_areas_can_be_given():
 def test_caps_of_any_kind_keep_their_shape_with_the_radius():
     # P = E* s^2 q(A/s^2): of the nominal law, data of caps that are s times larger
     small, scale = SMALL[:18], 1.0 + 1e-3
-    for cap in (law_of(mf.Sphere()), TABLE, CAP, PROFILE):
+    for cap in (mf.Elastic(mf.Sphere()), TABLE, CAP, PROFILE):
         load, area = 5.0 * load_of(small, cap), 5.0 * math.pi * small**2
         found = fit_compression(load, area, RADIUS, Sample(5, radius_sd=1e-3 * RADIUS, contact=cap))
         errors = MeasurementErrors(load=5e-3 / scale**2, boundary=1.4e-3 / scale)

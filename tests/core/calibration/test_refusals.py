@@ -27,7 +27,6 @@ from metafem.calibration import (
 )
 from metafem.calibration.images.grey import grey_values
 from metafem.calibration.topography.alignment import aligned
-from metafem.contact.by_profile import law_of as cap_law
 from tests.calibration.compression.scenes import AREA, RADIUS, A, load_of, noisy, of_cap
 from tests.calibration.images.scenes import PIXEL, SHAPE
 from tests.calibration.measured_law.scenes import (
@@ -100,7 +99,7 @@ REFUSALS = [
     (press(area=np.where(FIRST, -0.01, AREA)), "area[0]", "-0.01"),
     (press(area=np.full(20, 0.1)), "area", "0.1"),
     (press(area=AREA[::-1]), "load[19]", "E* is -"),
-    (press(area=4.0 * AREA, sample=of_cap(cap_law(mf.Sphere()))), "area[11]", "0.884227"),
+    (press(area=4.0 * AREA, sample=of_cap(mf.Elastic(mf.Sphere()))), "area[11]", "0.884227"),
     (press(area=5.0 * AREA, load=5.0 * EXACT), "area[19]", "0.526"),
     (press(area_sd=np.zeros(20)), "area_sd[0]", "0"),
     (press(sample=Sample(radius_sd=0.6)), "radius_sd", "0.6"),

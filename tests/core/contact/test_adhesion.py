@@ -9,13 +9,12 @@ from numpy.testing import assert_allclose
 
 import metafem as mf
 from metafem.contact import Contact
-from metafem.contact.by_profile import law_of
 
 RADIUS, MODULUS, ENERGY = 0.526, 1.36, 9e-6
 MATERIAL = mf.Material(MODULUS)
-POWERS = [law_of(mf.Power(n)) for n in (1.5,)]
-PROFILE = law_of(mf.Profile(lambda rho: rho**4 / (2.0 * RADIUS**3), 0.4))
-CAPS = [mf.Hertz(), *POWERS, law_of(mf.Sphere()), PROFILE]
+POWERS = [mf.Elastic(mf.Power(n)) for n in (1.5,)]
+PROFILE = mf.Elastic(mf.Profile(lambda rho: rho**4 / (2.0 * RADIUS**3), 0.4))
+CAPS = [mf.Hertz(), *POWERS, mf.Elastic(mf.Sphere()), PROFILE]
 QUANTITIES = ("indentation", "load", "stiffness", "area_slope")
 
 
@@ -88,7 +87,9 @@ def test_without_adhesion_the_law_is_that_of_the_cap():
             assert_allclose(law.contact_radius(d, RADIUS, 0.2), a[1:], rtol=1e-9)
 
 
-@pytest.mark.parametrize(("cap", "energy"), [*((cap, ENERGY) for cap in CAPS), (law_of(mf.Sphere()), 0.0)])
+@pytest.mark.parametrize(
+    ("cap", "energy"), [*((cap, ENERGY) for cap in CAPS), (mf.Elastic(mf.Sphere()), 0.0)]
+)
 def test_the_energy_of_a_contact(cap, energy):
     """U = int_0^a (d - d_cap(s))^2 ds - pi w a^2 is stationary at a, and dU/dd = P."""
     law = mf.JKR(energy, cap, MATERIAL)
@@ -127,7 +128,7 @@ def test_a_law_belongs_to_its_first_material():
 
 
 def test_the_largest_indentation_is_that_at_the_extent():
-    law = bound(law_of(mf.Profile(lambda rho: rho**4 / (2.0 * RADIUS**3), 0.05)))
+    law = bound(mf.Elastic(mf.Profile(lambda rho: rho**4 / (2.0 * RADIUS**3), 0.05)))
     most = law.largest_indentation(np.full(2, RADIUS))
     assert_allclose(most, law.indentation(0.05, RADIUS), rtol=1e-12)
 
@@ -136,7 +137,7 @@ def test_the_largest_indentation_is_that_at_the_extent():
 def test_the_contact_of_a_profile_is_that_of_its_paraboloid_in_all_units(scale):
     """The profile ends at an indentation of 5.6 mm times the scale, far from the contact."""
     law = mf.JKR(5e-5 * scale).for_material(mf.Material(1e-3))
-    cap = law_of(mf.Profile(lambda rho: rho**2 / (40.0 * scale), 15.0 * scale))
+    cap = mf.Elastic(mf.Profile(lambda rho: rho**2 / (40.0 * scale), 15.0 * scale))
     profile = mf.JKR(5e-5 * scale, cap).for_material(mf.Material(1e-3))
     d = scale * np.array([0.0, 0.3, 1.0, 2.0])
     expected = law.contact_radius(d, 20.0 * scale)

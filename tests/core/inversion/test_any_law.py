@@ -6,7 +6,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import metafem as mf
-from metafem.contact.by_profile import law_of
 from metafem.inversion import DesignStatus
 from validation.scenes.random_laws import LATTICE, LIMITS, RADIUS, random_law
 
@@ -29,7 +28,10 @@ def test_laws_of_random_surfaces_are_recovered(seed):
     "model",
     [
         *MODELS,
-        *(mf.Independent(contact=cap) for cap in (law_of(mf.Power(4)), law_of(mf.Sphere()), mf.JKR(9e-6))),
+        *(
+            mf.Independent(contact=cap)
+            for cap in (mf.Elastic(mf.Power(4)), mf.Elastic(mf.Sphere()), mf.JKR(9e-6))
+        ),
         mf.Independent(contact=HERTZ),
         mf.Interacting(order=1, contact=mf.KogutEtsion(5.0)),
     ],
@@ -89,7 +91,7 @@ def test_feasible_region_ends_where_the_base_plane_begins():
 
 
 def test_heights_of_a_density_have_its_slope_under_other_caps():
-    for cap in (law_of(mf.Power(3)), law_of(mf.Sphere())):
+    for cap in (mf.Elastic(mf.Power(3)), mf.Elastic(mf.Sphere())):
         result = mf.design(mf.LinearLaw(6.87), LATTICE, mf.Independent(contact=cap), mf.Limits(0.12))
         assert result.misfit <= 0.1
         assert result.density.asymptotic_slope(RADIUS, cap) == pytest.approx(6.87, rel=1e-9)
@@ -100,7 +102,7 @@ def test_heights_of_a_density_have_its_slope_under_other_caps():
 
 def test_coefficients_that_densities_of_flat_caps_reach():
     template = LATTICE.replaced(friction=mf.Friction(0.358, 0.85))
-    limits, cap = mf.Limits(0.12, height_sd=0.0009), law_of(mf.Power(4))
+    limits, cap = mf.Limits(0.12, height_sd=0.0009), mf.Elastic(mf.Power(4))
     low, high = mf.achievable_friction_coefficients(template, limits, contact=cap)
 
     def designed(mu):

@@ -8,14 +8,19 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import metafem as mf
-from metafem.contact.by_profile import law_of
 from metafem.inversion.bounds import Bounds, relative_depth
 from metafem.inversion.tools.radii import Radii
 
 RADIUS = 0.526
 
 
-LAWS = [mf.Hertz(), law_of(mf.Power(1.5)), law_of(mf.Power(4)), law_of(mf.Power(8, 0.2)), law_of(mf.Sphere())]
+LAWS = [
+    mf.Hertz(),
+    mf.Elastic(mf.Power(1.5)),
+    mf.Elastic(mf.Power(4)),
+    mf.Elastic(mf.Power(8, 0.2)),
+    mf.Elastic(mf.Sphere()),
+]
 
 
 @pytest.mark.parametrize("law", [LAWS[0], LAWS[2], LAWS[4]], ids=repr)
@@ -64,7 +69,7 @@ def test_bounds_of_hertz_contacts_are_the_closed_forms():
 
 def test_a_line_ends_where_it_meets_equal_contacts():
     for intercept in [-0.1, 0.1]:
-        for law in [law_of(mf.Power(4)), law_of(mf.Sphere())]:
+        for law in [mf.Elastic(mf.Power(4)), mf.Elastic(mf.Sphere())]:
             bounds = Bounds(law, Radii.of(RADIUS), 64, 1.0)
             end = bounds.end_of_line(9.0, intercept)
             highest = float(bounds.region(np.array([end]))[1][0])
@@ -74,22 +79,22 @@ def test_a_line_ends_where_it_meets_equal_contacts():
 @pytest.mark.parametrize("law", LAWS[1:3], ids=repr)
 def test_the_examined_bounds_of_a_profile_are_those_of_its_power(law):
     def profile(rho):
-        return law.coefficient * RADIUS * (rho / RADIUS) ** law.exponent
+        return law.cap.coefficient * RADIUS * (rho / RADIUS) ** law.cap.exponent
 
     radii, load, friction = Radii.of(RADIUS), np.array([0.1, 0.11, 0.3]), np.array([1.0, 1.2, 3.0])
     named, unnamed = (
-        Bounds(each, radii, 64, 0.3) for each in (law, law_of(mf.Profile(profile, extent=2.0 * RADIUS)))
+        Bounds(each, radii, 64, 0.3) for each in (law, mf.Elastic(mf.Profile(profile, extent=2.0 * RADIUS)))
     )
     np.testing.assert_allclose(unnamed.friction(load), named.friction(load), rtol=1e-10)
     assert unnamed.least_exponent == pytest.approx(named.least_exponent, rel=1e-8)
-    if law.exponent > 2.0:
+    if law.cap.exponent > 2.0:
         after = [each.highest_after(load, friction) for each in (named, unnamed)]
         np.testing.assert_allclose(*after, rtol=1e-9)
 
 
 def test_nothing_is_claimed_where_nothing_is_proven():
     """The load of a cap with a concave profile is a concave function of the area."""
-    sharp = law_of(mf.Profile(lambda rho: 0.2 * rho**0.9, extent=2.0))
+    sharp = mf.Elastic(mf.Profile(lambda rho: 0.2 * rho**0.9, extent=2.0))
     bounds = Bounds(sharp, Radii.of(RADIUS), 64, 0.1)
     low, high = bounds.friction(np.array([0.05, 0.1]))
     assert (low == 0.0).all()
@@ -103,7 +108,7 @@ def test_the_least_exponent_is_that_of_two_kinds_of_contact(ratio, n):
     """With numbers as real weights the bound is attained, and no other pair of depths is below it."""
     radii = Radii.given(mf.RadiusRange(1.0, ratio))
     k, s = math.sqrt(1.0 / ratio), relative_depth(radii, n)
-    least = Bounds(law_of(mf.Power(n)), radii, 64, 1.0).least_exponent
+    least = Bounds(mf.Elastic(mf.Power(n)), radii, 64, 1.0).least_exponent
 
     def exponent(small, relative):
         R, number = np.array([ratio, 1.0]), np.array([1.0, small])

@@ -6,13 +6,12 @@ from itertools import islice
 import numpy as np
 
 import metafem as mf
-from metafem.contact.by_profile import law_of
 from metafem.inversion.strategies.groups import GroupStep
 from metafem.inversion.strategies.level import asperities
 from metafem.models import Independent
 
 RADIUS, MATERIAL = 0.526, mf.Material(1.36)
-LAWS = [mf.Hertz(), law_of(mf.Sphere()), mf.JKR(9e-6).for_material(MATERIAL)]
+LAWS = [mf.Hertz(), mf.Elastic(mf.Sphere()), mf.JKR(9e-6).for_material(MATERIAL)]
 
 
 def law_of(contact, height, load):

@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 
 import metafem as mf
-from metafem.contact.by_profile import law_of
 from metafem.contact.law import contacts
 from metafem.inversion.height_density import (
     ExponentialDensity,
@@ -102,17 +101,23 @@ def test_intercept_vanishes_at_both_ends():
     assert thin.intercept(64, RADIUS) == pytest.approx(math.pi * 64 * RADIUS * TOP / 10.0, rel=1e-8)
 
 
-LAWS = [law_of(mf.Power(4)), law_of(mf.Power(1.5, 0.3)), law_of(mf.Sphere()), mf.TabulatedContact, mf.Profile]
+LAWS = [
+    mf.Elastic(mf.Power(4)),
+    mf.Elastic(mf.Power(1.5, 0.3)),
+    mf.Elastic(mf.Sphere()),
+    mf.TabulatedContact,
+    mf.Profile,
+]
 
 
 def law_named(kind):
     """Return a law; a table and a profile are those of a cap of the third power."""
-    cap, d = law_of(mf.Power(3, 0.4)), np.linspace(0.0, 0.2, 400)
+    cap, d = mf.Elastic(mf.Power(3, 0.4)), np.linspace(0.0, 0.2, 400)
     a = cap.contact_radius(d, RADIUS)
     if kind is mf.TabulatedContact:
         return mf.TabulatedContact(d, cap.load(a, RADIUS), cap.area(a)).for_material(mf.Material(1.0))
     if kind is mf.Profile:
-        return law_of(mf.Profile(lambda rho: 0.4 * RADIUS * (rho / RADIUS) ** 3, extent=1.0))
+        return mf.Elastic(mf.Profile(lambda rho: 0.4 * RADIUS * (rho / RADIUS) ** 3, extent=1.0))
     return kind
 
 

@@ -3,7 +3,6 @@
 import numpy as np
 
 import metafem as mf
-from metafem.contact.by_profile import law_of
 from metafem.inversion.adjustment.refinement import shift
 from metafem.inversion.assessment import EXACT
 from metafem.inversion.candidate import Candidate
@@ -39,7 +38,7 @@ def shifted(height, model):
 
 
 def test_the_second_of_two_asperities_is_touched_at_the_same_load():
-    for cap in [law_of(mf.Power(4)), law_of(mf.Sphere())]:
+    for cap in [mf.Elastic(mf.Power(4)), mf.Elastic(mf.Sphere())]:
         height, model = np.array([0.28, 0.25]), mf.Interacting(order=1, contact=cap)
         first = cap.load(cap.contact_radius(0.03, 0.526), 0.526)
         found = model.sensitivity(shifted(height, model), np.array([first]))
@@ -47,10 +46,10 @@ def test_the_second_of_two_asperities_is_touched_at_the_same_load():
 
 
 def test_many_asperities_are_touched_at_nearly_the_same_loads():
-    model, load = mf.Interacting(contact=law_of(mf.Power(4))), np.linspace(0.01, 0.2, 40)
+    model, load = mf.Interacting(contact=mf.Elastic(mf.Power(4))), np.linspace(0.01, 0.2, 40)
     height = 0.28 - np.sort(np.random.default_rng(0).exponential(0.03, 12))
     surface = shifted(height, model)
-    alone = mf.Independent(contact=law_of(mf.Power(4))).curve(surface.replaced(height=height), load).area
+    alone = mf.Independent(contact=mf.Elastic(mf.Power(4))).curve(surface.replaced(height=height), load).area
     left, shift = (
         np.abs(model.curve(surface.replaced(height=h), load).area / alone - 1.0).max()
         for h in (height, surface.height)

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.contact.by_profile import law_of
 from metafem.contact.law import contacts
 from metafem.inversion.search.initial_guess import initial_heights
 from metafem.inversion.search.levenberg_marquardt import descend, search
@@ -100,7 +99,7 @@ def test_a_thinned_law_keeps_its_ends_and_weights():
 
 def test_no_asperity_enters_where_the_earlier_ones_have_load_and_area():
     """The law of one asperity: between two samples the first has both, up to rounding."""
-    for law in (law_of(mf.Power(3.7)), mf.KogutEtsion(14.0).for_material(MATERIAL)):
+    for law in (mf.Elastic(mf.Power(3.7)), mf.KogutEtsion(14.0).for_material(MATERIAL)):
         for depth in np.random.default_rng(0).uniform(1e-3, 0.02, 20):
             one = contacts(law, depth * np.geomspace(0.01, 1.0, 6), np.array(0.526))
             height, radius, _ = initial_heights(law, one.load, one.area, np.full(6, 0.526), 4)

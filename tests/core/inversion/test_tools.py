@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.contact.by_profile import law_of
 from metafem.inversion.height_density import ExponentialDensity
 from metafem.inversion.search.asperities import OfExponents, OfRadii
 from metafem.inversion.search.mixed_tools import grouped
@@ -35,7 +34,7 @@ def test_gradients_by_radii_and_exponents_are_those_of_differences():
     target, rng = TargetLaw.fixed(np.array([0.05, 0.2]), np.ones(2)), np.random.default_rng(3)
     height, radius, exponent = rng.uniform(0.1, 0.2, 9), rng.uniform(0.2, 0.8, 9), rng.uniform(1.3, 5.0, 9)
     space = OfRadii(1.0, 9, radii=Radii(0.1, 2.0, None), depth=0.05)
-    for cap in (mf.Hertz(), law_of(mf.Power(4)), law_of(mf.Sphere())):
+    for cap in (mf.Hertz(), mf.Elastic(mf.Power(4)), mf.Elastic(mf.Sphere())):
         residual = space.residual(mf.Independent(contact=cap), target)
         assert_gradients(residual, space.joined(height, radius), range(9, 18))
     space = OfExponents(1.0, 9, range=mf.PowerRange(1.1, 7.0), radius=0.526, depth=0.05)
@@ -66,7 +65,7 @@ def test_groups_of_exponents_are_means_of_neighbours():
 
 
 def test_a_mixture_has_the_law_of_its_mean_radius():
-    for cap in [mf.Hertz(), law_of(mf.Power(4))]:
+    for cap in [mf.Hertz(), mf.Elastic(mf.Power(4))]:
         mixture, density = Mixture((0.2, 0.8), (3000, 1000), cap), ExponentialDensity(0.03, 0.12)
         height = np.sort(-0.03 * np.log1p(-np.linspace(0.0, -np.expm1(-4.0), 4001)[1:]))[::-1]
         load, delta = np.linspace(1.0, 10.0, 5), np.linspace(0.12, 0.0, 2000)

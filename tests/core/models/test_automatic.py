@@ -5,7 +5,6 @@ import pytest
 
 import metafem as mf
 from metafem._kernels.truncation import pair_sum
-from metafem.contact.by_profile import law_of
 from metafem.models import automatic as automatic_module
 from metafem.models import truncation as truncation_module
 from metafem.models.truncation import ALL_PAIRS, slope_effects, truncation
@@ -26,9 +25,9 @@ def test_estimates_bound_the_errors_against_resolved_contacts():
 # The same for other caps, at a largest contact radius of 0.2 and 0.27 of the pitch; see the benchmark "caps".
 # The last column is the largest ratio of the estimate to the error.
 OTHER_CAPS = [
-    (law_of(mf.Power(4)), 0.526, 0.2, 0.000117, 1.5),
-    (law_of(mf.Power(4)), 0.526, 0.35, 0.001947, 1.5),
-    (law_of(mf.Sphere()), 0.81, 0.27, 0.000458, 1.8),
+    (mf.Elastic(mf.Power(4)), 0.526, 0.2, 0.000117, 1.5),
+    (mf.Elastic(mf.Power(4)), 0.526, 0.35, 0.001947, 1.5),
+    (mf.Elastic(mf.Sphere()), 0.81, 0.27, 0.000458, 1.8),
 ]
 
 
@@ -47,7 +46,7 @@ def test_estimates_of_other_caps_bound_their_errors():
 def test_slopes_in_large_scenes_are_those_of_the_nearest_neighbours(monkeypatch):
     """Within a third where the heights are random, as the far fields nearly cancel."""
     height = 0.12 - np.minimum(np.random.default_rng(0).exponential(0.035, 324), 0.12)
-    surface, law = lattice(height), law_of(mf.Power(4))
+    surface, law = lattice(height), mf.Elastic(mf.Power(4))
     area = mf.Interacting(contact=law).curve(surface, np.array([2.0])).last.area
     every, _ = slope_effects(law, surface, area, mf.HalfSpace())
     monkeypatch.setattr(truncation_module, "DENSE_LIMIT", 1)
@@ -95,7 +94,7 @@ def test_what_order_3_does_not_hold_is_resolved():
 
 
 def test_other_caps_are_resolved_where_order_3_does_not_hold():
-    law = law_of(mf.Power(4))
+    law = mf.Elastic(mf.Power(4))
     chosen_at = ((0.05, 2e-3, mf.Independent), (0.3, 2e-3, mf.Interacting), (2.0, 1e-3, mf.BoundaryElements))
     for load, tolerance, chosen in chosen_at:
         state = mf.equilibrium(lattice(0.5 * np.ones(4)), mf.Automatic(tolerance, contact=law), load=load)

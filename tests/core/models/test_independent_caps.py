@@ -7,9 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import metafem as mf
-from metafem.contact.by_profile import law_of
-from metafem.contact.caps import PowerCap
-from tests.models.scenes import HEIGHT, RADIUS, lattice, scene
+from tests.models.scenes import HEIGHT, RADIUS, Read, lattice, scene
 
 HERTZ = mf.Hertz()
 LOADS = np.geomspace(1e-6, 0.3, 25)
@@ -26,7 +24,7 @@ class Own:
 
 
 def test_the_law_of_a_paraboloid_is_that_of_hertz():
-    for law in (PowerCap(2, 0.5), Own()):
+    for law in (Read(mf.Power(2.0)), Own()):
         model, hertz = mf.Independent(contact=law), mf.Independent()
         surface, rows = scene(), HEIGHT + 0.01 * np.arange(3)[:, None] * np.sin(np.arange(6))
         for found, expected in (
@@ -46,20 +44,20 @@ def test_the_law_of_a_paraboloid_is_that_of_hertz():
         assert_allclose(*sensitivities, rtol=1e-10, atol=1e-12)
 
 
-def test_a_spherical_contact_far_beyond_its_radius_keeps_its_load():
-    """The load under an approach of some radii is found again, and more than four radii are refused."""
-    surface = scene(np.zeros((1, 2)), [0.5], 0.01)
-    model = mf.Independent(contact=law_of(mf.Sphere()))
-    state = mf.equilibrium(surface, model, approach=0.039)
-    again = mf.equilibrium(surface, model, load=state.load)
-    assert again.approach == pytest.approx(0.039, rel=1e-12)
-    for beyond in ({"approach": 0.041}, {"load": 1.1 * state.load}):
-        with pytest.raises(mf.InvalidInput, match="lighter loads"):
-            mf.equilibrium(surface, model, **beyond)
+def test_a_sphere_is_pressed_up_to_its_equator_and_not_beyond():
+    """Its contact ends at 0.9994 R, where D is 4.05 R; at a = R load and indentation have no limit."""
+    surface = scene(np.zeros((1, 2)), [0.5], 0.4)
+    model = mf.Independent(contact=mf.Elastic(mf.Sphere()))
+    end = float(model.contact.largest_indentation(0.4))
+    state = mf.equilibrium(surface, model, approach=end)
+    assert state.asperity_area == pytest.approx(np.pi * (0.9994 * 0.4) ** 2, rel=1e-12)
+    assert mf.equilibrium(surface, model, load=state.load).approach == pytest.approx(end, rel=1e-12)
+    with pytest.raises(mf.InvalidInput, match="end of"):
+        mf.equilibrium(surface, model, approach=40.0)
 
 
 def test_loads_beyond_what_a_law_can_carry_do_not_converge():
-    class Limited(PowerCap):
+    class Limited(Read):
         def load(self, contact_radius, radius, curvature=0.0):
             return np.minimum(super().load(contact_radius, radius, curvature), 0.01)
 
@@ -67,4 +65,4 @@ def test_loads_beyond_what_a_law_can_carry_do_not_converge():
             return 0.0 * np.asarray(contact_radius)
 
     with pytest.raises(mf.NotConverged):
-        mf.equilibrium(lattice([0.1]), mf.Independent(contact=Limited(4.0)), load=1.0)
+        mf.equilibrium(lattice([0.1]), mf.Independent(contact=Limited(mf.Power(4.0))), load=1.0)

@@ -5,11 +5,10 @@ from dataclasses import replace
 import numpy as np
 
 import metafem as mf
-from metafem.contact.by_profile import law_of
 from tests.core.models.test_sensitivity import LOADS, scene
 
 CAPS = (mf.Power(4.0), mf.Sphere(), mf.Power(1.5, 0.3), mf.Paraboloid())
-LAWS = (law_of(mf.Power(4.0)), law_of(mf.Sphere()), law_of(mf.Power(1.5, 0.3)), mf.Hertz())
+LAWS = (mf.Elastic(mf.Power(4.0)), mf.Elastic(mf.Sphere()), mf.Elastic(mf.Power(1.5, 0.3)), mf.Hertz())
 INTERACTING = [
     mf.Interacting(1, contact=mf.Elastic()),
     mf.Interacting(3, contact=mf.Elastic()),

@@ -7,7 +7,6 @@ from itertools import product
 import numpy as np
 
 import metafem as mf
-from metafem.contact.by_profile import law_of
 from metafem.files.result.records import from_record, to_record
 from metafem.models.rungs import DISPLACEMENTS, RADII
 
@@ -25,7 +24,7 @@ def rough(pitch, thickness=None, side=3):
 def test_errors_of_coarser_models_are_those_against_order_3():
     """Up to a factor of three, as for `Automatic`; the estimate of a small error has a safety margin."""
     load = np.array([0.02, 0.1])
-    for law, pitch in product((mf.Hertz(), law_of(mf.Sphere())), (20.0, 1.5, 0.8)):
+    for law, pitch in product((mf.Hertz(), mf.Elastic(mf.Sphere())), (20.0, 1.5, 0.8)):
         surface = rough(pitch)
         truth = mf.friction_law(surface, mf.Interacting(contact=law), load=load)
         for model in (mf.Independent(law), mf.Interacting(1, contact=law)):

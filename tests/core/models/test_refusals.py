@@ -7,8 +7,6 @@ import pytest
 
 import metafem as mf
 from metafem.caps.shapes import sphere_profile
-from metafem.contact.by_profile import law_of
-from metafem.contact.caps import PowerCap
 from metafem.models._resources import require_memory
 from metafem.models.boundary_elements.contact_areas import Contacts
 from metafem.models.boundary_elements.solve import Scene
@@ -17,13 +15,13 @@ from tests.refusals import faults
 from validation.scenes.periodic import THREE
 
 RHO = np.linspace(0.0, 0.165, 30)
-NARROW = law_of(mf.Profile([RHO, sphere_profile(RHO, 0.526)]))
+NARROW = mf.Elastic(mf.Profile([RHO, sphere_profile(RHO, 0.526)]))
 FLAT, SOME = lattice(np.full(4, 0.1)), lattice(0.12 - 0.002 * np.arange(9))
 LAYER, JKR, PLASTIC = mf.BondedLayer(), mf.JKR(9e-6), mf.KogutEtsion(0.1)
 ONE = mf.Surface([[0.2, -0.1]], [0.1], 0.526, mf.Material(1.36), cell=mf.PeriodicCell(1.5, 1.5))
 
 
-class Sticky(PowerCap):
+class Sticky(mf.Elastic):
     """A law whose branches no model knows."""
 
     adhesive = True
@@ -83,8 +81,8 @@ REFUSALS = [
     (lambda: mf.Interacting(pedestal=1), "pedestal", "1"),
     (lambda: mf.BoundaryElements(0.0), "cell", "0"),
     (lambda: mf.BoundaryElements(0.01, 3), "substrate", "3"),
-    (lambda: mf.BoundaryElements(0.01, contact=Sticky(4.0)), "contact", "Sticky"),
-    (law(mf.Independent(Sticky(4.0)), load=[0.1]), "contact", "Sticky"),
+    (lambda: mf.BoundaryElements(0.01, contact=Sticky(mf.Power(4.0))), "contact", "Sticky"),
+    (law(mf.Independent(Sticky(mf.Power(4.0))), load=[0.1]), "contact", "Sticky"),
     (state(), "load, approach and separation", "none"),
     (state(load=1e-100), "load", "1e-100"),
     (law(mf.Independent(), load=[0.1, 1e-100]), "load", "1e-100"),
@@ -108,7 +106,7 @@ REFUSALS = [
     (law(mf.Independent(), load=[1.0], unloading=1), "unloading", "1"),
     (law(mf.Independent(mf.JKR(10.0)), load=[0.01]), "adhesion_energy", "10"),
     (state(ONE, mf.Interacting(1, contact=mf.JKR(0.2)), load=0.02), "adhesion_energy", "0.2"),
-    (state(FLAT, mf.Interacting(contact=NARROW), load=0.5), "asperity", "AxisymmetricCap"),
+    (state(FLAT, mf.Interacting(contact=NARROW), load=0.5), "asperity", "Profile("),
     (
         state(scene([[0, 0]], [0.5], 5.0, thickness=0.3), mf.Interacting(3, LAYER), approach=0.4),
         "layer",

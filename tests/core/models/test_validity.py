@@ -7,7 +7,6 @@ import pytest
 from scipy.optimize import brentq
 
 import metafem as mf
-from metafem.contact.by_profile import law_of
 from metafem.models.truncation import truncation
 from metafem.prediction.validity import base_contact_load
 from tests.models.scenes import said, scene
@@ -135,7 +134,7 @@ def test_notes_of_crowded_scenes_never_raise():
 
 def test_interaction_is_estimated_with_the_law_of_the_model():
     surface, load = rough(pitch=0.9, thickness=0.8, side=3), np.array([0.1])
-    for law in (law_of(mf.Power(4)), mf.JKR(2e-5), mf.KogutEtsion(0.5)):
+    for law in (mf.Elastic(mf.Power(4)), mf.JKR(2e-5), mf.KogutEtsion(0.5)):
         layer = mf.Interacting(law.largest_order, mf.BondedLayer(), law)
         found = mf.friction_law(surface, mf.Independent(law), load=load)
         change = mf.friction_law(surface, layer, load=load).area / found.area - 1.0

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.contact.by_profile import law_of
 from tests.core.inversion.test_pinned import (
     EMPTY,
     TARGETS,
@@ -23,7 +22,7 @@ OPTIONS = {
     "half-space": {"model": mf.Interacting()},
     "layer": {"model": LAYER},
     "radii": {"tools": [0.3, 0.526]},
-    "power cap": {"model": mf.Independent(contact=law_of(mf.Power(4.0)))},
+    "power cap": {"model": mf.Independent(contact=mf.Elastic(mf.Power(4.0)))},
 }
 
 

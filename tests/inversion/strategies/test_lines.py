@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.contact.by_profile import law_of
 from metafem.inversion import DesignStatus, achievable_load_range
 from metafem.inversion.bounds import Bounds
 from metafem.inversion.strategies.proportional import line_range
@@ -18,7 +17,7 @@ LIMITS, NUMBER = mf.Limits(0.12), r"([\d.e-]+)"
 LATTICE = mf.Surface.square_lattice(0.12, radius=0.526, material=mf.Material(1.36))
 
 
-@pytest.mark.parametrize("cap", [mf.Hertz(), law_of(mf.Power(1.5))], ids=repr)
+@pytest.mark.parametrize("cap", [mf.Hertz(), mf.Elastic(mf.Power(1.5))], ids=repr)
 def test_the_widest_range_is_nearly_that_of_the_bounds(cap):
     low, high = achievable_load_range(mf.LinearLaw(7.0), LATTICE, TALL, contact=cap)
     first, end = line_range(mf.LinearLaw(7.0), Bounds(cap, Radii.of(0.526), 64, 1.0))

@@ -5,13 +5,12 @@ import pytest
 from numpy.testing import assert_allclose
 
 import metafem as mf
-from metafem.contact.by_profile import law_of
 from metafem.models.adhesion.scene import Contacts, Scene
 from metafem.models.interacting.influence import coupling_between
 from tests.models.scenes import RADIUS, scene
 
 CLOSED = np.array([0, 2, 3, 5])
-CAPS = [mf.Hertz(), law_of(mf.Power(1.5))]
+CAPS = [mf.Hertz(), mf.Elastic(mf.Power(1.5))]
 
 
 @pytest.mark.parametrize("cap", CAPS, ids=repr)

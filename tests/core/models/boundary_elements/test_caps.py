@@ -7,21 +7,19 @@ import pytest
 
 import metafem as mf
 from metafem.caps.shapes import sphere_profile
-from metafem.contact.by_profile import law_of
-from metafem.contact.caps import PowerCap
 from metafem.models.boundary_elements.summits import Summits
 from tests.models.interacting.dense_twin import Twin
-from tests.models.scenes import lattice, scene, single_contact
+from tests.models.scenes import Read, lattice, scene, single_contact
 
 RADIUS, CONTACT = 0.526, 0.2
 RHO = np.linspace(0.0, 0.45, 80)
-SPHERE = law_of(mf.Profile([RHO, sphere_profile(RHO, RADIUS)]))
-LAWS = [*(law_of(mf.Power(n)) for n in (1.5, 8)), law_of(mf.Sphere()), SPHERE]
+SPHERE = mf.Elastic(mf.Profile([RHO, sphere_profile(RHO, RADIUS)]))
+LAWS = [*(mf.Elastic(mf.Power(n)) for n in (1.5, 8)), mf.Elastic(mf.Sphere()), SPHERE]
 
 
 def test_one_contact_is_that_of_the_law():
     for law in (mf.Hertz(), *LAWS):
-        width = 0.5 * RADIUS if law in (law_of(mf.Sphere()), SPHERE) else CONTACT
+        width = 0.5 * RADIUS if law in (mf.Elastic(mf.Sphere()), SPHERE) else CONTACT
         state, exact = single_contact(law, 50, contact_radius=width)
         # the cells' error at 50 per radius
         assert state.load == pytest.approx(exact.load, rel=1e-4)
@@ -33,7 +31,7 @@ def test_one_contact_is_that_of_the_law():
 def test_areas_from_moments_hold_for_any_extra_curvature():
     surface = scene(radius=np.full(6, RADIUS))
     a = np.linspace(0.1, 0.2, 6)
-    for law in (*LAWS, PowerCap(2)):
+    for law in (*LAWS, Read(mf.Power(2.0))):
         kappa = np.linspace(-0.1, 0.4, 6) * law.indentation(a, RADIUS) / a**2
         load, moment = (f(a, RADIUS, kappa) for f in (law.load, law.second_moment))
         summits = Summits.of(surface, law, 0.01)
@@ -44,7 +42,10 @@ def test_areas_from_moments_hold_for_any_extra_curvature():
 
 
 def test_coupled_contacts_are_those_of_order_3():
-    for law, surface in ((law_of(mf.Power(4)), lattice(0.5 * np.ones(9))), (law_of(mf.Sphere()), scene())):
+    for law, surface in (
+        (mf.Elastic(mf.Power(4)), lattice(0.5 * np.ones(9))),
+        (mf.Elastic(mf.Sphere()), scene()),
+    ):
         twin, approach = Twin(surface, law), float(law.indentation(0.18, RADIUS))
         load = twin.solve(approach=approach)[1].sum()
         state = mf.equilibrium(surface, mf.BoundaryElements(0.01, contact=law), approach=approach)
@@ -60,7 +61,7 @@ def test_a_flat_summit_on_a_slope_touches_beside_its_axis():
     surface = scene([[0.0, 0.0], [0.75, 0.0]], [0.5, 0.385], RADIUS)
     areas = [
         mf.equilibrium(
-            surface, mf.BoundaryElements(cell, contact=law_of(mf.Power(4))), approach=0.15
+            surface, mf.BoundaryElements(cell, contact=mf.Elastic(mf.Power(4))), approach=0.15
         ).asperity_area
         for cell in (0.004, 0.008)
     ]
@@ -72,6 +73,6 @@ def test_a_flat_summit_on_a_slope_touches_beside_its_axis():
 def test_contacts_of_few_cells_keep_the_area_of_their_law():
     """Their edges are not found: the pressure is steep or flat at the axis, some cells from the edge."""
     for exponent, offset in product((1.2, 8), np.random.default_rng(5).random((2, 2))):
-        state, exact = single_contact(law_of(mf.Power(exponent)), 5, offset, 0.05)
+        state, exact = single_contact(mf.Elastic(mf.Power(exponent)), 5, offset, 0.05)
         missing = abs(state.area - exact.area) / (0.05 / 5) ** 2
         assert missing < 1.25 * (0.37 * np.pi)  # LAWFUL_ERROR

@@ -7,18 +7,21 @@ import pytest
 from numpy.testing import assert_allclose
 
 import metafem as mf
-from metafem.contact.by_profile import law_of
-from metafem.contact.caps import PowerCap
 from metafem.models.truncation import slope_effects
 from tests.models.interacting.dense_twin import Twin
-from tests.models.scenes import HEIGHT, lattice, scene
+from tests.models.scenes import HEIGHT, Read, lattice, scene
 
 
 def steeper(rho):
     return rho**2 / 1.1 + rho**4
 
 
-LAWS = [law_of(mf.Power(1.5)), law_of(mf.Power(4)), law_of(mf.Sphere()), law_of(mf.Profile(steeper, 0.45))]
+LAWS = [
+    mf.Elastic(mf.Power(1.5)),
+    mf.Elastic(mf.Power(4)),
+    mf.Elastic(mf.Sphere()),
+    mf.Elastic(mf.Profile(steeper, 0.45)),
+]
 SUBSTRATES = [mf.HalfSpace(), mf.BondedLayer()]
 # All contacts of the scene are steeper here than those whose tilt is bounded.
 LOADS = np.array([0.01, 0.1])
@@ -38,7 +41,7 @@ def test_loads_and_areas_are_those_of_the_twin(law):
                 approach, p, area, residual = twin.solve(load=load)
                 assert residual <= 1e-12
                 # the offset of T is of the order of the moment of the flattest contact
-                rtol = 1e-10 if order == 1 or law != law_of(mf.Power(4)) else 1e-5
+                rtol = 1e-10 if order == 1 or law != mf.Elastic(mf.Power(4)) else 1e-5
                 assert curve.approach[k] == pytest.approx(approach, rel=rtol)
                 assert curve.area[k] == pytest.approx(area.sum(), rel=rtol)
             assert_allclose(curve.last.load, p, rtol=10 * rtol)
@@ -48,7 +51,7 @@ def test_loads_and_areas_are_those_of_the_twin(law):
 
 def test_a_power_of_two_is_hertz():
     for order in (1, 3):
-        surface, other = scene(), mf.Interacting(order, contact=PowerCap(2))
+        surface, other = scene(), mf.Interacting(order, contact=Read(mf.Power(2.0)))
         model = mf.Interacting(order)
         found, expected = (one.curve(surface, LOADS) for one in (other, model))
         for name in ("approach", "load", "area"):
@@ -66,7 +69,7 @@ QUARTICS = [(1.3083, 4.4245, 0.0006, 0.0021), (4.7163, 7.3054, 0.002, 0.0058)]
 
 @pytest.mark.parametrize(("load", "resolved", "error", "without"), QUARTICS)
 def test_areas_of_quartic_caps_are_those_of_resolved_contacts(load, resolved, error, without):
-    surface, law = lattice(0.5 * np.ones(9)), law_of(mf.Power(4))
+    surface, law = lattice(0.5 * np.ones(9)), mf.Elastic(mf.Power(4))
     curve = mf.Interacting(contact=law).curve(surface, np.array([load]))
     assert 0.0 < curve.area[0] / resolved - 1.0 < error
     slope, _ = slope_effects(law, surface, curve.last.area, mf.HalfSpace())

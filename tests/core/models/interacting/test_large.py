@@ -7,7 +7,6 @@ from numpy.testing import assert_allclose
 import metafem as mf
 from metafem._kernels import coupling
 from metafem._kernels import interacting as interacting_kernel
-from metafem.contact.by_profile import law_of
 from metafem.models.contact_tables import tables
 from metafem.models.interacting import elastic as interacting
 from metafem.models.interacting.coarse import coarsen
@@ -137,7 +136,7 @@ def test_lattices_with_few_sites_use_the_sums_that_take_less_time():
         assert (bound.summed is not None) == fast
 
 
-QUARTIC = mf.Interacting(3, contact=law_of(mf.Power(4)))
+QUARTIC = mf.Interacting(3, contact=mf.Elastic(mf.Power(4)))
 
 
 @pytest.mark.parametrize("model", [mf.Interacting(1), PEDESTAL, QUARTIC], ids=repr)
@@ -227,7 +226,7 @@ class DenseSums:
         return load @ found.laplacian_at, load @ found.slope_x_at, load @ found.slope_y_at
 
 
-@pytest.mark.parametrize("law", [mf.Hertz(), law_of(mf.Power(4)), law_of(mf.Sphere())], ids=repr)
+@pytest.mark.parametrize("law", [mf.Hertz(), mf.Elastic(mf.Power(4)), mf.Elastic(mf.Sphere())], ids=repr)
 def test_the_equations_over_sums_are_those_of_the_kernel(law):
     """Response and derivatives, to rounding, with open and closed asperities."""
     for order in (1, 3):

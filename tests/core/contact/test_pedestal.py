@@ -4,15 +4,15 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.contact import cap_compliance
+from metafem.contact import pedestal
 from validation.scenes import pedestals
 
 
 def test_the_fit_keeps_its_error_on_the_whole_table():
     for ratio, *row in pedestals.TABLE:
         foot = np.sqrt(ratio * (2.0 - ratio))
-        fitted = cap_compliance.pedestal_compliance(ratio, 1.0, foot * np.array(pedestals.FOOT_RATIOS))
-        np.testing.assert_allclose(fitted, row, rtol=cap_compliance.FIT_ERROR)
+        fitted = pedestal.pedestal_compliance(ratio, 1.0, foot * np.array(pedestals.FOOT_RATIOS))
+        np.testing.assert_allclose(fitted, row, rtol=pedestal.FIT_ERROR)
 
 
 def test_other_computations_agree():
@@ -20,13 +20,13 @@ def test_other_computations_agree():
 
     With the contact the compliance changes by a few hundredths.
     """
-    found = cap_compliance.pedestal_compliance(np.array([0.12, 0.20, 0.27]), 0.526, 0.05)
+    found = pedestal.pedestal_compliance(np.array([0.12, 0.20, 0.27]), 0.526, 0.05)
     np.testing.assert_allclose(found, [0.27, 0.46, 0.64], atol=0.02)
 
 
 def test_lengths_scale():
-    assert cap_compliance.pedestal_compliance(0.2, 0.5, 0.1) == pytest.approx(
-        10.0 * cap_compliance.pedestal_compliance(2.0, 5.0, 1.0), rel=1e-12
+    assert pedestal.pedestal_compliance(0.2, 0.5, 0.1) == pytest.approx(
+        10.0 * pedestal.pedestal_compliance(2.0, 5.0, 1.0), rel=1e-12
     )
 
 
@@ -34,26 +34,26 @@ HEIGHT, RADIUS = np.array([0.03, 0.12, 0.30]), np.array([0.526, 0.526, 0.6])
 
 
 def test_the_influence_of_a_pedestal_is_the_fit_without_a_contact():
-    value, _ = cap_compliance.pedestal_influence(HEIGHT, RADIUS)
-    np.testing.assert_allclose(np.pi * value, cap_compliance.pedestal_compliance(HEIGHT, RADIUS), rtol=1e-14)
+    value, _ = pedestal.pedestal_influence(HEIGHT, RADIUS)
+    np.testing.assert_allclose(np.pi * value, pedestal.pedestal_compliance(HEIGHT, RADIUS), rtol=1e-14)
 
 
 def test_its_rate_is_its_derivative():
     step = 1e-6  # central differences: error step^2
-    ahead, behind = (cap_compliance.pedestal_influence(HEIGHT + s * step, RADIUS)[0] for s in (1, -1))
+    ahead, behind = (pedestal.pedestal_influence(HEIGHT + s * step, RADIUS)[0] for s in (1, -1))
     np.testing.assert_allclose(
-        cap_compliance.pedestal_influence(HEIGHT, RADIUS)[1], (ahead - behind) / (2 * step), rtol=1e-8
+        pedestal.pedestal_influence(HEIGHT, RADIUS)[1], (ahead - behind) / (2 * step), rtol=1e-8
     )
 
 
 def test_summits_at_the_base_plane_have_none():
-    value, rate = cap_compliance.pedestal_influence(np.array([-0.1, 0.0]), np.ones(2))
+    value, rate = pedestal.pedestal_influence(np.array([-0.1, 0.0]), np.ones(2))
     assert not value.any()
     assert not rate.any()
 
 
 def test_summits_beyond_the_table_keep_its_last_row_and_say_so():
-    value, rate = cap_compliance.pedestal_influence(np.array([0.6, 0.9]), np.ones(2))
+    value, rate = pedestal.pedestal_influence(np.array([0.6, 0.9]), np.ones(2))
     assert value[0] == value[1]
     assert rate[1] == 0.0
     surface = mf.Surface([[0.0, 0.0]], [0.4], 0.526, mf.Material(1.36))
