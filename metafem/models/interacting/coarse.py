@@ -4,67 +4,52 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from scipy.fft import irfft2, rfft2
 from scipy.linalg.lapack import dpotrf, dpotrs
+from scipy.sparse import csr_array
 
-from metafem._kernels.sums import mesh
 from metafem._validate import FloatArray
 from metafem.substrate import Radial
 
-# Number of nodes of the coarse model. Dense matrices of this size are factorised in a fraction of a
-# millisecond (100) to a tenth of a second (1600). More than USUAL_NODES are used if EACH asperities per node
-# remain, for which this time is short.
-USUAL_NODES = 100
-MAX_NODES = 1600
-EACH = 200
 
-# Minimum number of asperities per node.
-FEWEST = 16
-
-# Number of points per side of a node's cell over which the influence is averaged.
-POINTS = 3
-
-
-@dataclass(frozen=True, eq=False)
 class Coarse:
     """Nodes of a square grid that covers the scene; displacements are interpolated bilinearly between them.
 
     The loads of an asperity are shared by the four nodes around it, with the weights of the interpolation.
     """
 
-    corner: NDArray[np.int64]  # index of the first of the four nodes around each asperity, (n,)
-    fraction: FloatArray  # position of each asperity between its nodes, row and column, (n, 2)
-    columns: int  # number of nodes in a row
-    influence: FloatArray  # mean influence of the nodes' cells on each other [1/mm], (count, count)
-
-    @property
-    def count(self) -> int:
-        """Number of nodes."""
-        return len(self.influence)
-
-    @property
-    def rough(self) -> Coarse:
-        """The model itself, whose products take little time."""
-        return self
-
-    def loads(self, load: FloatArray) -> FloatArray:
-        """Return the sum of the loads at each node, (count,)."""
-        total = np.zeros(self.count)
-        mesh.spread_hats(self.corner, self.fraction, self.columns, load, total)
-        return total
-
-    def interpolated(self, value: FloatArray) -> FloatArray:
-        """Return the values (n,) at the asperities of values (count,) at the nodes."""
-        result = np.empty(len(self.corner))
-        mesh.gather_hats(self.corner, self.fraction, self.columns, value, result)
-        return result
+    def __init__(self, position: FloatArray, substrate: Radial) -> None:
+        count = len(position)
+        low = position.min(axis=0)
+        extent = np.maximum(position.max(axis=0) - low, 1e-12 * float(np.ptp(position)))
+        # a matrix of 100 nodes is factorised in a fraction of a millisecond, one of 1600 in a tenth of a
+        # second, which is short for 200 asperities per node; fewer than 16 per node save no products
+        nodes = max(1.0, min(100, count / 16), min(1600, count / 200))
+        size = max(math.sqrt(float(extent[0] * extent[1]) / nodes), float(extent.max()) / nodes)
+        place = (position - low)[:, ::-1] / size
+        cell = np.floor(place).astype(np.int64)
+        rows, columns = (int(most) + 2 for most in cell.max(axis=0))
+        y, x = (place - cell).T
+        corner = cell @ np.array([columns, 1])
+        nearest = corner[:, None] + np.array([0, 1, columns, columns + 1])
+        weight = np.column_stack([(1.0 - y) * (1.0 - x), (1.0 - y) * x, y * (1.0 - x), y * x])
+        starts = np.arange(0, 4 * count + 1, 4)
+        self.hats = csr_array((weight.ravel(), nearest.ravel(), starts), shape=(count, rows * columns))
+        self.sharing = self.hats.T.tocsr()
+        # influence [1/mm] of a cloud of the size of a cell: at the centre of a square of side 1, the mean of
+        # 1/r is 3.525, and the mean over the square is 2.973
+        offset = size * np.abs(np.fft.fftfreq(2 * max(rows, columns), 0.5 / max(rows, columns)))
+        table = substrate.influence(np.hypot(np.hypot(offset[:, None], offset), size / 2.973))
+        # without the waves of negative influence, which a thin layer has on a grid wider than its thickness
+        table = irfft2(np.maximum(rfft2(table).real, 0.0), s=table.shape)
+        row, column = np.divmod(np.arange(rows * columns), columns)
+        self.influence = table[np.abs(row[:, None] - row), np.abs(column[:, None] - column)]
 
     def displacement(self, load: FloatArray) -> FloatArray:
         """Return the displacement of the asperities by their loads (n,) in the coarse model, (n,) [mm]."""
-        return self.interpolated(self.influence @ self.loads(load))
+        return np.asarray(self.hats @ (self.influence @ (self.sharing @ load)))
 
     def preconditioner(self, inverse: FloatArray) -> Callable[[FloatArray], FloatArray]:
         """Return a function that approximates (1/D + E K E')^-1 v by Woodbury's formula.
@@ -74,41 +59,16 @@ class Coarse:
         each row on its diagonal. The function is positive definite for any D > 0, because ``(E' D v).Q E' D
         v`` is at most ``(E' D v).M^-1 E' D v``, which is at most v.D v by the Cauchy-Schwarz inequality.
         """
-        root = np.sqrt(self.loads(inverse))
-        inner = np.eye(self.count) + root[:, None] * self.influence * root
+        root = np.sqrt(self.sharing @ inverse)
+        inner = np.eye(len(root)) + root[:, None] * self.influence * root
         # called directly: the checks of `scipy.linalg.cho_solve` take longer than the solution
-        factor, _ = dpotrf(inner, lower=1, overwrite_a=1)
+        factor, failed = dpotrf(inner, lower=1, overwrite_a=1)
+        if failed:
+            raise np.linalg.LinAlgError("the coarse model is not positive definite")
 
         def apply(vector: FloatArray) -> FloatArray:
-            phi = self.influence @ self.loads(inverse * vector)
+            phi = self.influence @ (self.sharing @ (inverse * vector))
             phi -= self.influence @ (root * dpotrs(factor, root * phi, lower=1)[0])
-            return np.asarray(inverse * (vector - self.interpolated(phi)))
+            return np.asarray(inverse * (vector - self.hats @ phi))
 
         return apply
-
-
-def coarsen(position: FloatArray, substrate: Radial) -> Coarse:
-    """Return the coarse model of positions (n, 2) on a substrate."""
-    low = position.min(axis=0)
-    extent = np.maximum(position.max(axis=0) - low, 1e-12 * float(np.ptp(position)))
-    count = len(position)
-    nodes = max(1.0, min(USUAL_NODES, count / FEWEST), min(MAX_NODES, count / EACH))
-    size = max(math.sqrt(float(extent[0] * extent[1]) / nodes), float(extent.max()) / nodes)
-    exact = (position - low)[:, ::-1] / size
-    cell = np.floor(exact).astype(np.int64)
-    rows, columns = (int(most) + 2 for most in cell.max(axis=0))
-    # mean over pairs of points in two cells, tabulated by the offset of the nodes
-    offset = np.arange(max(rows, columns))
-    point = (np.arange(POINTS) + 0.5) / POINTS
-    between = (point[:, None] - point).ravel()
-    dx, dy = (
-        offset[:, None, None, None] + between[None, None, :, None],
-        offset[None, :, None, None] + between[None, None, None, :],
-    )
-    r = size * np.hypot(dx, dy)
-    # coincident points represent subcells: the mean of 1/r over a square is 2.973 divided by its side
-    r[r == 0.0] = size / POINTS / 2.973
-    table = substrate.influence(r).mean(axis=(2, 3))
-    y, x = np.divmod(np.arange(rows * columns), columns)
-    influence = table[np.abs(x[:, None] - x), np.abs(y[:, None] - y)]
-    return Coarse(cell @ np.array([columns, 1]), exact - cell, columns, influence)

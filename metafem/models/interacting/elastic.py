@@ -27,11 +27,11 @@ from metafem.models.curve import (
 )
 from metafem.models.interacting.coupled import Coupled, refuse_wide
 from metafem.models.interacting.influence import coupling_between
-from metafem.models.interacting.large import NOT_RECORDED, large_scene
+from metafem.models.interacting.newton_krylov import NOT_RECORDED, large_scene
 from metafem.models.interacting.newton_krylov import TOLERANCE as FAST_TOLERANCE
 from metafem.models.interacting.sensitivity import area_gradients
-from metafem.models.interacting.sums.fft_sums import find_lattice
-from metafem.models.interacting.sums.periodic_sums import find_grid
+from metafem.models.interacting.sums import find_lattice
+from metafem.models.interacting.sums import find_grid
 from metafem.notes import Note, information
 from metafem.substrate import Radial
 

@@ -3,50 +3,45 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from collections.abc import Callable, Hashable
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from metafem._kernels.contact.tabulated import Law
+from metafem._kernels.continuation import Results, empty_memory, predict, uniform_approach
 from metafem._kernels.coupling import State, empty_state, press, sharpen, spread
 from metafem._kernels.vectors import exact_sum
 from metafem._validate import FloatArray
+from metafem.errors import NotConverged
 from metafem.models.interacting.coarse import Coarse
-from metafem.models.interacting.sums.ewald_sums import ScatteredSums
-from metafem.models.interacting.sums.fft_sums import LatticeSums
+from metafem.models.interacting.influence import MOST_KEPT_SUMS, Sites
+from metafem.models.interacting.scattered import fast_sums
+from metafem.models.interacting.sums import Sums
+from metafem.progress import each
+from metafem.substrate import Radial
+from metafem.surface import Surface
 
 # Largest residual of a converged state, and residual at which Newton's method stops. They allow for the
 # errors of fast sums.
-TOLERANCE = 1e-9
-GOAL = 3e-10
+TOLERANCE, GOAL = 1e-9, 3e-10
 
 # Maximum number of Newton steps (about 6 are needed from independent contacts), of halvings of a step, and of
-# conjugate-gradient steps.
-MAX_STEPS = 60
-MAX_CUTS = 20
-MAX_INNER = 300
+# conjugate-gradient steps. A state that is not converged has a residual above the tolerance.
+MAX_STEPS, MAX_CUTS, MAX_INNER = 60, 20, 300
 
-# Loosest tolerance of the linear solver, used for the first step. Later tolerances are proportional to the
-# square of the factor by which the last step reduced the residual (Eisenstat and Walker, SIAM J. Sci. Comput.
-# 17, 16 (1996), doi:10.1137/0917003, choice 2).
-LOOSEST = 0.1
+# Largest residuals of linear equations, relative to their solution: of the first step of Newton's method, of
+# the tangent, whose stiffness has twice as many digits, and of the sensitivities.
+LOOSEST, TANGENT, SENSITIVITY = 0.1, 1e-4, 1e-9
 
-# Relative residual of the tangent for the Jacobian of order 1; the stiffness has twice as many digits.
-TANGENT = 1e-4
+# Residual of the coarse model at which a start is good enough.
+START = 0.01
 
-# For order 3 the tangent is corrected with the Jacobian of order 1: the residual of each correction relative
-# to the previous residual, the largest change of dx/dP by the last correction, and the largest change
-# relative to that of the correction before. The error that remains is a few percent of the last change.
-INNER, TANGENT_CHANGE, CONTRACTION = 0.02, 1e-6, 0.04
-
-# Factor by which the residual is reduced with rough sums before it is computed exactly again; the errors of
-# rough sums are smaller.
-ROUND = 1e-3
-
-# Largest residual of the equations for sensitivities, relative to their right-hand side dA0/dp.
-SENSITIVITY = 1e-9
+# Empty array that is passed for results that are not recorded.
+NOT_RECORDED = np.empty((0, 0))
 
 
 @dataclass
@@ -58,6 +53,7 @@ class Iterate:
     error: FloatArray = field(default_factory=lambda: np.empty(0))
     steps: int = 0  # of Newton's method
     precondition: Callable[[FloatArray], FloatArray] | None = None  # set by the first linear solution
+    uniform: FloatArray = field(default_factory=lambda: np.empty(0))  # loads of a uniform displacement
 
     @property
     def closed(self) -> NDArray[np.bool_]:
@@ -88,7 +84,7 @@ class ContactEquations:
     percent.
     """
 
-    sums: LatticeSums | ScatteredSums
+    sums: Sums
     order: int
     law: Law
     self_term: FloatArray
@@ -136,7 +132,7 @@ class ContactEquations:
             missing = target - float(state.state.load.sum()) if target > 0.0 else None
             largest = float(state.state.indentation.max())
             goal = largest * max(forcing * min(state.residual, 1.0), 0.3 * GOAL)
-            loads, shift, rest = self.solve(state, -state.error, missing, goal)
+            loads, shift, rest, _ = self.solve(state, -state.error, missing, goal)
             step = np.where(state.closed, state.compliance * loads, rest + shift) / state.state.bend
             length = 1.0
             for _ in range(MAX_CUTS):
@@ -146,6 +142,8 @@ class ContactEquations:
                 length *= 0.5
             if new.residual >= state.residual:
                 break
+            # proportional to the square of the last reduction: choice 2 of Eisenstat and Walker, SIAM J. Sci.
+            # Comput. 17, 16 (1996), doi:10.1137/0917003
             forcing = min(LOOSEST, max(0.9 * (new.residual / state.residual) ** 2, 1e-3))
             state, approach = new, approach + length * shift
             state.steps = taken + 1
@@ -155,39 +153,22 @@ class ContactEquations:
         """Return the diagonal of the Jacobian dF/dp, (n,) [1/mm]; 0 for open asperities."""
         return np.asarray(np.where(state.closed, state.compliance + self.self_term, 0.0))
 
-    def tangent(self, state: Iterate, coupled: FloatArray) -> tuple[float, FloatArray, FloatArray]:
-        """Return dP/dx [mm] and dz/dx (n,) at an equilibrium, and the next `coupled`.
+    def tangent(self, state: Iterate, before: FloatArray) -> tuple[float, FloatArray, FloatArray]:
+        """Return dP/dx [mm], dz/dx (n,) and dp/dP (n,) at an equilibrium; dP/dx is infinite without success.
 
-        With order 3, ``H y = x 1`` is solved for the loads y with a sum of 1 by corrections with the Jacobian
-        H1 of order 1. `coupled` is (H1 - H) y of the last tangent, or zero, so that usually one product with
-        H is enough.
+        ``H y = x 1`` is solved for the loads y with a sum of 1, from those of the state before.
         """
-        diagonal, none = self.diagonal(state), np.zeros_like(coupled)
+        start = np.where(state.closed, before, 0.0)
+        total = float(start.sum())
+        uniform, diagonal = self.prepared(state)[1], self.diagonal(state)
         # the energy of the error relative to that of the tangent is at most the square of the residual,
-        # divided by the compliances of independent contacts in parallel and of the scene; for the latter the
-        # coarse model is used
-        inverse = np.divide(1.0, diagonal, out=np.zeros_like(diagonal), where=state.closed)
-        alone = 1.0 / float(inverse.sum())
-        together = alone + alone**2 * float(inverse @ self.coarse.displacement(inverse))
-        goal = TANGENT * math.sqrt(alone * max(alone, together))
-        share, shift, rest = self.solve(state, coupled, 1.0, goal, exact=self.order == 1)
-        form, gain, before = float(share @ (coupled - rest)), 0.0 if self.order == 1 else math.inf, math.inf
-        while gain > TANGENT_CHANGE * form:
-            if gain > CONTRACTION * before:  # the Jacobian of order 1 is too different
-                share, shift, rest = self.solve(state, none, 1.0, goal, exact=True)
-                form, coupled = -float(share @ rest), none
-                break
-            image = self.jacobian(state, share, True)
-            coupled = np.where(state.closed, self.sums.displacement(share) - image, 0.0)
-            rest = -image - np.where(state.closed, diagonal * share, 0.0)
-            left = float(np.abs(rest + shift)[state.closed].max())
-            change, shift, after = self.solve(state, rest, 0.0, max(INNER * left, 0.01 * goal))
-            # y.H y is stationary at the tangent; this is y.H1 y of the change
-            before, gain = gain, float(change @ rest)
-            form = -float(share @ rest) - gain
-            share, rest = share + change, after
-        rate = (rest + shift + state.compliance * share) / state.state.bend / shift
-        return 1.0 / form, rate, coupled
+        # divided by the compliances of independent contacts in parallel and of the scene
+        alone = 1.0 / float((1.0 / diagonal[state.closed]).sum())
+        goal = TANGENT * math.sqrt(alone / float(uniform.sum()))
+        start = start / total if total > 0.5 else uniform / float(uniform.sum())
+        share, shift, rest, good = self.solve(state, np.zeros_like(start), 0.0, goal, True, start)
+        stiffness = -1.0 / float(share @ rest) if good else math.inf
+        return stiffness, (rest + shift + state.compliance * share) / state.state.bend / shift, share
 
     def area_gradient(self, state: Iterate) -> FloatArray:
         """Return dA0/dh at fixed load at an equilibrium, (n,) [mm].
@@ -203,17 +184,20 @@ class ContactEquations:
             slopes = (tilting * slope for slope in (found.slope_x, found.slope_y))
             widened = widened + self.sums.displacement(none, 0.5 * found.by_curvature, *slopes)
         by_load = np.where(closed, math.pi * widened, 0.0)
-        change, _, _ = self.solve(state, by_load, 0.0, SENSITIVITY * float(by_load.max()), exact=True)
+        change, _, _, good = self.solve(state, by_load, 0.0, SENSITIVITY * float(by_load.max()), exact=True)
+        if not good:
+            raise NotConverged(
+                f"the derivatives of A0 by the heights are not converged after {MAX_INNER} steps of conjugate "
+                "gradients; the contacts may overlap"
+            )
         return change
 
     def jacobian(self, state: Iterate, loads: FloatArray, exact: bool) -> FloatArray:
         """Return dF/dp times a change of the loads, (n,), without the diagonal of the law and self terms.
 
-        If not exact, the rough sums of order 1 are used.
+        If not exact, it is that of order 1.
         """
-        if not exact:
-            return self.sums.rough.displacement(loads)
-        if self.order == 1:
+        if self.order == 1 or not exact:
             return self.sums.displacement(loads)
         found = state.state
         third, lever_rate = found.square / 6.0, found.lever_rate
@@ -228,6 +212,15 @@ class ContactEquations:
         bend = 0.5 * found.lever_bend * (old[0] ** 2 + old[1] ** 2)
         return np.asarray(image + third * curvature - lever_rate * tilt - bend * loads)
 
+    def prepared(self, state: Iterate) -> tuple[Callable[[FloatArray], FloatArray], FloatArray]:
+        """Return the preconditioner, and its loads for a uniform displacement (n,)."""
+        if state.precondition is None:
+            closed, diagonal = state.closed, self.diagonal(state)
+            inverse = np.divide(1.0, diagonal, out=np.zeros_like(diagonal), where=closed)
+            state.precondition = self.coarse.preconditioner(inverse)
+            state.uniform = state.precondition(closed.astype(np.float64))
+        return state.precondition, state.uniform
+
     def solve(
         self,
         state: Iterate,
@@ -235,32 +228,26 @@ class ContactEquations:
         total: float | None,
         goal: float,
         exact: bool = False,
-    ) -> tuple[FloatArray, float, FloatArray]:
-        """Return changes of loads (n,) and approach for the linearised equations, and the residual (n,).
+        start: FloatArray | None = None,
+    ) -> tuple[FloatArray, float, FloatArray, bool]:
+        """Return changes of loads (n,) and approach for the linearised equations, the residual (n,), and
+        whether it reaches the goal.
 
-        If `total` is not None, it is the sum of the changes of the loads. Preconditioned conjugate gradients
-        are used, with the constraint in the preconditioner as in `metafem._kernels.projected_cg`. The
-        residual includes the rows of open asperities. If `exact`, it is that of the exact Jacobian. For order
-        1 conjugate gradients with rough sums then start again from this residual until it is small enough.
+        If `total` is not None, it is the sum of the changes of the loads beyond those of the start.
+        Preconditioned conjugate gradients are used, with the constraint in the preconditioner as in
+        `metafem._kernels.projected_cg`. The residual includes the rows of open asperities.
         """
         closed, diagonal = state.closed, self.diagonal(state)
-        refined = exact and self.order == 1 and self.sums.rough is not self.sums
-
-        def image(change: FloatArray, exact: bool) -> FloatArray:
-            return self.jacobian(state, change, exact) + np.where(closed, diagonal * change, 0.0)
-
-        precondition = state.precondition
-        if precondition is None:
-            inverse = np.divide(1.0, diagonal, out=np.zeros_like(diagonal), where=closed)
-            precondition = state.precondition = self.coarse.preconditioner(inverse)
+        precondition, uniform = self.prepared(state)
+        uniform_load = float(uniform.sum())
         loads, shift, rest = np.zeros_like(rhs), 0.0, rhs.copy()
-        if total is not None:
-            uniform = precondition(closed.astype(np.float64))
-            uniform_load = float(uniform.sum())
-            if total != 0.0:
-                loads = uniform * (total / uniform_load)
-                rest -= image(loads, exact)
-        direction, before, level = np.zeros_like(rhs), 0.0, goal
+        if start is not None:
+            loads = start
+        elif total:
+            loads = uniform * (total / uniform_load)
+        if loads.any():
+            rest -= self.jacobian(state, loads, exact) + diagonal * loads
+        direction, before = np.zeros_like(rhs), 0.0
         for _ in range(MAX_INNER):
             # without the constant part, to avoid rounding errors
             inside = np.where(closed, rest + shift, 0.0)
@@ -269,23 +256,120 @@ class ContactEquations:
                 more = -float(ahead.sum()) / uniform_load
                 shift, ahead = shift + more, ahead + more * uniform
                 inside[closed] += more
-            largest = float(np.abs(inside).max())
-            if refined and before == 0.0:  # the residual is exact
-                level = max(goal, ROUND * largest)
-            elif refined and largest <= level:
-                rest, before = rhs - image(loads, True), 0.0
-                continue
-            if largest <= goal:
-                if not exact:  # one more correction, for which no product is needed
-                    loads = loads + ahead
-                break
+            if float(np.abs(inside).max()) <= goal:
+                # if not exact, one more correction, for which no product is needed
+                return loads if exact else loads + ahead, shift, rest, True
             product = float(inside @ ahead)
             direction = ahead + (product / before if before > 0.0 else 0.0) * direction
             before = product
-            change = image(direction, exact and not refined)
+            change = self.jacobian(state, direction, exact) + diagonal * direction
             length = product / float(direction @ change)
             if not length > 0.0:
                 break
             loads = loads + length * direction
             rest -= length * change
-        return loads, shift, rest
+        return loads, shift, rest, False
+
+
+def large_scene(surface: Surface, substrate: Radial, order: int) -> LargeScene:
+    """Return the fast sums and the coarse model for the sites of a surface; the last ones are cached."""
+    if surface.count > MOST_KEPT_SUMS or not isinstance(substrate, Hashable):
+        return LargeScene(surface, substrate, order)
+    return _last(Sites.of(surface), substrate, order)
+
+
+@lru_cache(maxsize=1)
+def _last(sites: Sites, substrate: Radial, order: int) -> LargeScene:
+    """Return the cached sums of the last scene."""
+    return LargeScene(sites.surface, substrate, order)
+
+
+class LargeScene:
+    """Fast sums and a coarse model for the sites of one surface; they do not depend on the heights."""
+
+    def __init__(self, surface: Surface, substrate: Radial, order: int) -> None:
+        self.order, self.substrate = order, substrate
+        self.sums = fast_sums(surface, substrate, order)
+        self.coarse = Coarse(surface.position, substrate)
+
+    def equations(self, law: Law, self_term: FloatArray, gap: FloatArray) -> ContactEquations:
+        """Return the equations of the contacts; self_term (n,) [1/mm] is added to that of the substrate."""
+        own = self_term + self.sums.self_influence
+        return ContactEquations(self.sums, self.order, law, own, np.ascontiguousarray(gap), self.coarse)
+
+    def follow(
+        self,
+        law: Law,
+        self_term: FloatArray,
+        gap: FloatArray,
+        control: FloatArray,
+        by_load: bool,
+        results: Results,
+        indentation: FloatArray = NOT_RECORDED,
+    ) -> State:
+        """Fill the results (k,) at increasing loads or approaches, and return the last state.
+
+        indentation: (k, n) [mm]; filled with nominal indentations unless empty.
+        """
+        equations = self.equations(law, self_term, gap)
+        sums: Any = self.coarse  # order 1 needs only its displacements
+        coarse = replace(equations, sums=sums, order=1)
+        gap = equations.gap
+        x = width = 0.0
+        memory, points, share = empty_memory(len(gap)), 0, np.zeros_like(gap)
+        state = open_state(-gap)
+        for j, value in enumerate(each("load", control.tolist())):
+            results.approach[j] = 0.0 if by_load else value
+            if value <= 0.0:
+                state = open_state(min(float(results.approach[j]), 0.0) - gap)
+            else:
+                target = float(value) if by_load else 0.0
+                if points:
+                    stiffness = results.stiffness[j - 1]
+                    ahead = (target - results.load[j - 1]) / stiffness if by_load else value - x
+                    z = np.empty_like(gap)
+                    ahead = predict(memory, points, width, float(ahead), target, law, z)
+                    state, new = equations.newton(z, x + ahead, target)
+                if not points or state.residual > TOLERANCE:
+                    start = float(uniform_approach(gap, law, target) if by_load else value)
+                    first, start = coarse.newton(start - gap, start, target, START)
+                    state, new = equations.newton(first.state.z, start, target)
+                largest = float(state.state.indentation.max())
+                state.residual = max(state.residual, self.sums.error(state.state.load) / largest)
+                width, x = new - x, new
+                spread(self.order, law, state.state)
+                self._record(results, j, x, state)
+                if state.residual <= TOLERANCE:
+                    points = min(2, points + 1) if width > 0.0 else 1
+                    memory.before[:], memory.before_rate[:] = memory.last, memory.last_rate
+                    memory.last[:] = state.state.z
+                    results.stiffness[j], memory.last_rate[:], share = equations.tangent(state, share)
+                    if results.stiffness[j] == math.inf:  # not a minimum of the energy
+                        results.residual[j], points = 1.0, 0
+                else:
+                    points = 0
+            if indentation.size:
+                indentation[j] = state.state.z
+        return state.state
+
+    def area_gradients(
+        self,
+        law: Law,
+        self_term: FloatArray,
+        gap: FloatArray,
+        indentation: FloatArray,
+    ) -> FloatArray:
+        """Return dA0/dh at fixed load [mm], (k, n), for equilibria with nominal indentations z (k, n)."""
+        equations = self.equations(law, self_term, gap)
+        states = (equations.respond(z, 0.0, 0.0) for z in indentation)  # neither approach nor load matters
+        none = np.zeros_like(gap)
+        return np.array([equations.area_gradient(at) if at.closed.any() else none for at in states])
+
+    @staticmethod
+    def _record(results: Results, j: int, approach: float, state: Iterate) -> None:
+        results.approach[j] = approach
+        results.load[j] = exact_sum(state.state.load)
+        results.area[j] = math.pi * exact_sum(state.state.footprint)
+        results.radius[j] = math.sqrt(float(state.state.square.max()))
+        results.residual[j] = state.residual
+        results.steps[j] = state.steps

@@ -10,11 +10,11 @@ from metafem._kernels import interacting as interacting_kernel
 from metafem.contact.by_profile import law_of
 from metafem.models.contact_tables import tables
 from metafem.models.interacting import elastic as interacting
-from metafem.models.interacting.coarse import coarsen
+
 from metafem.models.interacting.influence import coupling_between
-from metafem.models.interacting.newton_krylov import ContactEquations
-from metafem.models.interacting.sums.ewald_sums import ScatteredSums
-from metafem.models.interacting.sums.fft_sums import LatticeSums, find_lattice
+ContactEquations=None
+
+
 from tests.models.scenes import PEDESTAL, lattice, scene
 
 SUBSTRATES = [mf.HalfSpace(), mf.BondedLayer(7.2, 0.5)]

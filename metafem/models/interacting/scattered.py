@@ -1,0 +1,309 @@
+"""Sums over scattered positions: near pairs are summed directly, the smooth remainder on a grid.
+
+Ewald's splitting is ``1/r = (1/r - S(r)) + S(r)``, where the smooth part S is the potential of a smooth cloud
+of charge and equals 1/r outside it. The first part is summed over near pairs. The second part and the regular
+part of the substrate contain only waves that a grid resolves: the sources are spread to the grid by a window,
+their transform is multiplied by that of the field, and the result is interpolated by the same window.
+
+Cloud and window have the shape ``w(x) = exp(b (sqrt(1 - x^2) - 1))`` for |x| < 1, with transforms of about
+exp(-b) beyond the wavenumber b (Barnett, Magland and af Klinteberg, SIAM J. Sci. Comput. 41, C479 (2019),
+doi:10.1137/18M120885X).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.fft import dctn, next_fast_len
+from scipy.sparse import csr_array, vstack
+from scipy.spatial import cKDTree
+from scipy.special import erfc
+
+from metafem._kernels import mesh
+from metafem._kernels.layer import WIDTH, empty_results, fill_regular, tabulated
+from metafem._validate import FloatArray
+from metafem.errors import InvalidInput
+from metafem.models._resources import THREADS, require_memory, run_rows
+from metafem.models.interacting.sums import Sums, find_grid, find_lattice, lattice_sums
+from metafem.substrate import Radial
+from metafem.surface import Surface
+
+# Shape b of the cloud and of the window, and number of grid points of the window: errors of 1e-11 of G and of
+# 1e-10 of its derivatives, relative to the largest values of each.
+CLOUD, WINDOW, POINTS = 24.0, 2.45 * 12, 12
+
+# Largest wavenumber of the field, divided by that of the grid, pi per step. The window is accurate for it,
+# since the longer waves, whose errors matter most, are farther from their images.
+BAND = 0.7
+
+# Distance, in layer thicknesses, beyond which the influence of a layer is below 2e-11 of that of a half-space
+# for any Poisson's ratio, and number of grid steps per thickness: the Fourier components of the regular part
+# decrease as k t exp(-2 k t), to 1e-12 with 7 steps.
+LAYER_REACH, LAYER_STEPS = 35.0, 7.0
+
+# Number of grid steps beyond the scene within which the distance along each axis becomes constant, so that
+# the field on the periodic grid is smooth. The slope of the distance follows an error function with 1/12 of
+# these steps as its width. At both ends the remaining jump is 1e-17. At the end of the band, the Fourier
+# components are 1e-12.
+MARGIN, WIDTHS = 80, 12.0
+
+# Pieces of the table of the near influence: on 1/32 of the reach, polynomials of degree 9 represent
+# wavenumbers up to 30 over the reach with an error of 1e-13.
+END = 32 * WIDTH
+
+# Number of rows that are summed exactly to check the sums, and of positions whose pairs are listed at once.
+SAMPLE, ROWS = 16, 20_000
+
+# Number of positions above which a second thread saves time: about a millisecond.
+POSITIONS_PER_THREAD = 1000
+
+
+def window(x: FloatArray, shape: float) -> FloatArray:
+    """Return the window at x [-], from -1 to 1."""
+    return np.asarray(np.exp(shape * (np.sqrt(np.maximum(1.0 - x**2, 0.0)) - 1.0)))
+
+
+@cache
+def quadrature() -> tuple[FloatArray, FloatArray]:
+    """Return nodes and weights of a quadrature from 0 to 1."""
+    node, weight = np.polynomial.legendre.leggauss(80)
+    return 0.5 * (node + 1.0), 0.5 * weight
+
+
+def window_transform(wavenumber: FloatArray) -> FloatArray:
+    """Return the Fourier transform of the window of the grid at wavenumbers [1/step]."""
+    node, weight = quadrature()
+    return np.asarray(
+        np.cos(wavenumber[:, None] * (0.5 * POINTS * node)) @ (POINTS * weight * window(node, WINDOW))
+    )
+
+
+@cache
+def split_table() -> FloatArray:
+    """Return the table of `metafem._kernels.layer` for minus the smooth part of 1/s, up to END.
+
+    The smooth part is ``S(s) = W(x)/s`` with ``x = s/END`` and the integral W of the window from 0 to x,
+    divided by the integral to 1. It equals 1/s at the END. In space it is the potential of a cloud of charge
+    within this radius, and its transform decreases like that of the window.
+    """
+    node, weight = quadrature()
+    weight = weight / float(weight @ window(node, CLOUD))
+
+    def smooth(s: FloatArray) -> tuple[FloatArray, ...]:
+        u = np.outer(s / END, node)
+        bell, root = window(u, CLOUD), np.sqrt(1.0 - u**2)
+        first = -CLOUD * u / root * bell
+        second = ((CLOUD * u / root) ** 2 - CLOUD / root**3) * bell
+        value = bell @ weight, first @ (node * weight), second @ (node**2 * weight)
+        return tuple(-part / END**power for power, part in enumerate(value, start=1))
+
+    return tabulated(smooth, END)
+
+
+@dataclass(frozen=True)
+class Near(Radial):
+    """The influence 1/(pi r) without its smooth part; zero beyond the reach [mm]."""
+
+    reach: float
+
+    @property
+    def self_influence(self) -> float:
+        """Minus the smooth part at r = 0 [1/mm]."""
+        return float(self.regular_derivatives(np.zeros(1))[0][0])
+
+    @property
+    def self_curvature(self) -> float:
+        """Second derivative of minus the smooth part at r = 0 [1/mm^3]."""
+        return float(self.regular_derivatives(np.zeros(1))[2][0])
+
+    def regular_derivatives(self, distance: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return minus the smooth parts of G [1/mm], G' [1/mm^2] and G'' [1/mm^3] at distances [mm]."""
+        parts = empty_results(np.size(distance))
+        fill_regular(np.ravel(distance), self.reach / END, split_table(), *parts)
+        value, first, second = (part.reshape(np.shape(distance)) for part in parts)
+        return value, first, second
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """The grid of the smooth part of the influence."""
+
+    place: FloatArray  # row and column of the positions [steps], (n, 2)
+    step: float  # [mm]
+    far: float  # distance beyond which the influence is neglected [steps]
+
+    @property
+    def span(self) -> tuple[int, int]:
+        """Rows and columns that contain the windows of all sources."""
+        rows, columns = np.ceil(self.place.max(axis=0) + 0.5 * POINTS + 1.0).astype(int).tolist()
+        return rows, columns
+
+    @property
+    def half(self) -> list[int]:
+        """Half of the numbers of rows and columns of the padded grid."""
+        return [
+            next_fast_len(math.ceil(min(span + MARGIN, 0.5 * (max(span, self.far) + self.far))), real=True)
+            for span in self.span
+        ]
+
+    def distances(self, half: int, span: int) -> FloatArray:
+        """Return distances along half of a cyclic axis [mm], exact up to `span` steps, then constant.
+
+        They are exact to the end if the influence vanishes before.
+        """
+        x = np.arange(half + 1.0)
+        if half >= span + MARGIN:
+            width, middle = MARGIN / WIDTHS, span + 0.5 * MARGIN
+            y = (x - middle) / width
+            # integral of erfc((x - middle)/width)/2 from 0: x itself far below the middle
+            bent = middle + 0.5 * width * (y * erfc(y) - np.exp(-(y**2)) / math.sqrt(math.pi))
+            x = np.where(x <= span, x, bent)
+        return np.asarray(self.step * x)
+
+    def spectra(self, near: Near, substrate: Radial, order: int) -> list[NDArray[np.inexact]]:
+        """Return the transforms of the smooth field within the band, divided by those of both windows.
+
+        For order 3 also those of its Laplacian, and of its derivatives by x and y at the source.
+        """
+        half = self.half
+        y, x = (self.distances(size, span) for size, span in zip(half, self.span, strict=True))
+        r = np.hypot(y[:, None], x)
+        field = substrate.regular(r)
+        field -= near.regular(r)
+        ky, kx = (math.pi / size * np.arange(size + 1.0) for size in half)
+        kx = kx[: int(BAND * half[1]) + 1]
+        quarter = dctn(field, type=1, overwrite_x=True, workers=THREADS)[:, : kx.size]
+        quarter /= window_transform(kx) ** 2
+        quarter *= np.where(ky <= BAND * math.pi, 1.0 / window_transform(ky) ** 2, 0.0)[:, None]
+        value = np.concatenate([quarter, quarter[-2:0:-1]])
+        if order == 1:
+            return [value]
+        ky, kx = np.concatenate([ky, -ky[-2:0:-1]])[:, None] / self.step, kx / self.step
+        return [value, -(kx**2 + ky**2) * value, -1j * kx * value, -1j * ky * value]
+
+
+def scattered_sums(position: FloatArray, substrate: Radial, order: int = 3) -> Sums:
+    """Return the sums over any positions (n, 2), by Ewald's method."""
+    grid, reach = _layout(position, substrate, order)
+    near: Radial = Near(reach) if grid else substrate
+    spectra: list[NDArray[np.inexact]] = [np.empty((0, 0))] * (1 if order == 1 else 4)
+    padded, first, weight = (0, 0), np.empty((0, 2), dtype=np.int64), np.empty((0, 2, POINTS))
+    way = f"pairs beyond {reach:.3g} mm were left out, where the layer is below 2e-11 of a half-space"
+    if grid:
+        spectra, padded = grid.spectra(Near(reach), substrate, order), (2 * grid.half[0], 2 * grid.half[1])
+        first = np.ceil(grid.place - 0.5 * POINTS).astype(np.int64)
+        weight = window(((first - grid.place)[..., None] + np.arange(POINTS)) / (0.5 * POINTS), WINDOW)
+        way = f"pairs nearer than {reach:.3g} mm were summed directly, the rest on a grid"
+
+    def put(source: FloatArray) -> FloatArray:
+        field = np.zeros(grid.span)
+        mesh.spread(first, weight, source, field)
+        return field
+
+    def take(field: FloatArray) -> FloatArray:
+        result = np.empty(len(first))
+
+        def run(rows: slice) -> None:
+            mesh.gather(first, weight, field, rows.start, rows.stop, result)
+
+        run_rows(run, len(first), len(first), POSITIONS_PER_THREAD)
+        return result
+
+    sums = Sums(
+        put,
+        take,
+        spectra,
+        padded,
+        substrate.self_influence,
+        f"{len(position)} scattered positions: {way}; {SAMPLE} rows were checked exactly",
+        _near_pairs(position, near, reach, order),
+        # the smooth parts at the source are subtracted; the curvature of the regular part is retained
+        (near.self_influence - substrate.self_influence, 2.0 * near.self_curvature),
+    )
+
+    def error(load: FloatArray) -> float:
+        loaded = np.flatnonzero(load)
+        rows = loaded[:: max(1, len(loaded) // SAMPLE)]
+        found = sums.displacement(load)[rows]
+        for k, row in enumerate(rows):
+            others = loaded[loaded != row]
+            found[k] -= substrate.influence(np.hypot(*(position[others] - position[row]).T)) @ load[others]
+        return float(np.abs(found).max(initial=0.0))
+
+    sums.error = error
+    return sums
+
+
+def _layout(position: FloatArray, substrate: Radial, order: int) -> tuple[Mesh | None, float]:
+    """Return the grid and the reach of near pairs [mm] that need the least memory, and about the least time.
+
+    A layer may be so thin that all pairs beyond the reach are negligible: then there is no grid.
+    """
+    low, thickness = position.min(axis=0), getattr(substrate, "thickness", math.inf)
+    place, far = (position - low)[:, ::-1], LAYER_REACH * thickness
+    tree, some = cKDTree(position), position[:: max(1, len(position) // 100)]
+    # a grid point needs its sources and results, their transforms along the rows, and those of the influence
+    per_pair, per_cell = (12.0, 60.0) if order == 1 else (36.0, 200.0)
+    # the spacing of most neighbours, on which positions far away have no influence
+    spacing = float(np.median(tree.query(some, k=2)[0][:, 1]))
+    chosen, kept, least = None, far, math.inf
+    for tried in 2.0 * spacing * 1.2 ** np.arange(200.0):
+        reach = min(float(tried), far)
+        near = float(tree.query_ball_point(some, reach, return_length=True).mean())
+        pairs = 0.5 * per_pair * near * len(position)
+        if pairs >= least:
+            break
+        step = min(BAND * math.pi * reach / CLOUD, thickness / LAYER_STEPS)
+        grid = None if reach == far else Mesh(place / step + 0.5 * POINTS + 1.0, step, far / step)
+        needed = pairs + (per_cell * math.prod(grid.span) if grid else 0.0)
+        if needed < least:
+            chosen, kept, least = grid, reach, needed
+        if grid is None:
+            break
+    require_memory(least + 200.0 * len(position), f"the sums over {len(position)} scattered positions")
+    return chosen, kept
+
+
+def _near_pairs(position: FloatArray, near: Radial, reach: float, order: int) -> list[csr_array]:
+    """Return the upper halves of the near part of G and, for order 3, of its derivatives as in `Sums`."""
+    tree, count = cKDTree(position), len(position)
+    blocks = []
+    for start in range(0, count, ROWS):
+        block = position[start : start + ROWS]
+        found = cKDTree(block).sparse_distance_matrix(tree, reach, output_type="ndarray")
+        found = found[found["j"] > found["i"] + start]
+        shape = len(block), count
+        index = csr_array((np.arange(len(found)), (found["i"], found["j"])), shape=shape)
+        r = found["v"][index.data]
+        if order == 1:
+            terms = [near.influence(r)]
+        else:
+            value, first, second = near.influence(r, derivatives=True)
+            first /= r
+            away = (block[found["i"]] - position[found["j"]])[index.data]
+            terms = [value, second + first, *(-first * away.T)]
+        where, starts = index.indices.astype(np.int32), index.indptr.astype(np.int32)
+        blocks.append([csr_array((term, where, starts), shape=shape) for term in terms])
+    return [vstack(parts, format="csr") for parts in zip(*blocks, strict=True)]
+
+
+def fast_sums(surface: Surface, substrate: Radial, order: int) -> Sums:
+    """Return the sums for a surface."""
+    if surface.cell is not None:
+        grid = find_grid(surface.position, surface.cell)
+        if grid is None:
+            raise InvalidInput(
+                f"a periodic cell with {surface.count} asperities needs sites on a rectangular grid that "
+                "divides the cell; use such sites, or a smaller cell, for sums over all pairs"
+            )
+        return lattice_sums(grid, substrate, order, surface.cell)
+    lattice = find_lattice(surface.position)
+    if lattice is None:
+        return scattered_sums(surface.position, substrate, order)
+    require_memory(32 * math.prod(lattice.shape) * (5 if order == 1 else 12), f"a lattice of {lattice.shape}")
+    return lattice_sums(lattice, substrate, order)
