@@ -13,7 +13,6 @@ doi:10.1137/18M120885X).
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 
@@ -29,7 +28,7 @@ from metafem._kernels.layer import WIDTH, empty_results, fill_regular, tabulated
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 from metafem.models._resources import THREADS, require_memory, run_rows
-from metafem.models.interacting.sums import Sums, find_grid, find_lattice, lattice_sums
+from metafem.models.interacting.sums import Sums, find_grid, find_lattice
 from metafem.substrate import Radial
 from metafem.surface import Surface
 
@@ -129,29 +128,77 @@ class Near(Radial):
         return value, first, second
 
 
-@dataclass(frozen=True, eq=False)
-class Mesh:
-    """The grid of the smooth part of the influence."""
+class ScatteredSums(Sums):
+    """Products with the influence matrix and its derivatives, for any positions, by Ewald's method."""
 
-    place: FloatArray  # row and column of the positions [steps], (n, 2)
-    step: float  # [mm]
-    far: float  # distance beyond which the influence is neglected [steps]
+    def __init__(self, position: FloatArray, substrate: Radial, order: int = 3) -> None:
+        self.position, self.substrate = position, substrate
+        self.self_influence = substrate.self_influence
+        thickness = getattr(substrate, "thickness", math.inf)
+        self.far = LAYER_REACH * thickness
+        tree, some = cKDTree(position), position[:: max(1, len(position) // 100)]
+        # the near pairs, and the grid with its transforms, take about the same memory and time; the spacing
+        # is that of most neighbours, on which positions far away have no influence
+        per_pair, per_cell = (12.0, 60.0) if order == 1 else (36.0, 200.0)
+        reach, pairs, cells = 2.0 * float(np.median(tree.query(some, k=2)[0][:, 1])), 0.0, math.inf
+        while pairs < cells and reach < self.far:
+            reach = min(1.2 * reach, self.far)
+            near = float(tree.query_ball_point(some, reach, return_length=True).mean())
+            self._lay(min(BAND * math.pi * reach / CLOUD, thickness / LAYER_STEPS))
+            pairs, cells = 0.5 * per_pair * near * len(position), per_cell * math.prod(self.span)
+        needed = pairs + cells + 300.0 * len(position)
+        require_memory(needed, f"the sums over {len(position)} scattered positions")
+        way = f"pairs nearer than {reach:.3g} mm were summed directly, the rest on a grid"
+        part: Radial = Near(reach)
+        if reach == self.far:  # a layer so thin that the rest is negligible
+            way = f"pairs beyond {reach:.3g} mm were left out, where the layer is below 2e-11 of a half-space"
+            part, self.span, self.padded = substrate, [1, 1], [1, 1]
+            self.first, self.weight = (
+                np.zeros((len(position), 2), dtype=np.int64),
+                np.zeros((len(position), 2, 1)),
+            )
+            self.spectra = [np.zeros((1, 1))] * 4
+        else:
+            place = (position - self.origin)[:, ::-1] / self.step
+            first = np.ceil(place - 0.5 * POINTS)
+            away = (first - place)[..., None] + np.arange(POINTS)
+            self.first, self.weight = first.astype(np.int64), window(away / (0.5 * POINTS), WINDOW)
+            self.spectra = self._transforms(part, order)
+        self.note = f"{len(position)} scattered positions: {way}; {SAMPLE} rows were checked exactly"
+        # the smooth parts at the source are subtracted; the curvature of the regular part is retained
+        self.own = part.self_influence - self.self_influence, 2.0 * part.self_curvature
+        self.pairs = _upper_pairs(tree, position, part, reach, order)
 
-    @property
-    def span(self) -> tuple[int, int]:
-        """Rows and columns that contain the windows of all sources."""
-        rows, columns = np.ceil(self.place.max(axis=0) + 0.5 * POINTS + 1.0).astype(int).tolist()
-        return rows, columns
+    def _lay(self, step: float) -> None:
+        """Lay a grid of a step [mm] over the positions."""
+        low, high = self.position.min(axis=0), self.position.max(axis=0)
+        self.step, self.origin = step, low - (0.5 * POINTS + 1.0) * step
+        self.span = np.ceil((high - self.origin)[::-1] / step + 0.5 * POINTS + 1.0).astype(int).tolist()
+        far = self.far / step
+        ends = (min(size + MARGIN, 0.5 * (max(size, far) + far)) for size in self.span)
+        self.padded = [2 * next_fast_len(math.ceil(end), real=True) for end in ends]
 
-    @property
-    def half(self) -> list[int]:
-        """Half of the numbers of rows and columns of the padded grid."""
-        return [
-            next_fast_len(math.ceil(min(span + MARGIN, 0.5 * (max(span, self.far) + self.far))), real=True)
-            for span in self.span
-        ]
+    def _transforms(self, near: Radial, order: int) -> list[NDArray[np.inexact]]:
+        """Return the transforms of the smooth field within the band, divided by those of both windows.
 
-    def distances(self, half: int, span: int) -> FloatArray:
+        For order 3 also those of its Laplacian, and of its derivatives by x and y at the source.
+        """
+        half = [size // 2 for size in self.padded]
+        y, x = (self._distances(size, span) for size, span in zip(half, self.span, strict=True))
+        r = np.hypot(y[:, None], x)
+        field = self.substrate.regular(r)
+        field -= near.regular(r)
+        ky, kx = (math.pi / size * np.arange(size + 1.0) for size in half)
+        inside = [np.where(k <= BAND * math.pi, 1.0 / window_transform(k) ** 2, 0.0) for k in (ky, kx)]
+        quarter = dctn(field, type=1, overwrite_x=True, workers=THREADS)
+        quarter *= inside[0][:, None] * inside[1]
+        value = np.concatenate([quarter, quarter[-2:0:-1]])
+        if order == 1:
+            return [value]
+        ky, kx = np.concatenate([ky, -ky[-2:0:-1]])[:, None] / self.step, kx / self.step
+        return [value, -(kx**2 + ky**2) * value, -1j * kx * value, -1j * ky * value]
+
+    def _distances(self, half: int, span: int) -> FloatArray:
         """Return distances along half of a cyclic axis [mm], exact up to `span` steps, then constant.
 
         They are exact to the end if the influence vanishes before.
@@ -165,128 +212,56 @@ class Mesh:
             x = np.where(x <= span, x, bent)
         return np.asarray(self.step * x)
 
-    def spectra(self, near: Near, substrate: Radial, order: int) -> list[NDArray[np.inexact]]:
-        """Return the transforms of the smooth field within the band, divided by those of both windows.
-
-        For order 3 also those of its Laplacian, and of its derivatives by x and y at the source.
-        """
-        half = self.half
-        y, x = (self.distances(size, span) for size, span in zip(half, self.span, strict=True))
-        r = np.hypot(y[:, None], x)
-        field = substrate.regular(r)
-        field -= near.regular(r)
-        ky, kx = (math.pi / size * np.arange(size + 1.0) for size in half)
-        kx = kx[: int(BAND * half[1]) + 1]
-        quarter = dctn(field, type=1, overwrite_x=True, workers=THREADS)[:, : kx.size]
-        quarter /= window_transform(kx) ** 2
-        quarter *= np.where(ky <= BAND * math.pi, 1.0 / window_transform(ky) ** 2, 0.0)[:, None]
-        value = np.concatenate([quarter, quarter[-2:0:-1]])
-        if order == 1:
-            return [value]
-        ky, kx = np.concatenate([ky, -ky[-2:0:-1]])[:, None] / self.step, kx / self.step
-        return [value, -(kx**2 + ky**2) * value, -1j * kx * value, -1j * ky * value]
-
-
-def scattered_sums(position: FloatArray, substrate: Radial, order: int = 3) -> Sums:
-    """Return the sums over any positions (n, 2), by Ewald's method."""
-    grid, reach = _layout(position, substrate, order)
-    near: Radial = Near(reach) if grid else substrate
-    spectra: list[NDArray[np.inexact]] = [np.empty((0, 0))] * (1 if order == 1 else 4)
-    padded, first, weight = (0, 0), np.empty((0, 2), dtype=np.int64), np.empty((0, 2, POINTS))
-    way = f"pairs beyond {reach:.3g} mm were left out, where the layer is below 2e-11 of a half-space"
-    if grid:
-        spectra, padded = grid.spectra(Near(reach), substrate, order), (2 * grid.half[0], 2 * grid.half[1])
-        first = np.ceil(grid.place - 0.5 * POINTS).astype(np.int64)
-        weight = window(((first - grid.place)[..., None] + np.arange(POINTS)) / (0.5 * POINTS), WINDOW)
-        way = f"pairs nearer than {reach:.3g} mm were summed directly, the rest on a grid"
-
-    def put(source: FloatArray) -> FloatArray:
-        field = np.zeros(grid.span)
-        mesh.spread(first, weight, source, field)
+    def put(self, source: FloatArray) -> FloatArray:
+        """Return the grid of sources (n,)."""
+        field = np.zeros(self.span)
+        mesh.spread(self.first, self.weight, source, field)
         return field
 
-    def take(field: FloatArray) -> FloatArray:
-        result = np.empty(len(first))
+    def take(self, field: FloatArray) -> FloatArray:
+        """Return the values (n,) of a field on the padded grid."""
+        result = np.empty(len(self.first))
 
         def run(rows: slice) -> None:
-            mesh.gather(first, weight, field, rows.start, rows.stop, result)
+            mesh.gather(self.first, self.weight, field, rows.start, rows.stop, result)
 
-        run_rows(run, len(first), len(first), POSITIONS_PER_THREAD)
+        run_rows(run, len(result), len(result), POSITIONS_PER_THREAD)
         return result
 
-    sums = Sums(
-        put,
-        take,
-        spectra,
-        padded,
-        substrate.self_influence,
-        f"{len(position)} scattered positions: {way}; {SAMPLE} rows were checked exactly",
-        _near_pairs(position, near, reach, order),
-        # the smooth parts at the source are subtracted; the curvature of the regular part is retained
-        (near.self_influence - substrate.self_influence, 2.0 * near.self_curvature),
-    )
+    def near(self, index: int, source: FloatArray) -> FloatArray:
+        """Return the sum over near pairs for G, its Laplacian, or its derivatives by x or y, (n,)."""
+        half, even = self.pairs[index], index < 2
+        other = half.T @ source
+        return np.asarray(half @ source + (other + self.own[index] * source if even else -other))
 
-    def error(load: FloatArray) -> float:
+    def error(self, load: FloatArray) -> float:
+        """Return the largest error [mm] of G p at some of the loaded positions."""
         loaded = np.flatnonzero(load)
         rows = loaded[:: max(1, len(loaded) // SAMPLE)]
-        found = sums.displacement(load)[rows]
+        found = self.displacement(load)[rows]
         for k, row in enumerate(rows):
             others = loaded[loaded != row]
-            found[k] -= substrate.influence(np.hypot(*(position[others] - position[row]).T)) @ load[others]
+            r = np.hypot(*(self.position[others] - self.position[row]).T)
+            found[k] -= self.substrate.influence(r) @ load[others]
         return float(np.abs(found).max(initial=0.0))
 
-    sums.error = error
-    return sums
 
-
-def _layout(position: FloatArray, substrate: Radial, order: int) -> tuple[Mesh | None, float]:
-    """Return the grid and the reach of near pairs [mm] that need the least memory, and about the least time.
-
-    A layer may be so thin that all pairs beyond the reach are negligible: then there is no grid.
-    """
-    low, thickness = position.min(axis=0), getattr(substrate, "thickness", math.inf)
-    place, far = (position - low)[:, ::-1], LAYER_REACH * thickness
-    tree, some = cKDTree(position), position[:: max(1, len(position) // 100)]
-    # a grid point needs its sources and results, their transforms along the rows, and those of the influence
-    per_pair, per_cell = (12.0, 60.0) if order == 1 else (36.0, 200.0)
-    # the spacing of most neighbours, on which positions far away have no influence
-    spacing = float(np.median(tree.query(some, k=2)[0][:, 1]))
-    chosen, kept, least = None, far, math.inf
-    for tried in 2.0 * spacing * 1.2 ** np.arange(200.0):
-        reach = min(float(tried), far)
-        near = float(tree.query_ball_point(some, reach, return_length=True).mean())
-        pairs = 0.5 * per_pair * near * len(position)
-        if pairs >= least:
-            break
-        step = min(BAND * math.pi * reach / CLOUD, thickness / LAYER_STEPS)
-        grid = None if reach == far else Mesh(place / step + 0.5 * POINTS + 1.0, step, far / step)
-        needed = pairs + (per_cell * math.prod(grid.span) if grid else 0.0)
-        if needed < least:
-            chosen, kept, least = grid, reach, needed
-        if grid is None:
-            break
-    require_memory(least + 200.0 * len(position), f"the sums over {len(position)} scattered positions")
-    return chosen, kept
-
-
-def _near_pairs(position: FloatArray, near: Radial, reach: float, order: int) -> list[csr_array]:
+def _upper_pairs(
+    tree: cKDTree, position: FloatArray, near: Radial, reach: float, order: int
+) -> list[csr_array]:
     """Return the upper halves of the near part of G and, for order 3, of its derivatives as in `Sums`."""
-    tree, count = cKDTree(position), len(position)
     blocks = []
-    for start in range(0, count, ROWS):
+    for start in range(0, len(position), ROWS):
         block = position[start : start + ROWS]
         found = cKDTree(block).sparse_distance_matrix(tree, reach, output_type="ndarray")
         found = found[found["j"] > found["i"] + start]
-        shape = len(block), count
+        shape = len(block), len(position)
         index = csr_array((np.arange(len(found)), (found["i"], found["j"])), shape=shape)
-        r = found["v"][index.data]
-        if order == 1:
-            terms = [near.influence(r)]
-        else:
-            value, first, second = near.influence(r, derivatives=True)
-            first /= r
-            away = (block[found["i"]] - position[found["j"]])[index.data]
-            terms = [value, second + first, *(-first * away.T)]
+        found = found[index.data]
+        value, first, second = near.influence(found["v"], derivatives=True)
+        first /= found["v"]
+        slopes = -first * (block[found["i"]] - position[found["j"]]).T
+        terms = [value, second + first, *slopes][: 1 if order == 1 else 4]
         where, starts = index.indices.astype(np.int32), index.indptr.astype(np.int32)
         blocks.append([csr_array((term, where, starts), shape=shape) for term in terms])
     return [vstack(parts, format="csr") for parts in zip(*blocks, strict=True)]
@@ -301,9 +276,9 @@ def fast_sums(surface: Surface, substrate: Radial, order: int) -> Sums:
                 f"a periodic cell with {surface.count} asperities needs sites on a rectangular grid that "
                 "divides the cell; use such sites, or a smaller cell, for sums over all pairs"
             )
-        return lattice_sums(grid, substrate, order, surface.cell)
+        return Sums(grid, substrate, order, surface.cell)
     lattice = find_lattice(surface.position)
     if lattice is None:
-        return scattered_sums(surface.position, substrate, order)
+        return ScatteredSums(surface.position, substrate, order)
     require_memory(32 * math.prod(lattice.shape) * (5 if order == 1 else 12), f"a lattice of {lattice.shape}")
-    return lattice_sums(lattice, substrate, order)
+    return Sums(lattice, substrate, order)
