@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Hashable
-from dataclasses import dataclass, field, replace
-from functools import lru_cache
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -30,12 +30,12 @@ from metafem.surface import Surface
 TOLERANCE, GOAL = 1e-9, 3e-10
 
 # Maximum number of Newton steps (about 6 are needed from independent contacts), of halvings of a step, and of
-# conjugate-gradient steps. A state that is not converged has a residual above the tolerance.
+# conjugate-gradient steps (about 5). What is not converged has a residual above the tolerance, or raises.
 MAX_STEPS, MAX_CUTS, MAX_INNER = 60, 20, 300
 
-# Largest residuals of linear equations, relative to their solution: of the first step of Newton's method, of
-# the tangent, whose stiffness has twice as many digits, and of the sensitivities.
-LOOSEST, TANGENT, SENSITIVITY = 0.1, 1e-4, 1e-9
+# Largest residuals of linear equations, relative to their solution: of the first step of Newton's method; of
+# the tangents of orders 1 and 3, whose stiffness has twice as many digits; and of sensitivities.
+LOOSEST, TANGENT, SENSITIVITY = 0.1, {1: 1e-4, 3: 1e-3}, 1e-9
 
 # Residual of the coarse model at which a start is good enough.
 START = 0.01
@@ -49,31 +49,38 @@ class Iterate:
     """The contacts at some nominal indentations, with the errors of their equations."""
 
     state: State
-    residual: float = math.inf
-    error: FloatArray = field(default_factory=lambda: np.empty(0))
+    residual: float
+    error: FloatArray
+    self_term: FloatArray
+    coarse: Coarse
     steps: int = 0  # of Newton's method
-    precondition: Callable[[FloatArray], FloatArray] | None = None  # set by the first linear solution
-    uniform: FloatArray = field(default_factory=lambda: np.empty(0))  # loads of a uniform displacement
 
-    @property
+    @cached_property
     def closed(self) -> NDArray[np.bool_]:
         """Whether each asperity is in contact."""
         return np.asarray(self.state.z > 0.0)
 
-    @property
+    @cached_property
     def compliance(self) -> FloatArray:
         """Derivative of the indentation with respect to the load, (n,) [1/mm]; 0 for open asperities."""
-        state = self.state
-        return np.asarray(
-            np.divide(state.bend, state.rate, out=np.zeros_like(state.bend), where=state.z > 0.0)
-        )
+        bend, rate = self.state.bend, self.state.rate
+        return np.asarray(np.divide(bend, rate, out=np.zeros_like(bend), where=self.closed))
 
+    @cached_property
+    def diagonal(self) -> FloatArray:
+        """Diagonal of the Jacobian dF/dp, (n,) [1/mm]; 0 for open asperities."""
+        return np.asarray(np.where(self.closed, self.compliance + self.self_term, 0.0))
 
-def open_state(gap: FloatArray) -> Iterate:
-    """Return the state without contact; gap: minus the gaps of the summits, (n,) [mm]."""
-    state = empty_state(len(gap))
-    state.z[:] = state.indentation[:] = gap
-    return Iterate(state, 0.0)
+    @cached_property
+    def precondition(self) -> Callable[[FloatArray], FloatArray]:
+        """Preconditioner of the Jacobian of the contacts."""
+        none = np.zeros_like(self.diagonal)
+        return self.coarse.preconditioner(np.divide(1.0, self.diagonal, out=none, where=self.closed))
+
+    @cached_property
+    def uniform(self) -> FloatArray:
+        """Loads for a uniform displacement by the preconditioner, (n,) [mm]."""
+        return self.precondition(self.closed.astype(np.float64))
 
 
 @dataclass
@@ -113,156 +120,124 @@ class ContactEquations:
         residual = float(max(overlap.max(), 0.0)) / largest if largest > 0.0 and not outside else 1.0
         if target > 0.0:
             residual = max(residual, abs(exact_sum(load) - target) / target)
-        return Iterate(state, residual, error)
+        return Iterate(state, residual, error, self.self_term, self.coarse)
 
     def newton(
         self, z: FloatArray, approach: float, target: float, tolerance: float = GOAL
     ) -> tuple[Iterate, float]:
         """Return the equilibrium at an approach or, if `target` > 0, at this load, and its approach."""
-        state = self.respond(z, approach, target)
+        at = self.respond(z, approach, target)
         forcing = LOOSEST
         for taken in range(MAX_STEPS):
-            if state.residual <= tolerance:
+            if at.residual <= tolerance:
                 break
-            if not state.closed.any():
-                state = self.respond(approach - self.gap, approach, target)
-            if self.diagonal(state).min() < 0.0:  # ill-posed: the self term outweighs the contact law
-                state.residual = max(state.residual, 1.0)
+            if not at.closed.any():
+                at = self.respond(approach - self.gap, approach, target)
+            if at.diagonal.min() < 0.0:  # ill-posed: the self term outweighs the contact law
+                at.residual = max(at.residual, 1.0)
                 break
-            missing = target - float(state.state.load.sum()) if target > 0.0 else None
-            largest = float(state.state.indentation.max())
-            goal = largest * max(forcing * min(state.residual, 1.0), 0.3 * GOAL)
-            loads, shift, rest, _ = self.solve(state, -state.error, missing, goal)
-            step = np.where(state.closed, state.compliance * loads, rest + shift) / state.state.bend
+            missing = target - float(at.state.load.sum()) if target > 0.0 else 0.0
+            start = at.uniform * (missing / float(at.uniform.sum()))
+            goal = float(at.state.indentation.max()) * max(forcing * min(at.residual, 1.0), 0.3 * GOAL)
+            loads, shift, rest, _ = self.solve(at, -at.error, start, target > 0.0, goal)
+            step = np.where(at.closed, at.compliance * loads, rest + shift) / at.state.bend
             length = 1.0
             for _ in range(MAX_CUTS):
-                new = self.respond(state.state.z + length * step, approach + length * shift, target)
-                if new.residual <= (1.0 - 0.25 * length) * state.residual or new.residual <= GOAL:
+                new = self.respond(at.state.z + length * step, approach + length * shift, target)
+                if new.residual <= (1.0 - 0.25 * length) * at.residual or new.residual <= GOAL:
                     break
                 length *= 0.5
-            if new.residual >= state.residual:
+            if new.residual >= at.residual:
                 break
             # proportional to the square of the last reduction: choice 2 of Eisenstat and Walker, SIAM J. Sci.
             # Comput. 17, 16 (1996), doi:10.1137/0917003
-            forcing = min(LOOSEST, max(0.9 * (new.residual / state.residual) ** 2, 1e-3))
-            state, approach = new, approach + length * shift
-            state.steps = taken + 1
-        return state, approach
+            forcing = min(LOOSEST, max(0.9 * (new.residual / at.residual) ** 2, 1e-3))
+            at, approach = new, approach + length * shift
+            at.steps = taken + 1
+        return at, approach
 
-    def diagonal(self, state: Iterate) -> FloatArray:
-        """Return the diagonal of the Jacobian dF/dp, (n,) [1/mm]; 0 for open asperities."""
-        return np.asarray(np.where(state.closed, state.compliance + self.self_term, 0.0))
-
-    def tangent(self, state: Iterate, before: FloatArray) -> tuple[float, FloatArray, FloatArray]:
+    def tangent(self, at: Iterate, before: FloatArray) -> tuple[float, FloatArray, FloatArray]:
         """Return dP/dx [mm], dz/dx (n,) and dp/dP (n,) at an equilibrium; dP/dx is infinite without success.
 
         ``H y = x 1`` is solved for the loads y with a sum of 1, from those of the state before.
         """
-        start = np.where(state.closed, before, 0.0)
-        total = float(start.sum())
-        uniform, diagonal = self.prepared(state)[1], self.diagonal(state)
+        start = np.where(at.closed, before, 0.0)
+        if start.sum() <= 0.5:
+            start = at.uniform
         # the energy of the error relative to that of the tangent is at most the square of the residual,
         # divided by the compliances of independent contacts in parallel and of the scene
-        alone = 1.0 / float((1.0 / diagonal[state.closed]).sum())
-        goal = TANGENT * math.sqrt(alone / float(uniform.sum()))
-        start = start / total if total > 0.5 else uniform / float(uniform.sum())
-        share, shift, rest, good = self.solve(state, np.zeros_like(start), 0.0, goal, True, start)
+        alone = 1.0 / float((1.0 / at.diagonal[at.closed]).sum())
+        goal = TANGENT[self.order] * math.sqrt(alone / float(at.uniform.sum()))
+        share, shift, rest, good = self.solve(
+            at, np.zeros_like(start), start / float(start.sum()), True, goal, exact=True
+        )
         stiffness = -1.0 / float(share @ rest) if good else math.inf
-        return stiffness, (rest + shift + state.compliance * share) / state.state.bend / shift, share
+        return stiffness, (rest + shift + at.compliance * share) / at.state.bend / shift, share
 
-    def area_gradient(self, state: Iterate) -> FloatArray:
+    def area_gradient(self, at: Iterate) -> FloatArray:
         """Return dA0/dh at fixed load at an equilibrium, (n,) [mm].
 
         The method solves ``H l = c + x 1`` with the x for which the sum of l over the contacts is zero; see
         `interacting.sensitivity`.
         """
-        closed, found, none = state.closed, state.state, np.zeros_like(self.gap)
+        found, none = at.state, np.zeros_like(self.gap)
         spread(self.order, self.law, found)
         widened = found.by_load
         if self.order == 3:
-            tilting = 2.0 * found.by_slope
-            slopes = (tilting * slope for slope in (found.slope_x, found.slope_y))
+            slopes = (2.0 * found.by_slope * slope for slope in (found.slope_x, found.slope_y))
             widened = widened + self.sums.displacement(none, 0.5 * found.by_curvature, *slopes)
-        by_load = np.where(closed, math.pi * widened, 0.0)
-        change, _, _, good = self.solve(state, by_load, 0.0, SENSITIVITY * float(by_load.max()), exact=True)
+        by_load = np.where(at.closed, math.pi * widened, 0.0)
+        goal = SENSITIVITY * float(by_load.max())
+        change, _, _, good = self.solve(at, by_load, none, True, goal, exact=True)
         if not good:
-            raise NotConverged(
-                f"the derivatives of A0 by the heights are not converged after {MAX_INNER} steps of conjugate "
-                "gradients; the contacts may overlap"
-            )
+            raise NotConverged(f"the derivatives of A0 are not converged after {MAX_INNER} steps")
         return change
 
-    def jacobian(self, state: Iterate, loads: FloatArray, exact: bool) -> FloatArray:
-        """Return dF/dp times a change of the loads, (n,), without the diagonal of the law and self terms.
-
-        If not exact, it is that of order 1.
-        """
+    def jacobian(self, at: Iterate, loads: FloatArray, exact: bool) -> FloatArray:
+        """Return dF/dp times a change of the loads, (n,); if not exact, for order 1."""
         if self.order == 1 or not exact:
-            return self.sums.displacement(loads)
-        found = state.state
+            return at.diagonal * loads + self.sums.displacement(loads)
+        found = at.state
         third, lever_rate = found.square / 6.0, found.lever_rate
-        curvature, *slope = self.sums.field(loads)
-        old = (found.slope_x, found.slope_y)
-        flatter = 2.0 / 45.0 * found.square**2.5
-        moment = [
-            -lever_rate * before * loads - found.lever * new for before, new in zip(old, slope, strict=True)
-        ]
-        image = self.sums.displacement(loads, third * loads - flatter * curvature, *moment)
-        tilt = sum(before * new for before, new in zip(old, slope, strict=True))
-        bend = 0.5 * found.lever_bend * (old[0] ** 2 + old[1] ** 2)
-        return np.asarray(image + third * curvature - lever_rate * tilt - bend * loads)
-
-    def prepared(self, state: Iterate) -> tuple[Callable[[FloatArray], FloatArray], FloatArray]:
-        """Return the preconditioner, and its loads for a uniform displacement (n,)."""
-        if state.precondition is None:
-            closed, diagonal = state.closed, self.diagonal(state)
-            inverse = np.divide(1.0, diagonal, out=np.zeros_like(diagonal), where=closed)
-            state.precondition = self.coarse.preconditioner(inverse)
-            state.uniform = state.precondition(closed.astype(np.float64))
-        return state.precondition, state.uniform
+        old_x, old_y = found.slope_x, found.slope_y
+        curvature, x, y = self.sums.field(loads)
+        image = self.sums.displacement(
+            loads,
+            third * loads - 2.0 / 45.0 * found.square**2.5 * curvature,
+            -lever_rate * old_x * loads - found.lever * x,
+            -lever_rate * old_y * loads - found.lever * y,
+        )
+        image += third * curvature - lever_rate * (old_x * x + old_y * y)
+        bend = 0.5 * found.lever_bend * (old_x**2 + old_y**2)
+        return np.asarray(image + (at.diagonal - bend) * loads)
 
     def solve(
-        self,
-        state: Iterate,
-        rhs: FloatArray,
-        total: float | None,
-        goal: float,
-        exact: bool = False,
-        start: FloatArray | None = None,
+        self, at: Iterate, rhs: FloatArray, loads: FloatArray, free: bool, goal: float, exact: bool = False
     ) -> tuple[FloatArray, float, FloatArray, bool]:
-        """Return changes of loads (n,) and approach for the linearised equations, the residual (n,), and
-        whether it reaches the goal.
+        """Solve the linearised equations for changes of loads (n,), from a start.
 
-        If `total` is not None, it is the sum of the changes of the loads beyond those of the start.
-        Preconditioned conjugate gradients are used, with the constraint in the preconditioner as in
-        `metafem._kernels.projected_cg`. The residual includes the rows of open asperities.
+        Return them, the change of the approach, the residual (n,), and whether it reaches the goal. If `free`,
+        the approach changes such that the sum of the loads remains. Preconditioned conjugate gradients are
+        used, with the constraint in the preconditioner as in `metafem._kernels.projected_cg`. The residual
+        includes the rows of open asperities.
         """
-        closed, diagonal = state.closed, self.diagonal(state)
-        precondition, uniform = self.prepared(state)
-        uniform_load = float(uniform.sum())
-        loads, shift, rest = np.zeros_like(rhs), 0.0, rhs.copy()
-        if start is not None:
-            loads = start
-        elif total:
-            loads = uniform * (total / uniform_load)
-        if loads.any():
-            rest -= self.jacobian(state, loads, exact) + diagonal * loads
-        direction, before = np.zeros_like(rhs), 0.0
+        shift, whole, direction, before = 0.0, float(at.uniform.sum()), np.zeros_like(rhs), math.inf
+        rest = rhs - self.jacobian(at, loads, exact) if loads.any() else rhs.copy()
         for _ in range(MAX_INNER):
             # without the constant part, to avoid rounding errors
-            inside = np.where(closed, rest + shift, 0.0)
-            ahead = precondition(inside)
-            if total is not None:
-                more = -float(ahead.sum()) / uniform_load
-                shift, ahead = shift + more, ahead + more * uniform
-                inside[closed] += more
+            inside = np.where(at.closed, rest + shift, 0.0)
+            ahead = at.precondition(inside)
+            if free:
+                more = -float(ahead.sum()) / whole
+                shift, ahead = shift + more, ahead + more * at.uniform
+                inside[at.closed] += more
             if float(np.abs(inside).max()) <= goal:
                 # if not exact, one more correction, for which no product is needed
                 return loads if exact else loads + ahead, shift, rest, True
             product = float(inside @ ahead)
-            direction = ahead + (product / before if before > 0.0 else 0.0) * direction
+            direction = ahead + product / before * direction
             before = product
-            change = self.jacobian(state, direction, exact) + diagonal * direction
+            change = self.jacobian(at, direction, exact)
             length = product / float(direction @ change)
             if not length > 0.0:
                 break
@@ -271,26 +246,13 @@ class ContactEquations:
         return loads, shift, rest, False
 
 
-def large_scene(surface: Surface, substrate: Radial, order: int) -> LargeScene:
-    """Return the fast sums and the coarse model for the sites of a surface; the last ones are cached."""
-    if surface.count > MOST_KEPT_SUMS or not isinstance(substrate, Hashable):
-        return LargeScene(surface, substrate, order)
-    return _last(Sites.of(surface), substrate, order)
-
-
-@lru_cache(maxsize=1)
-def _last(sites: Sites, substrate: Radial, order: int) -> LargeScene:
-    """Return the cached sums of the last scene."""
-    return LargeScene(sites.surface, substrate, order)
-
-
+@dataclass(frozen=True)
 class LargeScene:
     """Fast sums and a coarse model for the sites of one surface; they do not depend on the heights."""
 
-    def __init__(self, surface: Surface, substrate: Radial, order: int) -> None:
-        self.order, self.substrate = order, substrate
-        self.sums = fast_sums(surface, substrate, order)
-        self.coarse = Coarse(surface.position, substrate)
+    order: int
+    sums: Sums
+    coarse: Coarse
 
     def equations(self, law: Law, self_term: FloatArray, gap: FloatArray) -> ContactEquations:
         """Return the equations of the contacts; self_term (n,) [1/mm] is added to that of the substrate."""
@@ -314,50 +276,48 @@ class LargeScene:
         equations = self.equations(law, self_term, gap)
         sums: Any = self.coarse  # order 1 needs only its displacements
         coarse = replace(equations, sums=sums, order=1)
-        gap = equations.gap
-        x = width = 0.0
-        memory, points, share = empty_memory(len(gap)), 0, np.zeros_like(gap)
-        state = open_state(-gap)
+        gap, last = equations.gap, empty_state(len(gap))
+        x, width, points, memory, share = 0.0, 0.0, 0, empty_memory(len(gap)), np.zeros_like(gap)
         for j, value in enumerate(each("load", control.tolist())):
             results.approach[j] = 0.0 if by_load else value
             if value <= 0.0:
-                state = open_state(min(float(results.approach[j]), 0.0) - gap)
+                last = empty_state(len(gap))
+                last.z[:] = last.indentation[:] = min(float(results.approach[j]), 0.0) - gap
             else:
-                target = float(value) if by_load else 0.0
+                target, at = float(value) if by_load else 0.0, None
                 if points:
-                    stiffness = results.stiffness[j - 1]
-                    ahead = (target - results.load[j - 1]) / stiffness if by_load else value - x
+                    ahead = (
+                        (target - results.load[j - 1]) / results.stiffness[j - 1] if by_load else value - x
+                    )
                     z = np.empty_like(gap)
                     ahead = predict(memory, points, width, float(ahead), target, law, z)
-                    state, new = equations.newton(z, x + ahead, target)
-                if not points or state.residual > TOLERANCE:
+                    at, new = equations.newton(z, x + ahead, target)
+                if at is None or at.residual > TOLERANCE:
                     start = float(uniform_approach(gap, law, target) if by_load else value)
                     first, start = coarse.newton(start - gap, start, target, START)
-                    state, new = equations.newton(first.state.z, start, target)
-                largest = float(state.state.indentation.max())
-                state.residual = max(state.residual, self.sums.error(state.state.load) / largest)
-                width, x = new - x, new
-                spread(self.order, law, state.state)
-                self._record(results, j, x, state)
-                if state.residual <= TOLERANCE:
-                    points = min(2, points + 1) if width > 0.0 else 1
+                    at, new = equations.newton(first.state.z, start, target)
+                last, width, x = at.state, new - x, new
+                residual = max(at.residual, self.sums.error(last.load) / float(last.indentation.max()))
+                spread(self.order, law, last)
+                points = 0 if residual > TOLERANCE else min(2, points + 1) if width > 0.0 else 1
+                if points:
                     memory.before[:], memory.before_rate[:] = memory.last, memory.last_rate
-                    memory.last[:] = state.state.z
-                    results.stiffness[j], memory.last_rate[:], share = equations.tangent(state, share)
+                    memory.last[:] = last.z
+                    results.stiffness[j], memory.last_rate[:], share = equations.tangent(at, share)
                     if results.stiffness[j] == math.inf:  # not a minimum of the energy
-                        results.residual[j], points = 1.0, 0
-                else:
-                    points = 0
+                        residual, points = 1.0, 0
+                results.approach[j], results.load[j] = x, exact_sum(last.load)
+                results.area[j], results.radius[j] = (
+                    math.pi * exact_sum(last.footprint),
+                    math.sqrt(last.square.max()),
+                )
+                results.residual[j], results.steps[j] = residual, at.steps
             if indentation.size:
-                indentation[j] = state.state.z
-        return state.state
+                indentation[j] = last.z
+        return last
 
     def area_gradients(
-        self,
-        law: Law,
-        self_term: FloatArray,
-        gap: FloatArray,
-        indentation: FloatArray,
+        self, law: Law, self_term: FloatArray, gap: FloatArray, indentation: FloatArray
     ) -> FloatArray:
         """Return dA0/dh at fixed load [mm], (k, n), for equilibria with nominal indentations z (k, n)."""
         equations = self.equations(law, self_term, gap)
@@ -365,11 +325,16 @@ class LargeScene:
         none = np.zeros_like(gap)
         return np.array([equations.area_gradient(at) if at.closed.any() else none for at in states])
 
-    @staticmethod
-    def _record(results: Results, j: int, approach: float, state: Iterate) -> None:
-        results.approach[j] = approach
-        results.load[j] = exact_sum(state.state.load)
-        results.area[j] = math.pi * exact_sum(state.state.footprint)
-        results.radius[j] = math.sqrt(float(state.state.square.max()))
-        results.residual[j] = state.residual
-        results.steps[j] = state.steps
+
+def large_scene(surface: Surface, substrate: Radial, order: int) -> LargeScene:
+    """Return the fast sums and the coarse model for the sites of a surface; the last ones are cached."""
+    keep = surface.count <= MOST_KEPT_SUMS and isinstance(substrate, Hashable)
+    return (_last if keep else _scene)(Sites.of(surface), substrate, order)
+
+
+def _scene(sites: Sites, substrate: Radial, order: int) -> LargeScene:
+    sums = fast_sums(sites.surface, substrate, order)
+    return LargeScene(order, sums, Coarse(sites.surface.position, substrate))
+
+
+_last = lru_cache(maxsize=1)(_scene)
