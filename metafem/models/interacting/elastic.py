@@ -31,7 +31,6 @@ from metafem.models.interacting.newton_krylov import NOT_RECORDED, large_scene
 from metafem.models.interacting.newton_krylov import TOLERANCE as FAST_TOLERANCE
 from metafem.models.interacting.sensitivity import area_gradients
 from metafem.models.interacting.sums import find_grid, find_lattice
-
 from metafem.notes import Note, information
 from metafem.substrate import Radial
 

@@ -16,7 +16,7 @@ from metafem.errors import refuse_if
 from metafem.material import PeriodicCell
 from metafem.models._resources import require_memory
 from metafem.models.interacting.scattered import fast_sums
-from metafem.models.interacting.sums import Sums, find_grid
+from metafem.models.interacting.sums import Sums, find_grid, require_series
 from metafem.models.neighbours import neighbours
 from metafem.substrate import Radial, Substrate
 from metafem.surface import Surface
@@ -120,6 +120,8 @@ def _computed(substrate: Substrate, order: int, surface: Surface) -> tuple[Coupl
         f"a periodic cell with {surface.count} asperities is too large for sums over all pairs, of at most "
         f"{MOST_PERIODIC}; use a smaller cell, or sites on a rectangular grid that divides it",
     )
+    if surface.cell is not None and isinstance(substrate, Radial):
+        require_series(surface.cell, substrate, surface.count**2)
     # the matrices, their transposes, the Jacobian, and temporary arrays of the same size
     require_memory(8 * surface.count**2 * (3 if order == 1 else 14), f"{surface.count} asperities")
     if order == 3 and isinstance(substrate, Radial):

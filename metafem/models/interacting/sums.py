@@ -94,10 +94,10 @@ def _occupied(site: FloatArray, shape: tuple[int, int], pitch: float) -> Lattice
 
 
 class Sums:
-    """Products with the influence matrix G, without its diagonal, and with its derivatives, exact to rounding.
+    """Products with the influence matrix G, without its diagonal, and with its derivatives.
 
-    The sites form a square lattice, or a grid that divides a periodic cell. Of order 1, there is G alone. The
-    axes of slopes and moments are those of the grid.
+    The sites form a square lattice, or a grid that divides a periodic cell; the products are then exact to
+    rounding. For order 1 there is G alone. The axes of slopes and moments are those of the grid.
     """
 
     products = 0  # number of sources that were transformed until now
@@ -149,7 +149,7 @@ class Sums:
         return np.asarray(field[:rows, :columns].ravel()[self.lattice.index])
 
     def near(self, index: int, source: FloatArray) -> FloatArray | float:
-        """Return what the grid lacks of G, its Laplacian, or its derivatives by x or y, times sources (n,)."""
+        """Return what the grid lacks of G, its Laplacian, or its derivatives by x or y, (n,)."""
         return 0.0
 
     def error(self, load: FloatArray) -> float:
