@@ -23,10 +23,10 @@ def spread(first, weight, source, grid):
 
 
 @compiled
-def gather(first, weight, grid, low, high, out):
-    """Fill `out` (n,) with the weighted sums over the grid, from `low` to `high`."""
+def gather(first, weight, grid, out):
+    """Fill `out` (n,) with the weighted sums over the grid; arguments as in `spread`."""
     points = weight.shape[2]
-    for i in range(low, high):
+    for i in range(out.size):
         total = 0.0
         for k in range(points):
             part = 0.0

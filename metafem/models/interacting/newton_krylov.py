@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Hashable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,9 +35,6 @@ MAX_STEPS, MAX_CUTS, MAX_INNER = 60, 20, 300
 # Largest residuals of linear equations, relative to their solution: of the first step of Newton's method; of
 # the tangents of orders 1 and 3, whose stiffness has twice as many digits; and of sensitivities.
 LOOSEST, TANGENT, SENSITIVITY = 0.1, {1: 1e-4, 3: 3e-4}, 1e-9
-
-# Residual of the coarse model at which a start is good enough.
-START = 0.01
 
 # Empty array that is passed for results that are not recorded.
 NOT_RECORDED = np.empty((0, 0))
@@ -122,14 +118,12 @@ class ContactEquations:
             residual = max(residual, abs(exact_sum(load) - target) / target)
         return Iterate(state, residual, error, self.self_term, self.coarse)
 
-    def newton(
-        self, z: FloatArray, approach: float, target: float, tolerance: float = GOAL
-    ) -> tuple[Iterate, float]:
+    def newton(self, z: FloatArray, approach: float, target: float) -> tuple[Iterate, float]:
         """Return the equilibrium at an approach or, if `target` > 0, at this load, and its approach."""
         at = self.respond(z, approach, target)
         forcing = LOOSEST
         for taken in range(MAX_STEPS):
-            if at.residual <= tolerance:
+            if at.residual <= GOAL:
                 break
             if not at.closed.any():
                 at = self.respond(approach - self.gap, approach, target)
@@ -274,8 +268,6 @@ class LargeScene:
         indentation: (k, n) [mm]; filled with nominal indentations unless empty.
         """
         equations = self.equations(law, self_term, gap)
-        sums: Any = self.coarse  # order 1 needs only its displacements
-        coarse = replace(equations, sums=sums, order=1)
         gap, last = equations.gap, empty_state(len(gap))
         x, width, points, memory, share = 0.0, 0.0, 0, empty_memory(len(gap)), np.zeros_like(gap)
         for j, value in enumerate(each("load", control.tolist())):
@@ -294,8 +286,7 @@ class LargeScene:
                     at, new = equations.newton(z, x + ahead, target)
                 if at is None or at.residual > TOLERANCE:
                     start = float(uniform_approach(gap, law, target) if by_load else value)
-                    first, start = coarse.newton(start - gap, start, target, START)
-                    at, new = equations.newton(first.state.z, start, target)
+                    at, new = equations.newton(start - gap, start, target)
                 last, width, x = at.state, new - x, new
                 residual = max(at.residual, self.sums.error(last.load) / float(last.indentation.max()))
                 spread(self.order, law, last)

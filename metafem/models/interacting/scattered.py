@@ -27,7 +27,7 @@ from metafem._kernels import mesh
 from metafem._kernels.layer import WIDTH, empty_results, fill_regular, tabulated
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
-from metafem.models._resources import THREADS, require_memory, run_rows
+from metafem.models._resources import THREADS, require_memory
 from metafem.models.interacting.sums import Sums, find_grid, find_lattice
 from metafem.substrate import Radial
 from metafem.surface import Surface
@@ -57,9 +57,6 @@ END = 32 * WIDTH
 
 # Number of rows that are summed exactly to check the sums, and of positions whose pairs are listed at once.
 SAMPLE, ROWS = 16, 20_000
-
-# Number of positions above which a second thread saves time: about a millisecond.
-POSITIONS_PER_THREAD = 1000
 
 
 def window(x: FloatArray, shape: float) -> FloatArray:
@@ -221,11 +218,7 @@ class ScatteredSums(Sums):
     def take(self, field: FloatArray) -> FloatArray:
         """Return the values (n,) of a field on the padded grid."""
         result = np.empty(len(self.first))
-
-        def run(rows: slice) -> None:
-            mesh.gather(self.first, self.weight, field, rows.start, rows.stop, result)
-
-        run_rows(run, len(result), len(result), POSITIONS_PER_THREAD)
+        mesh.gather(self.first, self.weight, field, result)
         return result
 
     def near(self, index: int, source: FloatArray) -> FloatArray:
