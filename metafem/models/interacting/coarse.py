@@ -1,4 +1,4 @@
-"""Coarse model of a large scene, used as a preconditioner for long waves and for the start."""
+"""Coarse model of a large scene, used as a preconditioner for long waves."""
 
 from __future__ import annotations
 
@@ -46,10 +46,6 @@ class Coarse:
         table = irfft2(np.maximum(rfft2(table).real, 0.0), s=table.shape)
         row, column = np.divmod(np.arange(rows * columns), columns)
         self.influence = table[np.abs(row[:, None] - row), np.abs(column[:, None] - column)]
-
-    def displacement(self, load: FloatArray) -> FloatArray:
-        """Return the displacement of the asperities by their loads (n,) in the coarse model, (n,) [mm]."""
-        return np.asarray(self.hats @ (self.influence @ (self.sharing @ load)))
 
     def preconditioner(self, inverse: FloatArray) -> Callable[[FloatArray], FloatArray]:
         """Return a function that approximates (1/D + E K E')^-1 v by Woodbury's formula.

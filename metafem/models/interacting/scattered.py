@@ -55,28 +55,16 @@ MARGIN, WIDTHS = 80, 12.0
 # wavenumbers up to 30 over the reach with an error of 1e-13.
 END = 32 * WIDTH
 
-# Number of rows that are summed exactly to check the sums, and of positions whose pairs are listed at once.
-SAMPLE, ROWS = 16, 20_000
+# Nodes and weights of a quadrature over the window, from -1 to 1.
+NODE, WEIGHT = np.polynomial.legendre.leggauss(80)
+
+# Number of rows that are summed exactly to check the sums, and of pairs that are listed at once.
+SAMPLE, PAIRS = 16, 2_000_000
 
 
 def window(x: FloatArray, shape: float) -> FloatArray:
     """Return the window at x [-], from -1 to 1."""
     return np.asarray(np.exp(shape * (np.sqrt(np.maximum(1.0 - x**2, 0.0)) - 1.0)))
-
-
-@cache
-def quadrature() -> tuple[FloatArray, FloatArray]:
-    """Return nodes and weights of a quadrature from 0 to 1."""
-    node, weight = np.polynomial.legendre.leggauss(80)
-    return 0.5 * (node + 1.0), 0.5 * weight
-
-
-def window_transform(wavenumber: FloatArray) -> FloatArray:
-    """Return the Fourier transform of the window of the grid at wavenumbers [1/step]."""
-    node, weight = quadrature()
-    return np.asarray(
-        np.cos(wavenumber[:, None] * (0.5 * POINTS * node)) @ (POINTS * weight * window(node, WINDOW))
-    )
 
 
 @cache
@@ -87,15 +75,14 @@ def split_table() -> FloatArray:
     divided by the integral to 1. It equals 1/s at the END. In space it is the potential of a cloud of charge
     within this radius, and its transform decreases like that of the window.
     """
-    node, weight = quadrature()
-    weight = weight / float(weight @ window(node, CLOUD))
+    weight = WEIGHT / float(WEIGHT @ window(NODE, CLOUD))
 
     def smooth(s: FloatArray) -> tuple[FloatArray, ...]:
-        u = np.outer(s / END, node)
+        u = np.outer(s / END, NODE)
         bell, root = window(u, CLOUD), np.sqrt(1.0 - u**2)
         first = -CLOUD * u / root * bell
         second = ((CLOUD * u / root) ** 2 - CLOUD / root**3) * bell
-        value = bell @ weight, first @ (node * weight), second @ (node**2 * weight)
+        value = bell @ weight, first @ (NODE * weight), second @ (NODE**2 * weight)
         return tuple(-part / END**power for power, part in enumerate(value, start=1))
 
     return tabulated(smooth, END)
@@ -145,26 +132,21 @@ class ScatteredSums(Sums):
             pairs, cells = 0.5 * per_pair * near * len(position), per_cell * math.prod(self.span)
         needed = pairs + cells + 300.0 * len(position)
         require_memory(needed, f"the sums over {len(position)} scattered positions")
-        way = f"pairs nearer than {reach:.3g} mm were summed directly, the rest on a grid"
         part: Radial = Near(reach)
-        if reach == self.far:  # a layer so thin that the rest is negligible
+        way = f"pairs nearer than {reach:.3g} mm were summed directly, the rest on a grid"
+        if reach == self.far:  # a layer so thin that the grid has nothing to add
+            part = substrate
             way = f"pairs beyond {reach:.3g} mm were left out, where the layer is below 2e-11 of a half-space"
-            part, self.span, self.padded = substrate, [1, 1], [1, 1]
-            self.first, self.weight = (
-                np.zeros((len(position), 2), dtype=np.int64),
-                np.zeros((len(position), 2, 1)),
-            )
-            self.spectra = [np.zeros((1, 1))] * 4
-        else:
-            place = (position - self.origin)[:, ::-1] / self.step
-            first = np.ceil(place - 0.5 * POINTS)
-            away = (first - place)[..., None] + np.arange(POINTS)
-            self.first, self.weight = first.astype(np.int64), window(away / (0.5 * POINTS), WINDOW)
-            self.spectra = self._transforms(part, order)
+            self._lay(reach)
         self.note = f"{len(position)} scattered positions: {way}; {SAMPLE} rows were checked exactly"
+        place = (position - self.origin)[:, ::-1] / self.step
+        first = np.ceil(place - 0.5 * POINTS)
+        away = (first - place)[..., None] + np.arange(POINTS)
+        self.first, self.weight = first.astype(np.int64), window(away / (0.5 * POINTS), WINDOW)
+        self.spectra = self._transforms(part, order)
         # the smooth parts at the source are subtracted; the curvature of the regular part is retained
         self.own = part.self_influence - self.self_influence, 2.0 * part.self_curvature
-        self.pairs = _upper_pairs(tree, position, part, reach, order)
+        self.pairs = _upper_pairs(tree, part, reach, order, 1 + int(PAIRS / near))
 
     def _lay(self, step: float) -> None:
         """Lay a grid of a step [mm] over the positions."""
@@ -186,9 +168,11 @@ class ScatteredSums(Sums):
         field = self.substrate.regular(r)
         field -= near.regular(r)
         ky, kx = (math.pi / size * np.arange(size + 1.0) for size in half)
-        inside = [np.where(k <= BAND * math.pi, 1.0 / window_transform(k) ** 2, 0.0) for k in (ky, kx)]
         quarter = dctn(field, type=1, overwrite_x=True, workers=THREADS)
-        quarter *= inside[0][:, None] * inside[1]
+        spread = WEIGHT * window(NODE, WINDOW)
+        for k in (ky[:, None], kx):
+            transform = 0.5 * POINTS * (np.cos(0.5 * POINTS * k[..., None] * NODE) @ spread)
+            quarter *= np.where(k <= BAND * math.pi, 1.0 / transform**2, 0.0)
         value = np.concatenate([quarter, quarter[-2:0:-1]])
         if order == 1:
             return [value]
@@ -239,13 +223,11 @@ class ScatteredSums(Sums):
         return float(np.abs(found).max(initial=0.0))
 
 
-def _upper_pairs(
-    tree: cKDTree, position: FloatArray, near: Radial, reach: float, order: int
-) -> list[csr_array]:
+def _upper_pairs(tree: cKDTree, near: Radial, reach: float, order: int, rows: int) -> list[csr_array]:
     """Return the upper halves of the near part of G and, for order 3, of its derivatives as in `Sums`."""
-    blocks = []
-    for start in range(0, len(position), ROWS):
-        block = position[start : start + ROWS]
+    blocks, position = [], tree.data
+    for start in range(0, len(position), rows):
+        block = position[start : start + rows]
         found = cKDTree(block).sparse_distance_matrix(tree, reach, output_type="ndarray")
         found = found[found["j"] > found["i"] + start]
         shape = len(block), len(position)

@@ -96,9 +96,9 @@ def test_sums_over_two_clusters_and_along_a_line():
 
 
 def test_a_site_far_away_does_not_make_all_pairs_near():
-    position = np.vstack([loose(2500).position, [[300.0, 0.0]]])
+    position = np.vstack([loose(2500).position, [[3000.0, 0.0]]])
     sums = ScatteredSums(position, mf.HalfSpace(), 1)
-    assert sums.pairs[0].nnz < 0.1 * 0.5 * len(position) ** 2
+    assert sums.pairs[0].nnz < 0.2 * 0.5 * len(position) ** 2
     load = np.random.default_rng(0).random(len(position))
     assert sums.error(load) < 1e-10 * np.abs(sums.displacement(load)).max()
 
@@ -190,7 +190,7 @@ def test_coarse_model_has_the_long_waves_of_the_displacement():
         load = 1.0 + 0.5 * np.cos(2.0 * np.pi * surface.position[:, 0] / across)
         assert (coarse.sharing @ load).sum() == pytest.approx(load.sum(), rel=1e-12)
         exact = mf.HalfSpace().influence_matrix(surface) @ load
-        smooth = coarse.displacement(load)
+        smooth = coarse.hats @ (coarse.influence @ (coarse.sharing @ load))
         # seven nodes per side: only the mean matters for a preconditioner
         assert np.abs(smooth - exact).mean() < 0.15 * np.ptp(exact)
 
