@@ -166,13 +166,11 @@ class ElasticCoupling(Coupled):
             large = large_scene(surface, self.summed, self.order)
             for row in range(len(height)):
                 part = kernel.Results(*(array[row] for array in results))
-                last = large.follow(
-                    rows_of(law, row), self_term[row], gap[row], control, by_load, part, indentation
-                )
+                equations = large.equations(rows_of(law, row), self_term[row], gap[row])
+                last = equations.follow(control, by_load, part, indentation)
             self._refuse_deep(rows_of(law, -1), last)
             notes = (information(large.sums.note),)
-            scene = rows_of(law, -1), self_term[-1], gap[-1], indentation
-            gradients = partial(large.area_gradients, *scene)
+            gradients = partial(equations.area_gradients, indentation)
             return Solution(results, height[-1], last, FAST_TOLERANCE, gradients, notes)
         coupling, regular = coupling_between(surface, bound, self.order)
         self_term += regular

@@ -16,10 +16,9 @@ from metafem._kernels.coupling import State, empty_state, press, sharpen, spread
 from metafem._kernels.vectors import exact_sum
 from metafem._validate import FloatArray
 from metafem.errors import NotConverged
-from metafem.models.interacting.coarse import Coarse
 from metafem.models.interacting.influence import MOST_KEPT_SUMS, Sites
 from metafem.models.interacting.scattered import fast_sums
-from metafem.models.interacting.sums import Sums
+from metafem.models.interacting.sums import Coarse, Sums
 from metafem.progress import each
 from metafem.substrate import Radial
 from metafem.surface import Surface
@@ -239,36 +238,15 @@ class ContactEquations:
             rest -= length * change
         return loads, shift, rest, False
 
-
-@dataclass(frozen=True)
-class LargeScene:
-    """Fast sums and a coarse model for the sites of one surface; they do not depend on the heights."""
-
-    order: int
-    sums: Sums
-    coarse: Coarse
-
-    def equations(self, law: Law, self_term: FloatArray, gap: FloatArray) -> ContactEquations:
-        """Return the equations of the contacts; self_term (n,) [1/mm] is added to that of the substrate."""
-        own = self_term + self.sums.self_influence
-        return ContactEquations(self.sums, self.order, law, own, np.ascontiguousarray(gap), self.coarse)
-
     def follow(
-        self,
-        law: Law,
-        self_term: FloatArray,
-        gap: FloatArray,
-        control: FloatArray,
-        by_load: bool,
-        results: Results,
-        indentation: FloatArray = NOT_RECORDED,
+        self, control: FloatArray, by_load: bool, results: Results, indentation: FloatArray = NOT_RECORDED
     ) -> State:
         """Fill the results (k,) at increasing loads or approaches, and return the last state.
 
         indentation: (k, n) [mm]; filled with nominal indentations unless empty.
         """
-        equations = self.equations(law, self_term, gap)
-        gap, last = equations.gap, empty_state(len(gap))
+        gap, law = self.gap, self.law
+        last = empty_state(len(gap))
         x, width, points, memory, share = 0.0, 0.0, 0, empty_memory(len(gap)), np.zeros_like(gap)
         for j, value in enumerate(each("load", control.tolist())):
             results.approach[j] = 0.0 if by_load else value
@@ -283,10 +261,10 @@ class LargeScene:
                     )
                     z = np.empty_like(gap)
                     ahead = predict(memory, points, width, float(ahead), target, law, z)
-                    at, new = equations.newton(z, x + ahead, target)
+                    at, new = self.newton(z, x + ahead, target)
                 if at is None or at.residual > TOLERANCE:
                     start = float(uniform_approach(gap, law, target) if by_load else value)
-                    at, new = equations.newton(start - gap, start, target)
+                    at, new = self.newton(start - gap, start, target)
                 last, width, x = at.state, new - x, new
                 residual = max(at.residual, self.sums.error(last.load) / float(last.indentation.max()))
                 spread(self.order, law, last)
@@ -294,7 +272,7 @@ class LargeScene:
                 if points:
                     memory.before[:], memory.before_rate[:] = memory.last, memory.last_rate
                     memory.last[:] = last.z
-                    results.stiffness[j], memory.last_rate[:], share = equations.tangent(at, share)
+                    results.stiffness[j], memory.last_rate[:], share = self.tangent(at, share)
                     if results.stiffness[j] == math.inf:  # not a minimum of the energy
                         residual, points = 1.0, 0
                 results.approach[j], results.load[j] = x, exact_sum(last.load)
@@ -307,25 +285,34 @@ class LargeScene:
                 indentation[j] = last.z
         return last
 
-    def area_gradients(
-        self, law: Law, self_term: FloatArray, gap: FloatArray, indentation: FloatArray
-    ) -> FloatArray:
+    def area_gradients(self, indentation: FloatArray) -> FloatArray:
         """Return dA0/dh at fixed load [mm], (k, n), for equilibria with nominal indentations z (k, n)."""
-        equations = self.equations(law, self_term, gap)
-        states = (equations.respond(z, 0.0, 0.0) for z in indentation)  # neither approach nor load matters
-        none = np.zeros_like(gap)
-        return np.array([equations.area_gradient(at) if at.closed.any() else none for at in states])
+        states = (self.respond(z, 0.0, 0.0) for z in indentation)  # neither approach nor load matters
+        none = np.zeros_like(self.gap)
+        return np.array([self.area_gradient(at) if at.closed.any() else none for at in states])
+
+
+@dataclass(frozen=True)
+class LargeScene:
+    """Fast sums and a coarse model for the sites of one surface; they do not depend on the heights."""
+
+    order: int
+    sums: Sums
+    coarse: Coarse
+
+    def equations(self, law: Law, self_term: FloatArray, gap: FloatArray) -> ContactEquations:
+        """Return the equations of the contacts; self_term (n,) [1/mm] is added to that of the substrate."""
+        own = self_term + self.sums.self_influence
+        return ContactEquations(self.sums, self.order, law, own, np.ascontiguousarray(gap), self.coarse)
 
 
 def large_scene(surface: Surface, substrate: Radial, order: int) -> LargeScene:
     """Return the fast sums and the coarse model for the sites of a surface; the last ones are cached."""
     keep = surface.count <= MOST_KEPT_SUMS and isinstance(substrate, Hashable)
-    return (_last if keep else _scene)(Sites.of(surface), substrate, order)
+    return (_last if keep else _last.__wrapped__)(Sites.of(surface), substrate, order)
 
 
-def _scene(sites: Sites, substrate: Radial, order: int) -> LargeScene:
+@lru_cache(maxsize=1)
+def _last(sites: Sites, substrate: Radial, order: int) -> LargeScene:
     sums = fast_sums(sites.surface, substrate, order)
     return LargeScene(order, sums, Coarse(sites.surface.position, substrate))
-
-
-_last = lru_cache(maxsize=1)(_scene)

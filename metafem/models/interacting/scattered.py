@@ -119,14 +119,14 @@ class ScatteredSums(Sums):
         self.position, self.substrate = position, substrate
         self.self_influence = substrate.self_influence
         thickness = getattr(substrate, "thickness", math.inf)
-        self.far = LAYER_REACH * thickness
+        far = LAYER_REACH * thickness
         tree, some = cKDTree(position), position[:: max(1, len(position) // 100)]
         # the near pairs, and the grid with its transforms, take about the same memory and time; the spacing
         # is that of most neighbours, on which positions far away have no influence
         per_pair, per_cell = (12.0, 60.0) if order == 1 else (36.0, 200.0)
         reach, pairs, cells = 2.0 * float(np.median(tree.query(some, k=2)[0][:, 1])), 0.0, math.inf
-        while pairs < cells and reach < self.far:
-            reach = min(1.2 * reach, self.far)
+        while pairs < cells and reach < far:
+            reach = min(1.2 * reach, far)
             near = float(tree.query_ball_point(some, reach, return_length=True).mean())
             self._lay(min(BAND * math.pi * reach / CLOUD, thickness / LAYER_STEPS))
             pairs, cells = 0.5 * per_pair * near * len(position), per_cell * math.prod(self.span)
@@ -134,7 +134,7 @@ class ScatteredSums(Sums):
         require_memory(needed, f"the sums over {len(position)} scattered positions")
         part: Radial = Near(reach)
         way = f"pairs nearer than {reach:.3g} mm were summed directly, the rest on a grid"
-        if reach == self.far:  # a layer so thin that the grid has nothing to add
+        if reach == far:  # a layer so thin that the grid has nothing to add
             part = substrate
             way = f"pairs beyond {reach:.3g} mm were left out, where the layer is below 2e-11 of a half-space"
             self._lay(reach)
@@ -153,9 +153,7 @@ class ScatteredSums(Sums):
         low, high = self.position.min(axis=0), self.position.max(axis=0)
         self.step, self.origin = step, low - (0.5 * POINTS + 1.0) * step
         self.span = np.ceil((high - self.origin)[::-1] / step + 0.5 * POINTS + 1.0).astype(int).tolist()
-        far = self.far / step
-        ends = (min(size + MARGIN, 0.5 * (max(size, far) + far)) for size in self.span)
-        self.padded = [2 * next_fast_len(math.ceil(end), real=True) for end in ends]
+        self.padded = [2 * next_fast_len(size + MARGIN, real=True) for size in self.span]
 
     def _transforms(self, near: Radial, order: int) -> list[NDArray[np.inexact]]:
         """Return the transforms of the smooth field within the band, divided by those of both windows.
@@ -180,18 +178,13 @@ class ScatteredSums(Sums):
         return [value, -(kx**2 + ky**2) * value, -1j * kx * value, -1j * ky * value]
 
     def _distances(self, half: int, span: int) -> FloatArray:
-        """Return distances along half of a cyclic axis [mm], exact up to `span` steps, then constant.
-
-        They are exact to the end if the influence vanishes before.
-        """
+        """Return distances along half of a cyclic axis [mm], exact up to `span` steps, then constant."""
         x = np.arange(half + 1.0)
-        if half >= span + MARGIN:
-            width, middle = MARGIN / WIDTHS, span + 0.5 * MARGIN
-            y = (x - middle) / width
-            # integral of erfc((x - middle)/width)/2 from 0: x itself far below the middle
-            bent = middle + 0.5 * width * (y * erfc(y) - np.exp(-(y**2)) / math.sqrt(math.pi))
-            x = np.where(x <= span, x, bent)
-        return np.asarray(self.step * x)
+        width, middle = MARGIN / WIDTHS, span + 0.5 * MARGIN
+        y = (x - middle) / width
+        # integral of erfc((x - middle)/width)/2 from 0: x itself far below the middle
+        bent = middle + 0.5 * width * (y * erfc(y) - np.exp(-(y**2)) / math.sqrt(math.pi))
+        return np.asarray(self.step * np.where(x <= span, x, bent))
 
     def put(self, source: FloatArray) -> FloatArray:
         """Return the grid of sources (n,)."""

@@ -11,11 +11,10 @@ from metafem.contact.by_profile import law_of
 from metafem.models.contact_tables import tables
 from metafem.models.interacting import elastic as interacting
 from metafem.models.interacting import newton_krylov
-from metafem.models.interacting.coarse import Coarse
 from metafem.models.interacting.influence import coupling_between
 from metafem.models.interacting.newton_krylov import ContactEquations
 from metafem.models.interacting.scattered import ScatteredSums
-from metafem.models.interacting.sums import Sums, find_lattice
+from metafem.models.interacting.sums import Coarse, Sums, find_lattice
 from tests.models.scenes import PEDESTAL, lattice, scene
 
 SUBSTRATES = [mf.HalfSpace(), mf.BondedLayer(7.2, 0.5)]
