@@ -122,12 +122,12 @@ class ContactEquations:
         at = self.respond(z, approach, target)
         forcing = LOOSEST
         for taken in range(MAX_STEPS):
-            if at.residual <= GOAL:
-                break
             if not at.closed.any():
                 at = self.respond(approach - self.gap, approach, target)
             if at.diagonal.min() < 0.0:  # ill-posed: the self term outweighs the contact law
                 at.residual = max(at.residual, 1.0)
+                break
+            if at.residual <= GOAL:
                 break
             missing = target - float(at.state.load.sum()) if target > 0.0 else 0.0
             start = at.uniform * (missing / float(at.uniform.sum()))
@@ -256,9 +256,7 @@ class ContactEquations:
             else:
                 target, at = float(value) if by_load else 0.0, None
                 if points:
-                    ahead = (
-                        (target - results.load[j - 1]) / results.stiffness[j - 1] if by_load else value - x
-                    )
+                    ahead = (value - results.load[j - 1]) / results.stiffness[j - 1] if by_load else value - x
                     z = np.empty_like(gap)
                     ahead = predict(memory, points, width, float(ahead), target, law, z)
                     at, new = self.newton(z, x + ahead, target)
@@ -276,10 +274,8 @@ class ContactEquations:
                     if results.stiffness[j] == math.inf:  # not a minimum of the energy
                         residual, points = 1.0, 0
                 results.approach[j], results.load[j] = x, exact_sum(last.load)
-                results.area[j], results.radius[j] = (
-                    math.pi * exact_sum(last.footprint),
-                    math.sqrt(last.square.max()),
-                )
+                results.area[j] = math.pi * exact_sum(last.footprint)
+                results.radius[j] = math.sqrt(float(last.square.max()))
                 results.residual[j], results.steps[j] = residual, at.steps
             if indentation.size:
                 indentation[j] = last.z

@@ -124,20 +124,22 @@ class ScatteredSums(Sums):
         # the near pairs, and the grid with its transforms, take about the same memory and time; the spacing
         # is that of most neighbours, on which positions far away have no influence
         per_pair, per_cell = (12.0, 60.0) if order == 1 else (36.0, 200.0)
-        reach, pairs, cells = 2.0 * float(np.median(tree.query(some, k=2)[0][:, 1])), 0.0, math.inf
+        spacing = float(np.median(tree.query(some, k=2)[0][:, 1]))
+        reach, pairs, cells = min(2.0 * spacing, 0.9 * far), 0.0, math.inf
         while pairs < cells and reach < far:
             reach = min(1.2 * reach, far)
             near = float(tree.query_ball_point(some, reach, return_length=True).mean())
-            self._lay(min(BAND * math.pi * reach / CLOUD, thickness / LAYER_STEPS))
+            # if the layer is so thin that pairs beyond the reach are left out, the grid is zero: one step suffices
+            step = min(BAND * math.pi * reach / CLOUD, thickness / LAYER_STEPS)
+            self._lay(step if reach < far else float(np.ptp(position)))
             pairs, cells = 0.5 * per_pair * near * len(position), per_cell * math.prod(self.span)
         needed = pairs + cells + 300.0 * len(position)
         require_memory(needed, f"the sums over {len(position)} scattered positions")
         part: Radial = Near(reach)
         way = f"pairs nearer than {reach:.3g} mm were summed directly, the rest on a grid"
-        if reach == far:  # a layer so thin that the grid has nothing to add
+        if reach == far:
             part = substrate
             way = f"pairs beyond {reach:.3g} mm were left out, where the layer is below 2e-11 of a half-space"
-            self._lay(reach)
         self.note = f"{len(position)} scattered positions: {way}; {SAMPLE} rows were checked exactly"
         place = (position - self.origin)[:, ::-1] / self.step
         first = np.ceil(place - 0.5 * POINTS)
@@ -248,5 +250,5 @@ def fast_sums(surface: Surface, substrate: Radial, order: int) -> Sums:
     lattice = find_lattice(surface.position)
     if lattice is None:
         return ScatteredSums(surface.position, substrate, order)
-    require_memory(32 * math.prod(lattice.shape) * (5 if order == 1 else 12), f"a lattice of {lattice.shape}")
+    require_memory(32 * math.prod(lattice.shape) * (8 if order == 1 else 12), f"a lattice of {lattice.shape}")
     return Sums(lattice, substrate, order)

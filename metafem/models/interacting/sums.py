@@ -20,6 +20,7 @@ from scipy.linalg.lapack import dpotrf, dpotrs
 from scipy.sparse import csr_array
 
 from metafem._validate import FloatArray
+from metafem.errors import NotConverged
 from metafem.material import PeriodicCell
 from metafem.models._resources import THREADS, require_memory
 from metafem.substrate import Radial
@@ -245,7 +246,7 @@ class Coarse:
         # called directly: the checks of `scipy.linalg.cho_solve` take longer than the solution
         factor, failed = dpotrf(inner, lower=1, overwrite_a=1)
         if failed:
-            raise np.linalg.LinAlgError("the coarse model is not positive definite")
+            raise NotConverged("the coarse model of the contacts is not positive definite")
 
         def apply(vector: FloatArray) -> FloatArray:
             phi = self.influence @ (self.sharing @ (inverse * vector))

@@ -94,6 +94,11 @@ def test_sums_over_two_clusters_and_along_a_line():
         assert max(products(surface, mf.HalfSpace(), ScatteredSums(position, mf.HalfSpace()))) < 1e-9
 
 
+def test_a_layer_without_near_pairs_couples_no_sites():
+    sums = ScatteredSums(loose(400).position, mf.BondedLayer(0.01, 0.5))
+    assert np.abs(sums.displacement(np.ones(400))).max() < 1e-14
+
+
 def test_a_site_far_away_does_not_make_all_pairs_near():
     position = np.vstack([loose(2500).position, [[3000.0, 0.0]]])
     sums = ScatteredSums(position, mf.HalfSpace(), 1)
