@@ -129,7 +129,7 @@ class ScatteredSums(Sums):
         while pairs < cells and reach < far:
             reach = min(1.2 * reach, far)
             near = float(tree.query_ball_point(some, reach, return_length=True).mean())
-            # if the layer is so thin that pairs beyond the reach are left out, the grid is zero: one step suffices
+            # one step suffices if the layer is so thin that the grid is zero
             step = min(BAND * math.pi * reach / CLOUD, thickness / LAYER_STEPS)
             self._lay(step if reach < far else float(np.ptp(position)))
             pairs, cells = 0.5 * per_pair * near * len(position), per_cell * math.prod(self.span)
