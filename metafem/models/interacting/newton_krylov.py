@@ -89,7 +89,7 @@ class ContactEquations:
     sums: Sums
     order: int
     law: Law
-    self_term: FloatArray
+    self_term: FloatArray  # with that of the substrate, (n,) [1/mm]
     gap: FloatArray
     coarse: Coarse
 
@@ -288,27 +288,15 @@ class ContactEquations:
         return np.array([self.area_gradient(at) if at.closed.any() else none for at in states])
 
 
-@dataclass(frozen=True)
-class LargeScene:
-    """Fast sums and a coarse model for the sites of one surface; they do not depend on the heights."""
+def large_scene(surface: Surface, substrate: Radial, order: int) -> tuple[Sums, Coarse]:
+    """Return the fast sums and the coarse model for the sites of a surface; the last ones are cached.
 
-    order: int
-    sums: Sums
-    coarse: Coarse
-
-    def equations(self, law: Law, self_term: FloatArray, gap: FloatArray) -> ContactEquations:
-        """Return the equations of the contacts; self_term (n,) [1/mm] is added to that of the substrate."""
-        own = self_term + self.sums.self_influence
-        return ContactEquations(self.sums, self.order, law, own, np.ascontiguousarray(gap), self.coarse)
-
-
-def large_scene(surface: Surface, substrate: Radial, order: int) -> LargeScene:
-    """Return the fast sums and the coarse model for the sites of a surface; the last ones are cached."""
+    They do not depend on the heights.
+    """
     keep = surface.count <= MOST_KEPT_SUMS and isinstance(substrate, Hashable)
     return (_last if keep else _last.__wrapped__)(Sites.of(surface), substrate, order)
 
 
 @lru_cache(maxsize=1)
-def _last(sites: Sites, substrate: Radial, order: int) -> LargeScene:
-    sums = fast_sums(sites.surface, substrate, order)
-    return LargeScene(order, sums, Coarse(sites.surface.position, substrate))
+def _last(sites: Sites, substrate: Radial, order: int) -> tuple[Sums, Coarse]:
+    return fast_sums(sites.surface, substrate, order), Coarse(sites.surface.position, substrate)
