@@ -27,11 +27,10 @@ from metafem.models.curve import (
 )
 from metafem.models.interacting.coupled import Coupled, refuse_wide
 from metafem.models.interacting.influence import coupling_between
-from metafem.models.interacting.large import NOT_RECORDED, large_scene
+from metafem.models.interacting.newton_krylov import NOT_RECORDED, ContactEquations, large_scene
 from metafem.models.interacting.newton_krylov import TOLERANCE as FAST_TOLERANCE
 from metafem.models.interacting.sensitivity import area_gradients
-from metafem.models.interacting.sums.fft_sums import find_lattice
-from metafem.models.interacting.sums.periodic_sums import find_grid
+from metafem.models.interacting.sums import find_grid, find_lattice
 from metafem.notes import Note, information
 from metafem.substrate import Radial
 
@@ -164,16 +163,16 @@ class ElasticCoupling(Coupled):
         results = kernel.empty_results(len(height), len(control))
         law = tables(self.law, np.broadcast_to(self.law.summits(surface, radius), gap.shape))
         if self.summed is not None:
-            large = large_scene(surface, self.summed, self.order)
+            sums, coarse = large_scene(surface, self.summed, self.order)
+            self_term += sums.self_influence
             for row in range(len(height)):
                 part = kernel.Results(*(array[row] for array in results))
-                last = large.follow(
-                    rows_of(law, row), self_term[row], gap[row], control, by_load, part, indentation
-                )
+                scene = rows_of(law, row), self_term[row], gap[row]
+                equations = ContactEquations(sums, self.order, *scene, coarse)
+                last = equations.follow(control, by_load, part, indentation)
             self._refuse_deep(rows_of(law, -1), last)
-            notes = (information(large.sums.note),)
-            scene = rows_of(law, -1), self_term[-1], gap[-1], indentation
-            gradients = partial(large.area_gradients, *scene)
+            notes = (information(sums.note),)
+            gradients = partial(equations.area_gradients, indentation)
             return Solution(results, height[-1], last, FAST_TOLERANCE, gradients, notes)
         coupling, regular = coupling_between(surface, bound, self.order)
         self_term += regular

@@ -15,10 +15,8 @@ from metafem._validate import FloatArray
 from metafem.errors import refuse_if
 from metafem.material import PeriodicCell
 from metafem.models._resources import require_memory
-from metafem.models.interacting.sums.ewald_sums import ScatteredSums
-from metafem.models.interacting.sums.fast_sums import fast_sums
-from metafem.models.interacting.sums.fft_sums import LatticeSums
-from metafem.models.interacting.sums.periodic_sums import find_grid
+from metafem.models.interacting.scattered import fast_sums
+from metafem.models.interacting.sums import Sums, find_grid, require_series
 from metafem.models.neighbours import neighbours
 from metafem.substrate import Radial, Substrate
 from metafem.surface import Surface
@@ -110,7 +108,7 @@ def _last(substrate: Radial, order: int, sites: Sites) -> tuple[Coupling, FloatA
 
 
 @lru_cache(maxsize=KEPT_FIELDS)
-def _kept_sums(substrate: Radial, sites: Sites) -> LatticeSums | ScatteredSums:
+def _kept_sums(substrate: Radial, sites: Sites) -> Sums:
     """Return the cached sums over sites; they do not depend on the heights."""
     return fast_sums(sites.surface, substrate, 1)
 
@@ -122,6 +120,8 @@ def _computed(substrate: Substrate, order: int, surface: Surface) -> tuple[Coupl
         f"a periodic cell with {surface.count} asperities is too large for sums over all pairs, of at most "
         f"{MOST_PERIODIC}; use a smaller cell, or sites on a rectangular grid that divides it",
     )
+    if surface.cell is not None and isinstance(substrate, Radial):
+        require_series(surface.cell, substrate, surface.count**2)
     # the matrices, their transposes, the Jacobian, and temporary arrays of the same size
     require_memory(8 * surface.count**2 * (3 if order == 1 else 14), f"{surface.count} asperities")
     if order == 3 and isinstance(substrate, Radial):

@@ -3,50 +3,40 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from collections.abc import Callable, Hashable
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from metafem._kernels.contact.tabulated import Law
+from metafem._kernels.continuation import Results, empty_memory, predict, uniform_approach
 from metafem._kernels.coupling import State, empty_state, press, sharpen, spread
 from metafem._kernels.vectors import exact_sum
 from metafem._validate import FloatArray
-from metafem.models.interacting.coarse import Coarse
-from metafem.models.interacting.sums.ewald_sums import ScatteredSums
-from metafem.models.interacting.sums.fft_sums import LatticeSums
+from metafem.errors import NotConverged
+from metafem.models.interacting.influence import MOST_KEPT_SUMS, Sites
+from metafem.models.interacting.scattered import fast_sums
+from metafem.models.interacting.sums import Coarse, Sums
+from metafem.progress import each
+from metafem.substrate import Radial
+from metafem.surface import Surface
 
 # Largest residual of a converged state, and residual at which Newton's method stops. They allow for the
 # errors of fast sums.
-TOLERANCE = 1e-9
-GOAL = 3e-10
+TOLERANCE, GOAL = 1e-9, 3e-10
 
 # Maximum number of Newton steps (about 6 are needed from independent contacts), of halvings of a step, and of
-# conjugate-gradient steps.
-MAX_STEPS = 60
-MAX_CUTS = 20
-MAX_INNER = 300
+# conjugate-gradient steps (about 5). What is not converged has a residual above the tolerance, or raises.
+MAX_STEPS, MAX_CUTS, MAX_INNER = 60, 20, 300
 
-# Loosest tolerance of the linear solver, used for the first step. Later tolerances are proportional to the
-# square of the factor by which the last step reduced the residual (Eisenstat and Walker, SIAM J. Sci. Comput.
-# 17, 16 (1996), doi:10.1137/0917003, choice 2).
-LOOSEST = 0.1
+# Largest residuals of linear equations, relative to their solution: of the first step of Newton's method; of
+# the tangents of orders 1 and 3, whose stiffness has twice as many digits; and of sensitivities.
+LOOSEST, TANGENT, SENSITIVITY = 0.1, {1: 1e-4, 3: 3e-4}, 1e-9
 
-# Relative residual of the tangent for the Jacobian of order 1; the stiffness has twice as many digits.
-TANGENT = 1e-4
-
-# For order 3 the tangent is corrected with the Jacobian of order 1: the residual of each correction relative
-# to the previous residual, the largest change of dx/dP by the last correction, and the largest change
-# relative to that of the correction before. The error that remains is a few percent of the last change.
-INNER, TANGENT_CHANGE, CONTRACTION = 0.02, 1e-6, 0.04
-
-# Factor by which the residual is reduced with rough sums before it is computed exactly again; the errors of
-# rough sums are smaller.
-ROUND = 1e-3
-
-# Largest residual of the equations for sensitivities, relative to their right-hand side dA0/dp.
-SENSITIVITY = 1e-9
+# Empty array that is passed for results that are not recorded.
+NOT_RECORDED = np.empty((0, 0))
 
 
 @dataclass
@@ -54,30 +44,38 @@ class Iterate:
     """The contacts at some nominal indentations, with the errors of their equations."""
 
     state: State
-    residual: float = math.inf
-    error: FloatArray = field(default_factory=lambda: np.empty(0))
+    residual: float
+    error: FloatArray
+    self_term: FloatArray
+    coarse: Coarse
     steps: int = 0  # of Newton's method
-    precondition: Callable[[FloatArray], FloatArray] | None = None  # set by the first linear solution
 
-    @property
+    @cached_property
     def closed(self) -> NDArray[np.bool_]:
         """Whether each asperity is in contact."""
         return np.asarray(self.state.z > 0.0)
 
-    @property
+    @cached_property
     def compliance(self) -> FloatArray:
         """Derivative of the indentation with respect to the load, (n,) [1/mm]; 0 for open asperities."""
-        state = self.state
-        return np.asarray(
-            np.divide(state.bend, state.rate, out=np.zeros_like(state.bend), where=state.z > 0.0)
-        )
+        bend, rate = self.state.bend, self.state.rate
+        return np.asarray(np.divide(bend, rate, out=np.zeros_like(bend), where=self.closed))
 
+    @cached_property
+    def diagonal(self) -> FloatArray:
+        """Diagonal of the Jacobian dF/dp, (n,) [1/mm]; 0 for open asperities."""
+        return np.asarray(np.where(self.closed, self.compliance + self.self_term, 0.0))
 
-def open_state(gap: FloatArray) -> Iterate:
-    """Return the state without contact; gap: minus the gaps of the summits, (n,) [mm]."""
-    state = empty_state(len(gap))
-    state.z[:] = state.indentation[:] = gap
-    return Iterate(state, 0.0)
+    @cached_property
+    def precondition(self) -> Callable[[FloatArray], FloatArray]:
+        """Preconditioner of the Jacobian of the contacts."""
+        none = np.zeros_like(self.diagonal)
+        return self.coarse.preconditioner(np.divide(1.0, self.diagonal, out=none, where=self.closed))
+
+    @cached_property
+    def uniform(self) -> FloatArray:
+        """Loads for a uniform displacement by the preconditioner, (n,) [mm]."""
+        return self.precondition(self.closed.astype(np.float64))
 
 
 @dataclass
@@ -88,10 +86,10 @@ class ContactEquations:
     percent.
     """
 
-    sums: LatticeSums | ScatteredSums
+    sums: Sums
     order: int
     law: Law
-    self_term: FloatArray
+    self_term: FloatArray  # with that of the substrate, (n,) [1/mm]
     gap: FloatArray
     coarse: Coarse
 
@@ -117,175 +115,188 @@ class ContactEquations:
         residual = float(max(overlap.max(), 0.0)) / largest if largest > 0.0 and not outside else 1.0
         if target > 0.0:
             residual = max(residual, abs(exact_sum(load) - target) / target)
-        return Iterate(state, residual, error)
+        return Iterate(state, residual, error, self.self_term, self.coarse)
 
-    def newton(
-        self, z: FloatArray, approach: float, target: float, tolerance: float = GOAL
-    ) -> tuple[Iterate, float]:
+    def newton(self, z: FloatArray, approach: float, target: float) -> tuple[Iterate, float]:
         """Return the equilibrium at an approach or, if `target` > 0, at this load, and its approach."""
-        state = self.respond(z, approach, target)
+        at = self.respond(z, approach, target)
         forcing = LOOSEST
         for taken in range(MAX_STEPS):
-            if state.residual <= tolerance:
+            if not at.closed.any():
+                at = self.respond(approach - self.gap, approach, target)
+            if at.diagonal.min() < 0.0:  # ill-posed: the self term outweighs the contact law
+                at.residual = max(at.residual, 1.0)
                 break
-            if not state.closed.any():
-                state = self.respond(approach - self.gap, approach, target)
-            if self.diagonal(state).min() < 0.0:  # ill-posed: the self term outweighs the contact law
-                state.residual = max(state.residual, 1.0)
+            if at.residual <= GOAL:
                 break
-            missing = target - float(state.state.load.sum()) if target > 0.0 else None
-            largest = float(state.state.indentation.max())
-            goal = largest * max(forcing * min(state.residual, 1.0), 0.3 * GOAL)
-            loads, shift, rest = self.solve(state, -state.error, missing, goal)
-            step = np.where(state.closed, state.compliance * loads, rest + shift) / state.state.bend
+            missing = target - float(at.state.load.sum()) if target > 0.0 else 0.0
+            start = at.uniform * (missing / float(at.uniform.sum()))
+            goal = float(at.state.indentation.max()) * max(forcing * min(at.residual, 1.0), 0.3 * GOAL)
+            loads, shift, rest, _ = self.solve(at, -at.error, start, target > 0.0, goal)
+            step = np.where(at.closed, at.compliance * loads, rest + shift) / at.state.bend
             length = 1.0
             for _ in range(MAX_CUTS):
-                new = self.respond(state.state.z + length * step, approach + length * shift, target)
-                if new.residual <= (1.0 - 0.25 * length) * state.residual or new.residual <= GOAL:
+                new = self.respond(at.state.z + length * step, approach + length * shift, target)
+                if new.residual <= (1.0 - 0.25 * length) * at.residual or new.residual <= GOAL:
                     break
                 length *= 0.5
-            if new.residual >= state.residual:
+            if new.residual >= at.residual:
                 break
-            forcing = min(LOOSEST, max(0.9 * (new.residual / state.residual) ** 2, 1e-3))
-            state, approach = new, approach + length * shift
-            state.steps = taken + 1
-        return state, approach
+            # proportional to the square of the last reduction: choice 2 of Eisenstat and Walker, SIAM J. Sci.
+            # Comput. 17, 16 (1996), doi:10.1137/0917003
+            forcing = min(LOOSEST, max(0.9 * (new.residual / at.residual) ** 2, 1e-3))
+            at, approach = new, approach + length * shift
+            at.steps = taken + 1
+        return at, approach
 
-    def diagonal(self, state: Iterate) -> FloatArray:
-        """Return the diagonal of the Jacobian dF/dp, (n,) [1/mm]; 0 for open asperities."""
-        return np.asarray(np.where(state.closed, state.compliance + self.self_term, 0.0))
+    def tangent(self, at: Iterate, before: FloatArray) -> tuple[float, FloatArray, FloatArray]:
+        """Return dP/dx [mm], dz/dx (n,) and dp/dP (n,) at an equilibrium; dP/dx is infinite without success.
 
-    def tangent(self, state: Iterate, coupled: FloatArray) -> tuple[float, FloatArray, FloatArray]:
-        """Return dP/dx [mm] and dz/dx (n,) at an equilibrium, and the next `coupled`.
-
-        With order 3, ``H y = x 1`` is solved for the loads y with a sum of 1 by corrections with the Jacobian
-        H1 of order 1. `coupled` is (H1 - H) y of the last tangent, or zero, so that usually one product with
-        H is enough.
+        ``H y = x 1`` is solved for the loads y with a sum of 1, from those of the state before.
         """
-        diagonal, none = self.diagonal(state), np.zeros_like(coupled)
+        start = np.where(at.closed, before, 0.0)
+        if start.sum() <= 0.5:
+            start = at.uniform
         # the energy of the error relative to that of the tangent is at most the square of the residual,
-        # divided by the compliances of independent contacts in parallel and of the scene; for the latter the
-        # coarse model is used
-        inverse = np.divide(1.0, diagonal, out=np.zeros_like(diagonal), where=state.closed)
-        alone = 1.0 / float(inverse.sum())
-        together = alone + alone**2 * float(inverse @ self.coarse.displacement(inverse))
-        goal = TANGENT * math.sqrt(alone * max(alone, together))
-        share, shift, rest = self.solve(state, coupled, 1.0, goal, exact=self.order == 1)
-        form, gain, before = float(share @ (coupled - rest)), 0.0 if self.order == 1 else math.inf, math.inf
-        while gain > TANGENT_CHANGE * form:
-            if gain > CONTRACTION * before:  # the Jacobian of order 1 is too different
-                share, shift, rest = self.solve(state, none, 1.0, goal, exact=True)
-                form, coupled = -float(share @ rest), none
-                break
-            image = self.jacobian(state, share, True)
-            coupled = np.where(state.closed, self.sums.displacement(share) - image, 0.0)
-            rest = -image - np.where(state.closed, diagonal * share, 0.0)
-            left = float(np.abs(rest + shift)[state.closed].max())
-            change, shift, after = self.solve(state, rest, 0.0, max(INNER * left, 0.01 * goal))
-            # y.H y is stationary at the tangent; this is y.H1 y of the change
-            before, gain = gain, float(change @ rest)
-            form = -float(share @ rest) - gain
-            share, rest = share + change, after
-        rate = (rest + shift + state.compliance * share) / state.state.bend / shift
-        return 1.0 / form, rate, coupled
+        # divided by the compliances of independent contacts in parallel and of the scene
+        alone = 1.0 / float((1.0 / at.diagonal[at.closed]).sum())
+        goal = TANGENT[self.order] * math.sqrt(alone / float(at.uniform.sum()))
+        share, shift, rest, good = self.solve(
+            at, np.zeros_like(start), start / float(start.sum()), True, goal, exact=True
+        )
+        stiffness = -1.0 / float(share @ rest) if good else math.inf
+        return stiffness, (rest + shift + at.compliance * share) / at.state.bend / shift, share
 
-    def area_gradient(self, state: Iterate) -> FloatArray:
+    def area_gradient(self, at: Iterate) -> FloatArray:
         """Return dA0/dh at fixed load at an equilibrium, (n,) [mm].
 
         The method solves ``H l = c + x 1`` with the x for which the sum of l over the contacts is zero; see
         `interacting.sensitivity`.
         """
-        closed, found, none = state.closed, state.state, np.zeros_like(self.gap)
+        found, none = at.state, np.zeros_like(self.gap)
         spread(self.order, self.law, found)
         widened = found.by_load
         if self.order == 3:
-            tilting = 2.0 * found.by_slope
-            slopes = (tilting * slope for slope in (found.slope_x, found.slope_y))
+            slopes = (2.0 * found.by_slope * slope for slope in (found.slope_x, found.slope_y))
             widened = widened + self.sums.displacement(none, 0.5 * found.by_curvature, *slopes)
-        by_load = np.where(closed, math.pi * widened, 0.0)
-        change, _, _ = self.solve(state, by_load, 0.0, SENSITIVITY * float(by_load.max()), exact=True)
+        by_load = np.where(at.closed, math.pi * widened, 0.0)
+        goal = SENSITIVITY * float(by_load.max())
+        change, _, _, good = self.solve(at, by_load, none, True, goal, exact=True)
+        if not good:
+            raise NotConverged(f"the derivatives of A0 are not converged after {MAX_INNER} steps")
         return change
 
-    def jacobian(self, state: Iterate, loads: FloatArray, exact: bool) -> FloatArray:
-        """Return dF/dp times a change of the loads, (n,), without the diagonal of the law and self terms.
-
-        If not exact, the rough sums of order 1 are used.
-        """
-        if not exact:
-            return self.sums.rough.displacement(loads)
-        if self.order == 1:
-            return self.sums.displacement(loads)
-        found = state.state
+    def jacobian(self, at: Iterate, loads: FloatArray, exact: bool) -> FloatArray:
+        """Return dF/dp times a change of the loads, (n,); if not exact, for order 1."""
+        if self.order == 1 or not exact:
+            return at.diagonal * loads + self.sums.displacement(loads)
+        found = at.state
         third, lever_rate = found.square / 6.0, found.lever_rate
-        curvature, *slope = self.sums.field(loads)
-        old = (found.slope_x, found.slope_y)
-        flatter = 2.0 / 45.0 * found.square**2.5
-        moment = [
-            -lever_rate * before * loads - found.lever * new for before, new in zip(old, slope, strict=True)
-        ]
-        image = self.sums.displacement(loads, third * loads - flatter * curvature, *moment)
-        tilt = sum(before * new for before, new in zip(old, slope, strict=True))
-        bend = 0.5 * found.lever_bend * (old[0] ** 2 + old[1] ** 2)
-        return np.asarray(image + third * curvature - lever_rate * tilt - bend * loads)
+        old_x, old_y = found.slope_x, found.slope_y
+        curvature, x, y = self.sums.field(loads)
+        image = self.sums.displacement(
+            loads,
+            third * loads - 2.0 / 45.0 * found.square**2.5 * curvature,
+            -lever_rate * old_x * loads - found.lever * x,
+            -lever_rate * old_y * loads - found.lever * y,
+        )
+        image += third * curvature - lever_rate * (old_x * x + old_y * y)
+        bend = 0.5 * found.lever_bend * (old_x**2 + old_y**2)
+        return np.asarray(image + (at.diagonal - bend) * loads)
 
     def solve(
-        self,
-        state: Iterate,
-        rhs: FloatArray,
-        total: float | None,
-        goal: float,
-        exact: bool = False,
-    ) -> tuple[FloatArray, float, FloatArray]:
-        """Return changes of loads (n,) and approach for the linearised equations, and the residual (n,).
+        self, at: Iterate, rhs: FloatArray, loads: FloatArray, free: bool, goal: float, exact: bool = False
+    ) -> tuple[FloatArray, float, FloatArray, bool]:
+        """Solve the linearised equations for changes of loads (n,), from a start.
 
-        If `total` is not None, it is the sum of the changes of the loads. Preconditioned conjugate gradients
-        are used, with the constraint in the preconditioner as in `metafem._kernels.projected_cg`. The
-        residual includes the rows of open asperities. If `exact`, it is that of the exact Jacobian. For order
-        1 conjugate gradients with rough sums then start again from this residual until it is small enough.
+        Return them, the change of the approach, the residual (n,), and whether it reaches the goal. If
+        `free`, the approach changes such that the sum of the loads remains. Preconditioned conjugate
+        gradients are used, with the constraint in the preconditioner as in `metafem._kernels.projected_cg`.
+        The residual includes the rows of open asperities.
         """
-        closed, diagonal = state.closed, self.diagonal(state)
-        refined = exact and self.order == 1 and self.sums.rough is not self.sums
-
-        def image(change: FloatArray, exact: bool) -> FloatArray:
-            return self.jacobian(state, change, exact) + np.where(closed, diagonal * change, 0.0)
-
-        precondition = state.precondition
-        if precondition is None:
-            inverse = np.divide(1.0, diagonal, out=np.zeros_like(diagonal), where=closed)
-            precondition = state.precondition = self.coarse.preconditioner(inverse)
-        loads, shift, rest = np.zeros_like(rhs), 0.0, rhs.copy()
-        if total is not None:
-            uniform = precondition(closed.astype(np.float64))
-            uniform_load = float(uniform.sum())
-            if total != 0.0:
-                loads = uniform * (total / uniform_load)
-                rest -= image(loads, exact)
-        direction, before, level = np.zeros_like(rhs), 0.0, goal
+        shift, whole, direction, before = 0.0, float(at.uniform.sum()), np.zeros_like(rhs), math.inf
+        rest = rhs - self.jacobian(at, loads, exact) if loads.any() else rhs.copy()
         for _ in range(MAX_INNER):
             # without the constant part, to avoid rounding errors
-            inside = np.where(closed, rest + shift, 0.0)
-            ahead = precondition(inside)
-            if total is not None:
-                more = -float(ahead.sum()) / uniform_load
-                shift, ahead = shift + more, ahead + more * uniform
-                inside[closed] += more
-            largest = float(np.abs(inside).max())
-            if refined and before == 0.0:  # the residual is exact
-                level = max(goal, ROUND * largest)
-            elif refined and largest <= level:
-                rest, before = rhs - image(loads, True), 0.0
-                continue
-            if largest <= goal:
-                if not exact:  # one more correction, for which no product is needed
-                    loads = loads + ahead
-                break
+            inside = np.where(at.closed, rest + shift, 0.0)
+            ahead = at.precondition(inside)
+            if free:
+                more = -float(ahead.sum()) / whole
+                shift, ahead = shift + more, ahead + more * at.uniform
+                inside[at.closed] += more
+            if float(np.abs(inside).max()) <= goal:
+                # if not exact, one more correction, for which no product is needed
+                return loads if exact else loads + ahead, shift, rest, True
             product = float(inside @ ahead)
-            direction = ahead + (product / before if before > 0.0 else 0.0) * direction
+            direction = ahead + product / before * direction
             before = product
-            change = image(direction, exact and not refined)
+            change = self.jacobian(at, direction, exact)
             length = product / float(direction @ change)
             if not length > 0.0:
                 break
             loads = loads + length * direction
             rest -= length * change
-        return loads, shift, rest
+        return loads, shift, rest, False
+
+    def follow(
+        self, control: FloatArray, by_load: bool, results: Results, indentation: FloatArray = NOT_RECORDED
+    ) -> State:
+        """Fill the results (k,) at increasing loads or approaches, and return the last state.
+
+        indentation: (k, n) [mm]; filled with nominal indentations unless empty.
+        """
+        gap, law = self.gap, self.law
+        last = empty_state(len(gap))
+        x, width, points, memory, share = 0.0, 0.0, 0, empty_memory(len(gap)), np.zeros_like(gap)
+        for j, value in enumerate(each("load", control.tolist())):
+            results.approach[j] = 0.0 if by_load else value
+            if value <= 0.0:
+                last = empty_state(len(gap))
+                last.z[:] = last.indentation[:] = min(float(results.approach[j]), 0.0) - gap
+            else:
+                target, at = float(value) if by_load else 0.0, None
+                if points:
+                    ahead = (value - results.load[j - 1]) / results.stiffness[j - 1] if by_load else value - x
+                    z = np.empty_like(gap)
+                    ahead = predict(memory, points, width, float(ahead), target, law, z)
+                    at, new = self.newton(z, x + ahead, target)
+                if at is None or at.residual > TOLERANCE:
+                    start = float(uniform_approach(gap, law, target) if by_load else value)
+                    at, new = self.newton(start - gap, start, target)
+                last, width, x = at.state, new - x, new
+                residual = max(at.residual, self.sums.error(last.load) / float(last.indentation.max()))
+                spread(self.order, law, last)
+                points = 0 if residual > TOLERANCE else min(2, points + 1) if width > 0.0 else 1
+                if points:
+                    memory.before[:], memory.before_rate[:] = memory.last, memory.last_rate
+                    memory.last[:] = last.z
+                    results.stiffness[j], memory.last_rate[:], share = self.tangent(at, share)
+                    if results.stiffness[j] == math.inf:  # not a minimum of the energy
+                        residual, points = 1.0, 0
+                results.approach[j], results.load[j] = x, exact_sum(last.load)
+                results.area[j] = math.pi * exact_sum(last.footprint)
+                results.radius[j] = math.sqrt(float(last.square.max()))
+                results.residual[j], results.steps[j] = residual, at.steps
+            if indentation.size:
+                indentation[j] = last.z
+        return last
+
+    def area_gradients(self, indentation: FloatArray) -> FloatArray:
+        """Return dA0/dh at fixed load [mm], (k, n), for equilibria with nominal indentations z (k, n)."""
+        states = (self.respond(z, 0.0, 0.0) for z in indentation)  # neither approach nor load matters
+        none = np.zeros_like(self.gap)
+        return np.array([self.area_gradient(at) if at.closed.any() else none for at in states])
+
+
+def large_scene(surface: Surface, substrate: Radial, order: int) -> tuple[Sums, Coarse]:
+    """Return the fast sums and the coarse model for the sites of a surface; the last ones are cached.
+
+    They do not depend on the heights.
+    """
+    keep = surface.count <= MOST_KEPT_SUMS and isinstance(substrate, Hashable)
+    return (_last if keep else _last.__wrapped__)(Sites.of(surface), substrate, order)
+
+
+@lru_cache(maxsize=1)
+def _last(sites: Sites, substrate: Radial, order: int) -> tuple[Sums, Coarse]:
+    return fast_sums(sites.surface, substrate, order), Coarse(sites.surface.position, substrate)

@@ -7,7 +7,7 @@ import pytest
 
 import metafem as mf
 from metafem.models.interacting import elastic
-from metafem.models.interacting.sums.periodic_sums import PeriodicSums, find_grid
+from metafem.models.interacting.sums import Sums, find_grid
 from validation.scenes.periodic import BLOCK, MATERIAL, PITCH, RADIUS, SITES, THREE, repeated
 
 ONE = mf.Surface([[0.2, -0.1]], [0.1], RADIUS, MATERIAL, block=BLOCK, cell=mf.PeriodicCell(PITCH, PITCH))
@@ -88,7 +88,7 @@ def grid(rows, columns):
 def test_sums_by_fft_equal_the_matrices():
     for substrate in (mf.HalfSpace(), mf.BondedLayer(7.2, 0.5)):
         surface = grid(5, 7)
-        sums = PeriodicSums(find_grid(surface.position, surface.cell), surface.cell, substrate)
+        sums = Sums(find_grid(surface.position, surface.cell), substrate, cell=surface.cell)
         assert sums.lattice.shape == (5, 7)
         value, x, y, laplacian = substrate.influence_terms(surface)
         rng = np.random.default_rng(5)
@@ -114,3 +114,12 @@ def test_large_grids_are_solved_by_fft(order, substrate, monkeypatch):
     assert fast.area == pytest.approx(dense.area, rel=1e-9)
     assert fast.separation == pytest.approx(dense.separation, rel=1e-9)
     assert fast.stiffness == pytest.approx(dense.stiffness, rel=1e-7)
+
+
+def test_a_cell_far_wider_than_the_layer_is_refused_before_it_fills_the_memory(monkeypatch):
+    monkeypatch.setattr("metafem.models._resources.memory", lambda: 2**31)
+    cell = mf.PeriodicCell(100.0, 100.0)
+    block = mf.Block(100.0, 100.0, 0.05)
+    surface = mf.Surface([[0, 0], [1.5, 0]], [0.1, 0.1], 0.5, MATERIAL, block=block, cell=cell)
+    with pytest.raises(mf.InvalidInput, match="memory"):
+        mf.equilibrium(surface, mf.Interacting(1, mf.BondedLayer()), load=1e-6)

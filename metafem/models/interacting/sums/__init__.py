@@ -1,1 +1,0 @@
-"""Fast products with the influence between the sites of large scenes."""
