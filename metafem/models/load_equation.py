@@ -7,7 +7,7 @@ below the tallest. Loads are rescaled, P/E* [mm^2].
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -205,16 +205,6 @@ class Paraboloids(LoadEquation):
         a = np.sqrt(radius * d)
         each = math.pi * radius
         return 4.0 / 3.0 * a * d, 2.0 * a, each * d, each * (indentation > 0.0)
-
-
-def sunk(curve: Curve, compliance: FloatArray) -> Curve:
-    """Return the curve on a base that sinks by the load times a compliance (k,) [1/mm]."""
-    return replace(
-        curve,
-        approach=curve.approach + compliance * curve.load,
-        stiffness=curve.stiffness / (1.0 + compliance * curve.stiffness),
-        compute_last=lambda: curve.last,
-    )
 
 
 def at_fixed_load(stiffness: FloatArray, area_rate: FloatArray) -> FloatArray:

@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose
 import metafem as mf
 from metafem.contact.by_profile import law_of
 from metafem.contact.caps import PowerCap
-from metafem.models.truncation import slope_effects
+from metafem.models.error import slope_effects
 from tests.models.interacting.dense_twin import Twin
 from tests.models.scenes import HEIGHT, lattice, scene
 
