@@ -34,8 +34,9 @@ FINER = 0.9
 # Minimum number of cells per radius of the largest contact.
 FEWEST_CELLS = 10.0
 
-# Sum of two contact radii over the distance of the sites, from which on contacts are expected to merge.
-MERGING = 0.9
+# Sum of two contact radii over the distance of the sites, from which on contacts are expected to merge: of
+# about equal heights, two by two contacts have merged at 2.4, and not at 2.1.
+MERGING = 2.2
 
 UNUSED_BLOCK = information("the surface's block is not used: the contacts are coupled through a half-space")
 
@@ -200,15 +201,12 @@ class Automatic(WithoutGradients):
     def _cell(self, surface: Surface, control: dict[str, Any]) -> float:
         """Return the side of the cells [mm] with which the error of A0 is within the tolerance.
 
-        The contacts are computed by order 3, by order 1 or as independent asperities, the first that has a
-        solution. Where m circles overlap, one contact at the same load has the area of all over m^(1/3).
+        The contacts are computed by order 3, or as independent asperities if it has no solution. Where m contacts merge, one of the same load has the area of all over m^(1/3).
         """
-        for model in (self.gradient_model, replace(self.gradient_model, order=1), self._uncoupled):
-            try:
-                area = model.curve(surface, **control).checked().last.area
-                break
-            except MetafemError:
-                continue
+        try:
+            area = self.gradient_model.curve(surface, **control).checked().last.area
+        except MetafemError:
+            area = self._uncoupled.curve(surface, **control).last.area
         a = np.sqrt(area / math.pi)
         i, j, r = close_pairs(surface.position, surface.cell, 2.0 * float(a.max()) / MERGING)
         close = (a[i] + a[j] >= MERGING * r) & (area[i] > 0.0) & (area[j] > 0.0)
