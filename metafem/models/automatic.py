@@ -169,7 +169,7 @@ class Automatic(WithoutGradients):
                 curve, errors = coupled(surface, model, values)
             if curve is None or (end and not (errors <= self.tolerance).all()):
                 curve = model.curve(surface, **_control(values, by_load))  # refuses contacts too wide
-            if self._resolvable and not by_load:
+            if self._resolvable and not by_load and curve.solved.any():
                 errors[curve.solved] = coupled(surface, model, curve.load[curve.solved])[1]
         except MetafemError:
             if end:
@@ -190,18 +190,15 @@ class Automatic(WithoutGradients):
             curves.append(found)
             cells.append(model.cell)
         sides = " to ".join(dict.fromkeys(f"{cell:.3g}" for cell in (min(cells), max(cells))))
+        name = f"resolved contacts with cells of {sides} mm"
         errors = np.array([math.nan if curve.error is None else curve.error for curve in curves])
-        return (
-            f"resolved contacts with cells of {sides} mm",
-            Curve.joined(curves),
-            errors,
-            "the number of cells",
-        )
+        return name, Curve.joined(curves), errors, "the number of cells"
 
     def _cell(self, surface: Surface, control: dict[str, Any]) -> float:
         """Return the side of the cells [mm] with which the error of A0 is within the tolerance.
 
-        The contacts are computed by order 3, or as independent asperities if it has no solution. Where m contacts merge, one of the same load has the area of all over m^(1/3).
+        The contacts are computed by order 3, or as independent asperities if it has no solution. Where m
+        contacts merge, one of the same load has the area of all over m^(1/3).
         """
         try:
             area = self.gradient_model.curve(surface, **control).checked().last.area
