@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from metafem.models.truncation import COMPARED
+from metafem.prediction.validity import COMPARED
 from validation.chapters import CHAPTERS
 from validation.check import Result, Row
 from validation.fidelity.order3_against_resolved import CROWDED

@@ -5,65 +5,65 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import ClassVar
+from typing import Any, ClassVar, cast
+
+import numpy as np
 
 from metafem import _validate as check
-from metafem._validate import FloatArray
+from metafem._validate import FloatArray, IntArray
 from metafem.contact import Contact
 from metafem.contact.elastic import PARABOLOID
 from metafem.contact.law import checked_contact
 from metafem.errors import MetafemError
-from metafem.models.boundary_elements.model import (
-    CELL_ERROR,
-    MERGING_ERROR,
-    BoundaryElements,
-    resolvable,
-)
+from metafem.models.boundary_elements import model as resolved
+from metafem.models.boundary_elements.model import BoundaryElements
 from metafem.models.curve import Curve, ModelError, controlled
-from metafem.models.independent import Independent, load_equation
-from metafem.models.interacting.model import DENSE_LIMIT, Interacting
-from metafem.models.load_equation import sunk
+from metafem.models.error import DISPLACEMENTS, RADII, coupled, independent_errors, largest, unresolved
+from metafem.models.independent import Independent
+from metafem.models.interacting.model import DENSE_LIMIT
 from metafem.models.model import WithoutGradients
-from metafem.models.rungs import (
-    DISPLACEMENTS,
-    independent_error,
-    order_3_error,
-)
+from metafem.models.neighbours import close_pairs
 from metafem.notes import Level, Note, information
+from metafem.progress import each
 from metafem.substrate import HalfSpace, Radial, Substrate
 from metafem.surface import Surface
 
-# Factor of the cell if resolved contacts are computed again. The error is proportional to the square of the
-# cell, within a fifth.
+# Margin of the cells: the error is proportional to the square of the cell, within a fifth.
 FINER = 0.9
 
 # Minimum number of cells per radius of the largest contact.
 FEWEST_CELLS = 10.0
 
-UNSOLVED = ModelError(math.nan, "order 3 has no solution")
+# Sum of two contact radii over the distance of the sites, from which on contacts are expected to merge: of
+# about equal heights, two by two contacts have merged at 2.4, and not at 2.1.
+MERGING = 2.2
 
 UNUSED_BLOCK = information("the surface's block is not used: the contacts are coupled through a half-space")
+
+# What a model of the ladder returns: its name, its curve if it has a solution, its errors (k,), their source.
+Rung = tuple[str, Curve | None, FloatArray, str]
 
 
 @dataclass(frozen=True)
 class Automatic(WithoutGradients):
     """The cheapest model whose estimated error is within a tolerance.
 
-    The models are `Independent`, `Interacting` of order 3, and `BoundaryElements`. They are solved in this
-    order, and the error of each is estimated from its own solution:
+    The models are `Independent`, `Interacting` of order 3, and `BoundaryElements`. The choice is made at each
+    load of a curve, which may consist of parts; a note states the loads of each. The models are solved in
+    this order, and the error of each is estimated from its own solution:
 
     - independent asperities: the change of A0 by the displacements due to their loads;
     - order 3: a sum of (a/r)^5 over pairs of contacts, on a layer also a sum of (a/t)^5 over contacts, and
       for caps other than paraboloids the effect of the slopes of the neighbours' fields of the next order.
 
     The error of each model also includes the estimates for the models that follow it. Independent asperities
-    are used only under load control. Their approach includes the sinking of the base, which is computed at
-    some of the loads and interpolated between them.
+    are used only under load control. Their approach includes the sinking of the base, and their stiffness its
+    derivative; both are computed at some of the loads and interpolated between them, like their error.
 
     The contacts are resolved by sufficiently fine cells if the error of order 3 exceeds the tolerance, if
-    contacts overlap, or if order 3 has no solution. The asperity models are still used at the lighter loads.
-    Contacts cannot be resolved above 2000 asperities, in a periodic cell, or on substrates other than
-    half-space and layer. Order 3 is used instead, and a warning states its estimated error.
+    contacts overlap, or if order 3 has no solution. Contacts cannot be resolved above 2000 asperities, in a
+    periodic cell, or on substrates other than half-space and layer. Order 3 is used instead, and a warning
+    states its estimated error.
 
     Contacts with adhesion or plasticity cannot be resolved either. Order 1 is used, its error is not
     estimated, and a warning says that the tolerance is not checked.
@@ -110,145 +110,137 @@ class Automatic(WithoutGradients):
     def _uncoupled(self) -> Independent:
         return Independent(self.contact)
 
-    @cached_property
-    def _point_loads(self) -> Interacting:
-        return replace(self.gradient_model, order=1)
-
     def curve(
         self, surface: Surface, load: FloatArray | None = None, *, approach: FloatArray | None = None
     ) -> Curve:
         """Return equilibria at increasing rescaled loads P/E* [mm^2] or approaches [mm], (k,)."""
-        unused = (UNUSED_BLOCK,) if surface.block is not None and self.substrate == HalfSpace() else ()
-        if not resolvable(self.contact):
-            alone = self.gradient_model.curve(surface, load, approach=approach)
-            error = order_3_error(surface, alone.last.area, self.substrate, self.contact)
-            text = f"chosen: order {self.gradient_model.order}; {error.source}: the tolerance is not checked"
-            note = Note(text, Level.WARNING, bound=self.tolerance, remedies=("contact",))
-            return alone.with_notes((note, *alone.notes, *unused), error)
-        curve, error, title = self._asperities(surface, load, approach)
-        if curve is not None and error <= self.tolerance:
-            note = information(f"chosen: {title}; {_stated(error)}")
-            return curve.with_notes((note, *curve.notes, *unused), error)
-        if surface.cell or surface.count > DENSE_LIMIT or not isinstance(self.substrate, Radial):
-            curve = curve or self.gradient_model.curve(surface, load, approach=approach)
-            why = "resolved contacts are needed" if not surface.cell else "a periodic cell is not resolved"
-            text = f"chosen: order 3; {_stated(error)}: {why}"
-            note = self._note(text, error)
-            return curve.with_notes((note, *curve.notes, *unused), error)
-        reason = error.source
-        if math.isfinite(error):
-            reason = f"the estimated error of A0(P) by order 3 is {error:.1e}"
-        curve = self._resolved(surface, *controlled(load, approach), self.substrate, error, reason)
-        return curve.with_notes((*curve.notes, *unused))
+        values, by_load = controlled(load, approach)
+        end = self._end(surface)
+        rungs = [self._independent] if by_load and self._resolvable else []
+        rungs += [self._coupled] if end else [self._coupled, self._resolved]
+        parts: list[tuple[IntArray, Curve, Note]] = []
+        left: IntArray = np.arange(len(values))
+        reason = ""
+        for rung in rungs:
+            name, curve, errors, source = rung(surface, values[left], by_load)
+            enough = errors <= self.tolerance if rung != rungs[-1] else np.full(len(left), True)
+            if curve is not None and enough.any():
+                curve = curve if enough.all() else curve.part(np.flatnonzero(enough), curve.compute_last)
+                error = largest(errors[enough], source, self._unsolved)
+                note = self._note(name + reason * (rung == self._resolved), error, end)
+                parts.append((left[enough], curve.with_notes(curve.notes, error), note))
+            if enough.all():
+                break
+            left, error = left[~enough], largest(errors[~enough], source)
+            reason = f", as the estimated error of A0(P) by {name} is {error:.1e}"
+            if math.isnan(error):
+                reason = f", as {error.source}"
+        return self._stitched(surface, parts)
 
-    def _note(self, text: str, error: ModelError) -> Note:
-        """Return a note with an estimated error, a warning unless this is within the tolerance."""
-        level = Level.INFORMATION if error <= self.tolerance else Level.WARNING
-        value = float(error) if math.isfinite(error) else None
-        return Note(text, level, "error of order 3", value, self.tolerance, ("tolerance",))
+    @cached_property
+    def _resolvable(self) -> bool:
+        return resolved.resolvable(self.contact)
 
-    def _asperities(
-        self, surface: Surface, load: FloatArray | None, approach: FloatArray | None
-    ) -> tuple[Curve | None, ModelError, str]:
-        """Return the curve of the cheapest sufficient asperity model, its estimated error and its title.
+    @property
+    def _unsolved(self) -> str:
+        return "order 3 has no solution" if self._resolvable else unresolved(self.contact)
 
-        If none is sufficient, these are the curve, error and title of order 3; the curve is None if it fails.
-        """
-        if load is not None:
-            curve, error = self._independent(surface, load)
-            if curve is not None:
-                return curve, error, "independent asperities"
-        return *self._order_3(surface, load, approach), "order 3"
+    def _end(self, surface: Surface) -> str:
+        """Return why the ladder ends at coupled asperities; empty if the contacts can be resolved."""
+        if not self._resolvable:
+            return "the tolerance is not checked"
+        if surface.cell:
+            return "a periodic cell is not resolved"
+        radial = isinstance(self.substrate, Radial) and surface.count <= DENSE_LIMIT
+        return "" if radial else "resolved contacts are needed"
 
-    def _independent(self, surface: Surface, load: FloatArray) -> tuple[Curve | None, ModelError]:
-        """Return the curve of independent asperities on a sinking base, with its largest estimated error.
+    def _independent(self, surface: Surface, values: FloatArray, by_load: bool) -> Rung:
+        """Return independent asperities on a sinking base."""
+        alone = self._uncoupled.curve(surface, values).checked()
+        sunk, errors = independent_errors(surface, self.contact, self.substrate, alone)
+        return "independent asperities", sunk, errors, DISPLACEMENTS
 
-        If they do not converge or their error exceeds the tolerance, return None.
-        """
-        curve = self._uncoupled.curve(surface, load)
-        if not curve.converged:
-            return None, UNSOLVED
-        if not curve.area.any():
-            return curve, ModelError(0.0, "there is no contact")
-        equation = load_equation(self.contact.bound(surface), self._uncoupled)
-        bound = self.substrate.for_surface(surface)
-        error, sinking = independent_error(equation, surface, bound, curve, self.tolerance)
-        found = ModelError(error, DISPLACEMENTS)
-        return sunk(curve, sinking) if error <= self.tolerance else None, found
-
-    def _order_3(
-        self, surface: Surface, load: FloatArray | None, approach: FloatArray | None
-    ) -> tuple[Curve | None, ModelError]:
-        """Return the curve of order 3 with the estimated error of its last state; None if it fails."""
+    def _coupled(self, surface: Surface, values: FloatArray, by_load: bool) -> Rung:
+        """Return the highest order of the law; the errors are nan where it has no solution, or unknown."""
+        model, errors, end = self.gradient_model, np.full(len(values), math.nan), self._end(surface)
+        curve = None
         try:
-            curve = self.gradient_model.curve(surface, load, approach=approach)
+            if by_load and self._resolvable:
+                curve, errors = coupled(surface, model, values)
+            if curve is None or (end and not (errors <= self.tolerance).all()):
+                curve = model.curve(surface, **_control(values, by_load))  # refuses contacts too wide
+            if self._resolvable and not by_load and curve.solved.any():
+                errors[curve.solved] = coupled(surface, model, curve.load[curve.solved])[1]
         except MetafemError:
-            return None, UNSOLVED
-        if not curve.converged:
-            return None, UNSOLVED
-        return curve, order_3_error(surface, curve.last.area, self.substrate, self.contact)
+            if end:
+                raise
+        return f"order {model.order}", curve, errors, RADII
 
-    def _resolved(
-        self,
-        surface: Surface,
-        values: FloatArray,
-        by_load: bool,
-        substrate: Radial,
-        error: float,
-        reason: str,
-    ) -> Curve:
-        """Return a curve of asperity models at light loads, and of resolved contacts from there on."""
+    def _resolved(self, surface: Surface, values: FloatArray, by_load: bool) -> Rung:
+        """Return resolved contacts, whose cells are chosen at each load."""
+        curves, cells = [], []
+        for value in each("resolved contacts: load", values.tolist()):
+            control = _control(np.array([value]), by_load)
+            cell = self._cell(surface, control)
+            model = BoundaryElements(cell, cast("Radial", self.substrate), self.contact)
+            found = model.curve(surface, **control)
+            if found.error is not None and found.error > self.tolerance:  # smaller contacts than expected
+                model = replace(model, cell=FINER * cell * math.sqrt(self.tolerance / found.error))
+                found = model.curve(surface, **control)
+            curves.append(found)
+            cells.append(model.cell)
+        sides = " to ".join(dict.fromkeys(f"{cell:.3g}" for cell in (min(cells), max(cells))))
+        name = f"resolved contacts with cells of {sides} mm"
+        errors = np.array([math.nan if curve.error is None else curve.error for curve in curves])
+        return name, Curve.joined(curves), errors, "the number of cells"
 
-        low, high = 0, len(values) - 1  # the error grows with the load: bisection
-        while low < high:
-            middle = (low + high) // 2
-            _, estimate = self._order_3(surface, *_control(values[middle : middle + 1], by_load))
-            low, high = (middle + 1, high) if estimate <= self.tolerance else (low, middle)
-        parts = []
-        if low:
-            light, estimate, title = self._asperities(surface, *_control(values[:low], by_load))
-            if light is not None:
-                end = surface.material.composite_modulus * float(light.load[-1])
-                note = information(f"chosen up to {end:.4g} N: {title}; {_stated(estimate)}")
-                parts.append(light.with_notes((note, *light.notes), estimate))
-            else:
-                low = 0
-        cell = self._cell(surface, *_control(values[low : low + 1], by_load), error)
-        load, approach = _control(values[low:], by_load)
-        model = BoundaryElements(cell, substrate, self.contact)
-        heavy = model.curve(surface, load, approach=approach)
-        if heavy.error is not None and heavy.error > self.tolerance:  # the contacts are smaller than assumed
-            model = replace(model, cell=FINER * cell * math.sqrt(self.tolerance / heavy.error))
-            heavy = model.curve(surface, load, approach=approach)
-        note = information(f"chosen: resolved contacts with cells of {model.cell:.3g} mm; {reason}")
-        parts.append(heavy.with_notes((note, *heavy.notes)))
-        return Curve.joined(parts)
-
-    def _cell(
-        self, surface: Surface, load: FloatArray | None, approach: FloatArray | None, error: float
-    ) -> float:
+    def _cell(self, surface: Surface, control: dict[str, Any]) -> float:
         """Return the side of the cells [mm] with which the error of A0 is within the tolerance.
 
-        error: the estimated error of order 3, nan if contacts overlap.
-        The contacts are computed by order 1, or as independent asperities if order 1 has no solution.
+        The contacts are computed by order 3, or as independent asperities if it has no solution. Where m
+        contacts merge, one of the same load has the area of all over m^(1/3).
         """
         try:
-            last = self._point_loads.curve(surface, load, approach=approach).checked().last
+            area = self.gradient_model.curve(surface, **control).checked().last.area
         except MetafemError:
-            last = self._uncoupled.curve(surface, load, approach=approach).last
-        count = int((last.area > 0.0).sum())
-        cells = CELL_ERROR if math.isfinite(error) else MERGING_ERROR
-        cell = math.sqrt(self.tolerance * float(last.area.sum()) / (cells * count))
-        return min(cell, math.sqrt(float(last.area.max()) / math.pi) / FEWEST_CELLS)
+            area = self._uncoupled.curve(surface, **control).last.area
+        a = np.sqrt(area / math.pi)
+        i, j, r = close_pairs(surface.position, surface.cell, 2.0 * float(a.max()) / MERGING)
+        close = (a[i] + a[j] >= MERGING * r) & (area[i] > 0.0) & (area[j] > 0.0)
+        met = np.bincount(np.concatenate([i[close], j[close]]), minlength=len(a))
+        cells = np.where(met > 0, resolved.MERGING_ERROR, resolved.CELL_ERROR) @ (area > 0.0)
+        cell = FINER * math.sqrt(self.tolerance * float((area / np.cbrt(1.0 + met)).sum()) / cells)
+        return min(cell, float(a.max()) / FEWEST_CELLS)
+
+    def _note(self, name: str, error: ModelError, end: str) -> Note:
+        """Return the note on a choice, a warning if its error is not within the tolerance."""
+        value = float(error) if math.isfinite(error) else None
+        text = f"{name}; its estimated error of A0(P) is {error:.1e}"
+        if value is None:
+            text = f"{name}; its error of A0(P) is unknown, as {error.source}"
+        if error <= self.tolerance:
+            return information(text)
+        text += f": {end}" if end else ""
+        return Note(text, Level.WARNING, "error of order 3", value, self.tolerance, ("tolerance",))
+
+    def _stitched(self, surface: Surface, parts: list[tuple[IntArray, Curve, Note]]) -> Curve:
+        """Return one curve of several parts, with a note on the choice for each."""
+        unused = (UNUSED_BLOCK,) if surface.block is not None and self.substrate == HalfSpace() else ()
+        parts, curves = sorted(parts, key=lambda part: int(part[0][-1])), []
+        for rows, curve, note in parts:
+            where = ""
+            if len(parts) > 1:
+                newtons = surface.material.composite_modulus * curve.load[[0, -1]]
+                ends = " to ".join(dict.fromkeys(f"{newton:.4g}" for newton in newtons))
+                where = f" at {len(rows)} of {sum(len(part[0]) for part in parts)} loads, {ends} N"
+            chosen = replace(note, text=f"chosen{where}: {note.text}")
+            curves.append(curve.with_notes((chosen, *curve.notes, *unused)))
+        if len(curves) == 1:
+            return curves[0]
+        whole, rows = Curve.joined(curves), np.concatenate([part[0] for part in parts])
+        return whole.part(np.argsort(rows), whole.compute_last)
 
 
-def _control(values: FloatArray, by_load: bool) -> tuple[FloatArray | None, FloatArray | None]:
-    """Return loads and approaches, one of which is None."""
-    return (values, None) if by_load else (None, values)
-
-
-def _stated(error: ModelError) -> str:
-    """Return text on an estimated error, or the reason why it is unknown."""
-    if math.isnan(error):
-        return f"its error of A0(P) is unknown, as {error.source}"
-    return f"its estimated error of A0(P) is {error:.1e}"
+def _control(values: FloatArray, by_load: bool) -> dict[str, Any]:
+    """Return the arguments for a curve at loads or approaches."""
+    return {"load" if by_load else "approach": values}

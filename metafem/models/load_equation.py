@@ -6,7 +6,7 @@ below the tallest. Loads are rescaled, P/E* [mm^2].
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -133,16 +133,6 @@ class LoadEquation:
         indentation = depth + (base - (top - height))
         load, _, area, _ = self.rates(indentation[None, :], radius)
         return RescaledState(load[0], area[0], indentation, top - (base + depth), self.model)
-
-
-def sunk(curve: Curve, compliance: FloatArray) -> Curve:
-    """Return the curve on a base that sinks by the load times a compliance (k,) [1/mm]."""
-    return replace(
-        curve,
-        approach=curve.approach + compliance * curve.load,
-        stiffness=curve.stiffness / (1.0 + compliance * curve.stiffness),
-        compute_last=lambda: curve.last,
-    )
 
 
 def at_fixed_load(stiffness: FloatArray, area_rate: FloatArray) -> FloatArray:

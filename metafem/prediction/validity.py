@@ -1,6 +1,6 @@
 """Estimated error of a result, and notes on the effects that its model neglects.
 
-The change of A0 by neglected effects is that of `models.model_error`. It is compared with a reference model
+The change of A0 by neglected effects is that of `models.error`. It is compared with a reference model
 at a few loads, because a sum over the neighbours is not accurate enough: uniform sinking does not change
 A0(P), the remaining change may have either sign, and the sum is wrong by a factor of ten if contacts are
 crowded. Order 3 estimates the change by resolved contacts within a factor of two, even if contacts overlap or
@@ -18,15 +18,24 @@ from functools import cached_property
 import numpy as np
 import scipy
 
+from metafem._validate import FloatArray
 from metafem._values import percent
 from metafem.contact import Contact
 from metafem.errors import MetafemError
 from metafem.models import Curve, Interacting, Model
 from metafem.models.boundary_elements.model import resolvable
 from metafem.models.curve import ModelError
+from metafem.models.error import (
+    compared,
+    equivalent,
+    model_error,
+    reference_of,
+    rung_name,
+    truncation,
+    without_jumps,
+)
 from metafem.models.model import contact_of, has_paraboloids
-from metafem.models.model_error import compared, model_error, reference_of, rung_name, without_jumps
-from metafem.models.truncation import COMPARED, COMPARED_ON_LAYER, crowding, truncation
+from metafem.models.neighbours import close_pairs
 from metafem.notes import Level, Note, information
 from metafem.prediction.part_notes import part_notes
 from metafem.substrate import HalfSpace
@@ -65,6 +74,10 @@ ORDER_3 = "error of order 3"
 OVERLAPS = "overlapping pairs of contacts"
 BASE = "load at which the plane touches the base"
 WIDTH = "widest contact, a/R"
+
+# Largest ratio of contact radius to the distance of neighbours at which order 3 was compared with resolved
+# contacts, and largest ratio to the layer thickness at which its error is at most 0.2 %.
+COMPARED, COMPARED_ON_LAYER = 0.32, 0.3
 
 NOT_ESTIMATED = ModelError(math.nan, "it was not estimated with the law")
 
@@ -215,7 +228,7 @@ def _width_notes(surface: Surface, model: Model, reference: Interacting, curve: 
         yield information(
             f"a/r = {ratio:.2f} exceeds {COMPARED}, up to which order 3 was compared with resolved contacts"
         )
-    error = truncation(surface, area, reference.substrate, law)
+    error = float(truncation(surface, area, reference.substrate, law))
     thickness = getattr(reference.substrate.for_surface(surface), "thickness", math.inf)
     wide = math.sqrt(float(area.max()) / math.pi) / thickness
     if wide > COMPARED_ON_LAYER and reference == model.reference and model.couples:
@@ -230,6 +243,26 @@ def _width_notes(surface: Surface, model: Model, reference: Interacting, curve: 
             f"{percent(error)} in A0 at {newtons:.4g} N; use {remedy}",
             quantity=ORDER_3, value=error, bound=BOUND, remedies=("model", "pitch"),
         )  # fmt: skip
+
+
+def crowding(surface: Surface, area: FloatArray, law: Contact) -> tuple[int, float]:
+    """Return the number of overlapping pairs, and the largest ratio a/r of contact radius to distance.
+
+    area: (n,) [mm^2]. For caps other than paraboloids, a is increased if the field of the contact is larger.
+    """
+    a, response, source, _ = equivalent(law.bound(surface), surface, area)
+    # the field of j has the effect p_j r_i/r^3 = 4/3 (a_j/r)^3 r_i/s_j on i, so a_j is scaled by
+    # cbrt(r_i/s_j)
+    blunt, sharp = np.cbrt(response), a / np.cbrt(source)
+    # pairs beyond this distance neither overlap nor exceed the ratio
+    reach = max(2.0 * float(a.max()), float(sharp.max() * blunt.max()) * max(2.0, 1.0 / COMPARED))
+    i, j, r = close_pairs(surface.position, surface.cell, reach)
+    both = (area[i] > 0.0) & (area[j] > 0.0)
+    i, j, r = i[both], j[both], r[both]
+    if not i.size:
+        return 0, 0.0
+    bending = np.maximum(sharp[j] * blunt[i], sharp[i] * blunt[j])
+    return int((a[i] + a[j] > r).sum()), float((np.maximum(np.maximum(a[i], a[j]), bending) / r).max())
 
 
 def _last_force(surface: Surface, curve: Curve) -> float:

@@ -10,8 +10,8 @@ from itertools import pairwise
 import numpy as np
 
 import metafem as mf
+from metafem.models.error import truncation
 from metafem.models.model import Model
-from metafem.models.truncation import truncation
 from validation.methods.resolved_areas import extrapolated_area
 from validation.paper.surfaces import surfaces
 

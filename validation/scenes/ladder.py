@@ -9,7 +9,7 @@ import numpy as np
 import metafem as mf
 from metafem._validate import FloatArray
 from metafem.contact import Contact
-from metafem.models.truncation import truncation
+from metafem.models.error import coupled
 from metafem.substrate import Substrate
 
 LAWS = (mf.Hertz(), mf.Elastic(mf.Sphere()), mf.Elastic(mf.Power(3.0)), mf.Elastic(mf.Power(4.0)))
@@ -20,13 +20,15 @@ NEGLIGIBLE = 0.3
 
 
 class Choice(NamedTuple):
-    """What `Automatic` chose: 0 for independent asperities, 1 for order 3; errors of A0."""
+    """What `Automatic` chose at one load: 0 for independent asperities, 1 for order 3; errors of A0."""
 
     tolerance: float
     chosen: int
     cheapest: int  # the first within the tolerance
     estimate: float
     error: float
+    along: float  # the error at this load of a curve of all loads
+    stated: float  # the largest error that the curve states
 
 
 def scene(rng: np.random.Generator) -> tuple[mf.Surface, Contact, Substrate, FloatArray]:
@@ -47,22 +49,29 @@ def scene(rng: np.random.Generator) -> tuple[mf.Surface, Contact, Substrate, Flo
 
 
 def choices(count: int, seed: int = 0) -> list[Choice]:
-    """Return the choices of `Automatic` on `count` scenes, where order 3 is accurate enough to judge them."""
+    """Return the choices of `Automatic` on `count` scenes, at the loads where order 3 can judge them."""
     rng, found = np.random.default_rng(seed), []
     for _ in range(count):
         surface, law, substrate, load = scene(rng)
         models = (mf.Independent(law), mf.Interacting(3, substrate, law))
         try:
-            curves = [model.curve(surface, load).checked() for model in models]
+            alone, full = (model.curve(surface, load).checked() for model in models)
         except mf.MetafemError:
             continue
-        errors = [float(np.abs(curve.area / curves[1].area - 1.0).max()) for curve in curves]
-        last = truncation(surface, curves[1].last.area, substrate, law)
+        errors = np.abs(alone.area / full.area - 1.0)
+        _, own = coupled(surface, models[1], load)
         for tolerance in TOLERANCES:
-            if last <= NEGLIGIBLE * tolerance:
-                curve = mf.Automatic(tolerance, substrate, law).curve(surface, load)
-                chosen = models.index(curve.last.model)
-                cheapest = next(i for i, error in enumerate(errors) if error <= tolerance)
-                error = float(np.abs(curve.area / curves[1].area - 1.0).max())
-                found.append(Choice(tolerance, chosen, cheapest, float(curve.error or 0.0), error))
+            if own.max() > NEGLIGIBLE * tolerance:
+                continue
+            automatic = mf.Automatic(tolerance, substrate, law)
+            curve = automatic.curve(surface, load)
+            along = np.abs(curve.area / full.area - 1.0)
+            for k in range(len(load)):
+                state = automatic.curve(surface, load[k : k + 1])
+                chosen = models.index(state.last.model)
+                error = float(abs(state.area[0] / full.area[k] - 1.0))
+                cheapest = int(errors[k] > tolerance)
+                stated = float(curve.error or 0.0)
+                estimate = float(state.error or 0.0)
+                found.append(Choice(tolerance, chosen, cheapest, estimate, error, along[k], stated))
     return found

@@ -24,7 +24,7 @@ from metafem.models.boundary_elements.model import resolvable
 MODULUS = 1.36
 
 # Ends of the documented ranges: a/R of README and `Hertz`, a/r of README and `Interacting`, and a/t, up to
-# which the error of order 3 on a layer is 0.2 % (`metafem.models.truncation`).
+# which the error of order 3 on a layer is 0.2 % (`metafem.models.error`).
 WIDTH, CROWDING, LAYER = 0.5, 0.32, 0.3
 
 # Contact radius over R that a sphere can have.

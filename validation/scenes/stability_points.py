@@ -9,7 +9,7 @@ from functools import cache
 import numpy as np
 
 import metafem as mf
-from metafem.models.truncation import truncation
+from metafem.models.error import truncation
 from metafem.notes import Level
 from metafem.substrate import Radial
 from validation.methods.resolved_areas import extrapolated_area

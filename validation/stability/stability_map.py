@@ -10,8 +10,7 @@ import math
 import numpy as np
 
 from metafem.drawing import QUIET
-from metafem.models.truncation import COMPARED
-from metafem.prediction.validity import BOUND
+from metafem.prediction.validity import BOUND, COMPARED
 from validation.check import Check, Claim, Picture, Row, below, near, reported
 from validation.figures import panels
 from validation.methods.resolved_areas import extrapolated_area
@@ -25,7 +24,7 @@ SLOW = True
 # Part of the tolerance from which an error is compared with its estimate; smaller ones are uncertain.
 CERTAIN = 0.2
 
-# Margin of the estimate over the errors that were seen: the quarter of `metafem.models.truncation`.
+# Margin of the estimate over the errors that were seen: the quarter of `metafem.models.error`.
 MARGIN = 1.25
 
 # Beginnings of the two warnings of `metafem.prediction.validity`.

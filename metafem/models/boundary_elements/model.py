@@ -19,8 +19,8 @@ from metafem.models.boundary_elements import far_field
 from metafem.models.boundary_elements.field import ContactField
 from metafem.models.boundary_elements.solve import COARSEST, TOLERANCE, Scene, Solution
 from metafem.models.curve import Curve, ModelError, RescaledState, controlled
+from metafem.models.error import order_3_error
 from metafem.models.model import WithoutGradients
-from metafem.models.rungs import order_3_error
 from metafem.notes import Note, information
 from metafem.progress import each
 from metafem.substrate import HalfSpace, Radial

@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem._kernels.truncation import pair_sum
 from metafem.models import automatic as automatic_module
-from metafem.models import truncation as truncation_module
-from metafem.models.truncation import ALL_PAIRS, slope_effects, truncation
+from metafem.models import error as error_module
+from metafem.models.error import slope_effects, truncation
 from tests.models.scenes import lattice, said
+
+HEIGHTS = 0.12 - np.minimum(np.random.default_rng(0).exponential(0.035, 36), 0.12)
 
 # Errors of A0 at fixed load of order 3 against resolved contacts on a 3 x 3 lattice, and the approaches at
 # which they were found [mm].
@@ -49,21 +50,30 @@ def test_slopes_in_large_scenes_are_those_of_the_nearest_neighbours(monkeypatch)
     surface, law = lattice(height), mf.Elastic(mf.Power(4))
     area = mf.Interacting(contact=law).curve(surface, np.array([2.0])).last.area
     every, _ = slope_effects(law, surface, area, mf.HalfSpace())
-    monkeypatch.setattr(truncation_module, "DENSE_LIMIT", 1)
+    monkeypatch.setattr(error_module, "DENSE_LIMIT", 1)
     assert slope_effects(law, surface, area, mf.HalfSpace())[0] == pytest.approx(every, rel=0.35)
 
 
-def test_pairs_of_many_contacts_are_those_of_their_nearest_neighbours():
+def test_pairs_of_many_contacts_are_those_of_their_nearest_neighbours(monkeypatch):
     height = 0.12 - np.minimum(np.random.default_rng(0).exponential(0.035, 324), 0.12)
     surface = lattice(height)
     area = mf.Interacting().curve(surface, np.array([2.0])).last.area
-    assert surface.count > ALL_PAIRS
-    few = truncation(surface, area, mf.HalfSpace())
-    assert few == pytest.approx(
-        0.25 * pair_sum(surface.position, surface.radius, surface.radius, area), rel=0.01
-    )
     near = np.full(324, np.pi * 0.76**2)  # at a pitch of 1.5 mm
+    every = truncation(surface, area, mf.HalfSpace())
     assert truncation(surface, near, mf.HalfSpace()) == np.inf
+    monkeypatch.setattr(error_module, "DENSE_LIMIT", 1)
+    assert truncation(surface, area, mf.HalfSpace()) == pytest.approx(every, rel=0.02)
+    assert truncation(surface, near, mf.HalfSpace()) == np.inf
+
+
+def test_errors_of_many_loads_are_those_of_each():
+    surface, load = lattice(HEIGHTS), np.linspace(0.1, 2.0, 7)
+    for law in (mf.Hertz(), mf.Elastic(mf.Power(4))):
+        model = mf.Interacting(contact=law)
+        _, errors = error_module.coupled(surface, model, load)
+        for newtons, error in zip(load, errors, strict=True):
+            area = model.curve(surface, np.array([newtons])).last.area
+            assert truncation(surface, area, mf.HalfSpace(), law) == pytest.approx(error, rel=0.3)
 
 
 def test_order_3_is_chosen_within_the_tolerance():
@@ -86,8 +96,8 @@ def test_what_order_3_does_not_hold_is_resolved():
     assert law.area[0] == pytest.approx(mf.equilibrium(surface, automatic, load=0.01).area, rel=1e-10)
     assert law.area[1] == pytest.approx(state.area, rel=1e-6)
     assert [note.text.split(":")[0] for note in law.notes if "chosen" in note.text] == [
-        "chosen up to 0.01 N",
-        "chosen",
+        "chosen at 1 of 2 loads, 0.01 N",
+        "chosen at 1 of 2 loads, 4 N",
     ]
     apart = mf.friction_law(surface, automatic, separation=law.separation)
     np.testing.assert_allclose(apart.area, law.area, rtol=automatic.tolerance)
@@ -171,3 +181,38 @@ def test_merged_contacts_smaller_than_assumed_are_resolved_by_finer_cells():
         state = mf.equilibrium(surface, mf.Automatic(0.1), load=load)
         assert state.model.title == "resolved"
         assert state.model_error <= 0.1
+
+
+def test_the_choice_is_made_at_each_load_of_a_curve():
+    """Four crowded summits carry the first loads; later their share of the area is small."""
+    few = 0.225 * np.array([[-1, -1], [-1, 1], [1, -1], [1, 1]])
+    many = 10.0 + 3.0 * np.stack(np.meshgrid(np.arange(14), np.arange(14)), axis=-1).reshape(-1, 2)
+    height = np.concatenate([np.full(4, 0.2), np.full(196, 0.15)])
+    surface = mf.Surface(np.concatenate([few, many]), height, 0.526, mf.Material(1.0))
+    load = [0.004, 0.0253, 1.07]
+    third = mf.friction_law(surface, mf.Interacting(), load=load)
+    assert third.model_error > 1.2e-3
+    automatic = mf.Automatic(1e-3)
+    law = mf.friction_law(surface, automatic, load=load)
+    states = [mf.equilibrium(surface, automatic, load=each) for each in load]
+    assert [state.model.title if hasattr(state.model, "title") else "" for state in states] == [
+        "", "resolved", "",
+    ]  # fmt: skip
+    np.testing.assert_allclose(law.area, [state.area for state in states], rtol=1e-9)
+    assert law.model_error == max(state.model_error for state in states) <= 1e-3
+    assert "at 1 of 3 loads, 0.0253 N: resolved contacts" in said(law)
+    assert "at 2 of 3 loads, 0.004 to 1.07 N: order 3" in said(law)
+
+
+def test_the_stiffness_is_the_tangent_of_its_own_curve():
+    height = np.sort(np.random.default_rng(0).exponential(0.03, 64) + 0.08)
+    x, y = np.divmod(np.arange(64), 8) - 3.5 * np.ones((2, 1))
+    place = np.empty(64, int)
+    place[np.argsort(-np.hypot(x, y), kind="stable")] = np.arange(64)
+    surface = mf.Surface.square_lattice(height[place], pitch=1.5, radius=0.526, material=mf.Material(1.36))
+    state, *around = (
+        mf.equilibrium(surface, mf.Automatic(0.05), load=0.2 * s) for s in (1.0, 0.9999, 1.0001)
+    )
+    assert "independent" in state.notes[0].text
+    rise = around[1].approach - around[0].approach
+    assert state.stiffness == pytest.approx((around[1].load - around[0].load) / rise, rel=1e-4)

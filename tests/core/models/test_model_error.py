@@ -8,7 +8,7 @@ import numpy as np
 
 import metafem as mf
 from metafem.files.result.records import from_record, to_record
-from metafem.models.rungs import DISPLACEMENTS, RADII
+from metafem.models.error import DISPLACEMENTS, RADII
 
 MATERIAL = mf.Material(1.36)
 
@@ -51,7 +51,7 @@ def test_the_cheapest_sufficient_estimate_is_taken(monkeypatch):
     dense = mf.equilibrium(rough(0.6, thickness=1.5), load=0.1)
     assert dense.model_error.source == "order 3 on the bonded layer"
     assert 1.0 <= dense.model_error / np.abs(dense.model_error.change).max() < 1.1
-    monkeypatch.setattr("metafem.models.model_error.compared", None)
+    monkeypatch.setattr("metafem.models.error.compared", None)
     sparse = mf.equilibrium(rough(50.0), load=0.1)
     assert sparse.model_error.source == DISPLACEMENTS
 

@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import brentq
 
 import metafem as mf
-from metafem.models.truncation import truncation
+from metafem.models.error import truncation
 from metafem.prediction.validity import base_contact_load
 from tests.models.scenes import said, scene
 
@@ -162,6 +162,6 @@ def test_adhesive_contacts_are_compared_on_their_own_path(monkeypatch):
     change = full.area / alone.area - 1.0
     assert f"by up to {100.0 * change[np.abs(change).argmax()]:+.2g} %" in said(alone)
     # large scenes are compared without adhesion
-    monkeypatch.setattr("metafem.models.model_error.MOST_ADHESIVE", 1)
+    monkeypatch.setattr("metafem.models.error.MOST_ADHESIVE", 1)
     alone, bare = (mf.friction_law(surface, mf.Independent(c), load=[0.1]) for c in (law, mf.Hertz()))
     assert next(note for note in bare.notes if "interaction" in note.text) in alone.notes

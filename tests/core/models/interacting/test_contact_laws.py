@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import metafem as mf
-from metafem.models.truncation import slope_effects
+from metafem.models.error import slope_effects
 from tests.models.interacting.dense_twin import Twin
 from tests.models.scenes import HEIGHT, Read, lattice, scene
 
