@@ -111,7 +111,8 @@ def slope_effects(
     load[closed] = law.load(a, radius)
     if surface.count <= DENSE_LIMIT or surface.cell is not None:
         coupling, _ = coupling_between(surface, substrate, 3)
-        slope = np.hypot(coupling.slope_x @ load, coupling.slope_y @ load)[closed]
+        _, _, x, y = coupling.fields
+        slope = np.hypot(x @ load, y @ load)[closed]
     else:
         slope = _nearest_slopes(surface.position[closed], load[closed])
     change = np.abs(area_change(law, a, radius, slope))

@@ -11,8 +11,15 @@ from typing import Any
 import numpy as np
 
 from metafem._kernels.contact.tabulated import Law
-from metafem._kernels.continuation import Results, empty_memory, predict, uniform_approach
-from metafem._kernels.coupling import State, spread
+from metafem._kernels.curve import (
+    REMEMBERED,
+    Results,
+    empty_memory,
+    predict,
+    remember,
+    uniform_approach,
+)
+from metafem._kernels.equations import State, spread
 from metafem._kernels.vectors import exact_sum
 from metafem._validate import FloatArray
 from metafem.models.interacting.coarse import coarsen
@@ -74,7 +81,7 @@ class LargeScene:
         sums: Any = self.coarse  # order 1 needs only its displacements
         coarse = replace(equations, sums=sums, order=1)
         gap = equations.gap
-        x = width = 0.0
+        x = 0.0
         memory, points, coupled = empty_memory(len(gap)), 0, np.zeros_like(gap)
         state = open_state(-gap)
         for j, value in enumerate(each("load", control.tolist())):
@@ -87,22 +94,21 @@ class LargeScene:
                     stiffness = results.stiffness[j - 1]
                     ahead = (target - results.load[j - 1]) / stiffness if by_load else value - x
                     z = np.empty_like(gap)
-                    ahead = predict(memory, points, width, float(ahead), target, law, z)
-                    state, new = equations.newton(z, x + ahead, target)
+                    start = predict(memory, points, x + float(ahead), target, law, z)
+                    state, new = equations.newton(z, start, target)
                 if not points or state.residual > TOLERANCE:
                     start = float(uniform_approach(gap, law, target) if by_load else value)
                     first, start = coarse.newton(start - gap, start, target, START)
                     state, new = equations.newton(first.state.z, start, target)
                 largest = float(state.state.indentation.max())
                 state.residual = max(state.residual, self.sums.error(state.state.load) / largest)
-                width, x = new - x, new
+                further, x = new > x, new
                 spread(self.order, law, state.state)
                 self._record(results, j, x, state)
                 if state.residual <= TOLERANCE:
-                    points = min(2, points + 1) if width > 0.0 else 1
-                    memory.before[:], memory.before_rate[:] = memory.last, memory.last_rate
-                    memory.last[:] = state.state.z
-                    results.stiffness[j], memory.last_rate[:], coupled = equations.tangent(state, coupled)
+                    points = min(REMEMBERED, points + 1) if further else 1
+                    remember(memory, x, state.state.z)
+                    results.stiffness[j], _, coupled = equations.tangent(state, coupled)
                 else:
                     points = 0
             if indentation.size:

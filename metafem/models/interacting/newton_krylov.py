@@ -1,4 +1,4 @@
-"""Newton-Krylov method for many interacting contacts; `metafem._kernels.coupling` states the equations."""
+"""Newton-Krylov method for many interacting contacts; `metafem._kernels.equations` states the equations."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from metafem._kernels.contact.tabulated import Law
-from metafem._kernels.coupling import State, empty_state, press, sharpen, spread
+from metafem._kernels.equations import State, empty_state, press, sharpen, spread
 from metafem._kernels.vectors import exact_sum
 from metafem._validate import FloatArray
 from metafem.models.interacting.coarse import Coarse
