@@ -10,26 +10,26 @@ from numba import typeof
 
 from metafem._kernels import compiled
 from metafem._kernels.contact.tabulated import Law
-from metafem._kernels.continuation import empty_workspace
-from metafem._kernels.coupling import Coupling
-from metafem._kernels.interacting import newton
+from metafem._kernels.curve import curves, empty_work
+from metafem._kernels.equations import Coupling
 
 
 def start() -> None:
     """Let another process compile what takes longest, unless this version of the kernels has it already."""
-    if not compiled.stored(newton.py_func):
+    if not compiled.stored(curves.py_func):
         command = [sys.executable, "-m", __name__]
         quiet = subprocess.DEVNULL
-        compiled.wait_for(newton.py_func, subprocess.Popen(command, stdout=quiet, stderr=quiet))
+        compiled.wait_for(curves.py_func, subprocess.Popen(command, stdout=quiet, stderr=quiet))
 
 
-def compile_newton() -> None:
-    """Compile `newton` and all that it calls."""
-    matrix, vector = np.empty((1, 1)), np.empty(1)
-    coupling, law = Coupling(*[matrix] * 7), Law(vector, np.empty(1, np.int64), vector, matrix)
-    state, _, scratch = empty_workspace(1, 3)
-    newton.compile(tuple(map(typeof, (coupling, 3, law, vector, vector, 0.0, 0.0, state, scratch))))
+def compile_curves() -> None:
+    """Compile `curves` and all that it calls."""
+    matrix, vector, index = np.empty((1, 1)), np.empty(1), np.empty((1, 1), np.int64)
+    coupling, law = Coupling(matrix, matrix), Law(matrix, index, matrix, matrix)
+    found = np.empty((7, 1, 2))[:, :, :1]
+    given = coupling, 3, law, matrix, matrix, vector, True, found, empty_work(1, 3), matrix
+    curves.compile(tuple(map(typeof, given)))
 
 
 if __name__ == "__main__":
-    compile_newton()
+    compile_curves()

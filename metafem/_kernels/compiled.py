@@ -47,7 +47,7 @@ def compiled(function, *, any_order=False):
     the results then depend on the processor.
     """
     fast = {"reassoc"} if any_order else False
-    options: Any = {"nogil": True, "no_cfunc_wrapper": True, "fastmath": fast}
+    options: Any = {"nogil": True, "no_cfunc_wrapper": True, "fastmath": fast, "error_model": "numpy"}
     dispatcher: Any = njit(**options)(function)
     dispatcher._cache = _Kept(function)
     template = dispatcher.get_call_template

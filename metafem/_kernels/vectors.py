@@ -25,6 +25,36 @@ def dot(a, b):
 
 
 @compiled
+def total_of(a):
+    """Return the sum of a, computed as four partial sums."""
+    s0 = s1 = s2 = s3 = 0.0
+    whole = a.size - a.size % 4
+    for i in range(0, whole, 4):
+        s0 += a[i]
+        s1 += a[i + 1]
+        s2 += a[i + 2]
+        s3 += a[i + 3]
+    for i in range(whole, a.size):
+        s0 += a[i]
+    return (s0 + s1) + (s2 + s3)
+
+
+@compiled
+def largest(a):
+    """Return the largest number in a, or 0 if all are negative."""
+    s0 = s1 = s2 = s3 = 0.0
+    whole = a.size - a.size % 4
+    for i in range(0, whole, 4):
+        s0 = a[i] if a[i] > s0 else s0
+        s1 = a[i + 1] if a[i + 1] > s1 else s1
+        s2 = a[i + 2] if a[i + 2] > s2 else s2
+        s3 = a[i + 3] if a[i + 3] > s3 else s3
+    for i in range(whole, a.size):
+        s0 = a[i] if a[i] > s0 else s0
+    return max(max(s0, s1), max(s2, s3))
+
+
+@compiled
 def add(total, rest, term):
     """Return a sum and its rounding error after adding a term: Neumaier, ZAMM 54, 39 (1974)."""
     new = total + term
@@ -83,35 +113,3 @@ def violations(v, z, face):
         else:
             outside = max(outside, -w)
     return inside, outside
-
-
-@compiled
-def factorise(matrix, count, column):
-    """Replace a lower triangle by its Cholesky factor; return whether the matrix is positive definite."""
-    for k in range(count):
-        if not matrix[k, k] > 0.0:
-            return False
-        root = math.sqrt(matrix[k, k])
-        for m in range(k, count):
-            matrix[m, k] /= root
-            column[m] = matrix[m, k]
-        matrix[k, k] = root
-        for m in range(k + 1, count):
-            line, factor = matrix[m], column[m]
-            for j in range(k + 1, m + 1):
-                line[j] -= factor * column[j]
-    return True
-
-
-@compiled
-def substitute(matrix, count, vector):
-    """Replace a right-hand side by the solution, given the Cholesky factor in `matrix`."""
-    for k in range(count):
-        total = vector[k]
-        for m in range(k):
-            total -= matrix[k, m] * vector[m]
-        vector[k] = total / matrix[k, k]
-    for k in range(count - 1, -1, -1):
-        vector[k] /= matrix[k, k]
-        for m in range(k):
-            vector[m] -= matrix[k, m] * vector[k]

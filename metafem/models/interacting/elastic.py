@@ -9,9 +9,10 @@ from functools import cached_property, partial
 
 import numpy as np
 
-from metafem._kernels import continuation as kernel
+from metafem._kernels import curve as kernel
+from metafem._kernels.gradient import area_gradients
 from metafem._kernels.contact.tabulated import Law
-from metafem._kernels.coupling import State
+from metafem._kernels.equations import State, state_in
 from metafem._validate import FloatArray
 from metafem.contact.law import contacts
 from metafem.errors import InvalidInput, NotConverged
@@ -29,13 +30,12 @@ from metafem.models.interacting.coupled import Coupled, refuse_wide
 from metafem.models.interacting.influence import coupling_between
 from metafem.models.interacting.newton_krylov import NOT_RECORDED, ContactEquations, large_scene
 from metafem.models.interacting.newton_krylov import TOLERANCE as FAST_TOLERANCE
-from metafem.models.interacting.sensitivity import area_gradients
 from metafem.models.interacting.sums import find_grid, find_lattice
 from metafem.notes import Note, information
 from metafem.substrate import Radial
 
 # Largest residual of a converged state solved with dense matrices; the kernel has the same tolerance.
-TOLERANCE = 1e-12
+TOLERANCE = kernel.ON_CURVE
 
 # Largest numbers of asperities that are solved with dense matrices over all pairs. The first number applies
 # to lattices with order 3, the second to all other scenes. Times per load of a curve of order 3 on a layer,
@@ -160,7 +160,8 @@ class ElasticCoupling(Coupled):
         surface, bound = self.surface, self.substrate
         size = surface.radius if radius is None else radius
         self_term = np.zeros(height.shape) + self.pedestals(height, size)
-        results = kernel.empty_results(len(height), len(control))
+        found = np.zeros((len(kernel.Results._fields), len(height), len(control)))
+        results = kernel.Results(*found)
         law = tables(self.law, np.broadcast_to(self.law.summits(surface, radius), gap.shape))
         if self.summed is not None:
             sums, coarse = large_scene(surface, self.summed, self.order)
@@ -180,13 +181,12 @@ class ElasticCoupling(Coupled):
         states = {}
 
         def run(rows: slice, loads: slice) -> None:
-            state, memory, scratch = kernel.empty_workspace(surface.count, self.order)
-            part = kernel.Results(*(array[rows, loads] for array in results))
+            work = kernel.empty_work(surface.count, self.order)
             kernel.curves(
                 coupling, self.order, rows_of(law, rows), self_term[rows], gap[rows], control[loads], by_load,
-                part, state, memory, scratch, indentation[loads],
+                found[:, rows, loads], work, indentation[loads],
             )  # fmt: skip
-            states[rows.stop, loads.stop] = state
+            states[rows.stop, loads.stop] = state_in.py_func(work.block, work.closed)
 
         whole, pairs = (len(gap), len(control)), gap.size * surface.count * len(control)
         if len(gap) == 1:
@@ -195,8 +195,18 @@ class ElasticCoupling(Coupled):
             run_rows(partial(run, loads=slice(0, len(control))), len(gap), pairs, PAIRS_PER_THREAD)
         for (end, _), state in states.items():
             self._refuse_deep(rows_of(law, end - 1), state)
-        system = coupling, self.order, rows_of(law, -1), self_term[-1], indentation
-        gradients = partial(area_gradients, *system)
+
+        def gradients() -> FloatArray:
+            found = np.empty_like(indentation)
+            system = coupling, self.order, rows_of(law, -1), self_term[-1]
+
+            def run(part: slice) -> None:
+                work = kernel.empty_work(surface.count, self.order)
+                area_gradients(*system, indentation[part], work, found[part])
+
+            run_rows(run, len(found), len(found) * surface.count**2, PAIRS_PER_THREAD)
+            return found
+
         return Solution(results, height[-1], states[whole], TOLERANCE, gradients)
 
     def _refuse_deep(self, law: Law, state: State) -> None:

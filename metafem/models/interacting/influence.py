@@ -10,7 +10,7 @@ from functools import lru_cache
 import numpy as np
 import scipy
 
-from metafem._kernels.coupling import Coupling
+from metafem._kernels.equations import Coupling
 from metafem._validate import FloatArray
 from metafem.errors import refuse_if
 from metafem.material import PeriodicCell
@@ -73,7 +73,7 @@ def displacements(surface: Surface, bound: Substrate) -> Callable[[FloatArray], 
     """
     if surface.count <= MOST_KEPT or not isinstance(bound, Radial) or _scattered(surface):
         coupling, regular = coupling_between(surface, bound, 1)
-        return lambda load: load @ coupling.influence + regular * load
+        return lambda load: load @ coupling.source + regular * load
     if surface.count > MOST_KEPT_SUMS or not isinstance(bound, Hashable):
         sums = fast_sums(surface, bound, 1)
     else:
@@ -133,6 +133,9 @@ def _computed(substrate: Substrate, order: int, surface: Surface) -> tuple[Coupl
     regular = np.diagonal(influence).copy()
     np.fill_diagonal(influence, 0.0)
     if order == 1:
-        return Coupling(influence, *(np.empty((0, 0)) for _ in range(6))), regular
-    derivatives = [np.ascontiguousarray(term) for term in terms]
-    return Coupling(influence, *derivatives, *(np.ascontiguousarray(d.T) for d in derivatives)), regular
+        return Coupling(influence, influence), regular
+    x, y, laplacian = terms
+    source = np.concatenate([influence, laplacian, x, y], axis=1)
+    if isinstance(substrate, Radial):
+        return Coupling(source, source), regular
+    return Coupling(source, np.concatenate([influence, laplacian.T, -x.T, -y.T], axis=1)), regular

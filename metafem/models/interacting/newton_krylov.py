@@ -1,4 +1,4 @@
-"""Newton-Krylov method for many interacting contacts; `metafem._kernels.coupling` states the equations."""
+"""Newton-Krylov method for many interacting contacts; `metafem._kernels.equations` states the equations."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from metafem._kernels.contact.tabulated import Law
-from metafem._kernels.continuation import Results, empty_memory, predict, uniform_approach
-from metafem._kernels.coupling import State, empty_state, press, sharpen, spread
+from metafem._kernels.curve import REMEMBERED, Results, empty_memory, predict, remember, uniform_approach
+from metafem._kernels.equations import State, empty_state, press, sharpen, spread
 from metafem._kernels.vectors import exact_sum
 from metafem._validate import FloatArray
 from metafem.errors import NotConverged
@@ -149,8 +149,8 @@ class ContactEquations:
             at.steps = taken + 1
         return at, approach
 
-    def tangent(self, at: Iterate, before: FloatArray) -> tuple[float, FloatArray, FloatArray]:
-        """Return dP/dx [mm], dz/dx (n,) and dp/dP (n,) at an equilibrium; dP/dx is infinite without success.
+    def tangent(self, at: Iterate, before: FloatArray) -> tuple[float, FloatArray]:
+        """Return dP/dx [mm] and dp/dP (n,) at an equilibrium; dP/dx is infinite without success.
 
         ``H y = x 1`` is solved for the loads y with a sum of 1, from those of the state before.
         """
@@ -161,17 +161,16 @@ class ContactEquations:
         # divided by the compliances of independent contacts in parallel and of the scene
         alone = 1.0 / float((1.0 / at.diagonal[at.closed]).sum())
         goal = TANGENT[self.order] * math.sqrt(alone / float(at.uniform.sum()))
-        share, shift, rest, good = self.solve(
+        share, _, rest, good = self.solve(
             at, np.zeros_like(start), start / float(start.sum()), True, goal, exact=True
         )
-        stiffness = -1.0 / float(share @ rest) if good else math.inf
-        return stiffness, (rest + shift + at.compliance * share) / at.state.bend / shift, share
+        return -1.0 / float(share @ rest) if good else math.inf, share
 
     def area_gradient(self, at: Iterate) -> FloatArray:
         """Return dA0/dh at fixed load at an equilibrium, (n,) [mm].
 
         The method solves ``H l = c + x 1`` with the x for which the sum of l over the contacts is zero; see
-        `interacting.sensitivity`.
+        `metafem._kernels.gradient`.
         """
         found, none = at.state, np.zeros_like(self.gap)
         spread(self.order, self.law, found)
@@ -211,7 +210,7 @@ class ContactEquations:
 
         Return them, the change of the approach, the residual (n,), and whether it reaches the goal. If
         `free`, the approach changes such that the sum of the loads remains. Preconditioned conjugate
-        gradients are used, with the constraint in the preconditioner as in `metafem._kernels.projected_cg`.
+        gradients are used, with the constraint in the preconditioner as in `metafem._kernels.newton`.
         The residual includes the rows of open asperities.
         """
         shift, whole, direction, before = 0.0, float(at.uniform.sum()), np.zeros_like(rhs), math.inf
@@ -247,7 +246,7 @@ class ContactEquations:
         """
         gap, law = self.gap, self.law
         last = empty_state(len(gap))
-        x, width, points, memory, share = 0.0, 0.0, 0, empty_memory(len(gap)), np.zeros_like(gap)
+        x, points, memory, share = 0.0, 0, empty_memory(len(gap)), np.zeros_like(gap)
         for j, value in enumerate(each("load", control.tolist())):
             results.approach[j] = 0.0 if by_load else value
             if value <= 0.0:
@@ -258,19 +257,18 @@ class ContactEquations:
                 if points:
                     ahead = (value - results.load[j - 1]) / results.stiffness[j - 1] if by_load else value - x
                     z = np.empty_like(gap)
-                    ahead = predict(memory, points, width, float(ahead), target, law, z)
-                    at, new = self.newton(z, x + ahead, target)
+                    start = predict(memory, points, x + float(ahead), target, law, z)
+                    at, new = self.newton(z, start, target)
                 if at is None or at.residual > TOLERANCE:
                     start = float(uniform_approach(gap, law, target) if by_load else value)
                     at, new = self.newton(start - gap, start, target)
-                last, width, x = at.state, new - x, new
+                last, further, x = at.state, new > x, new
                 residual = max(at.residual, self.sums.error(last.load) / float(last.indentation.max()))
                 spread(self.order, law, last)
-                points = 0 if residual > TOLERANCE else min(2, points + 1) if width > 0.0 else 1
+                points = 0 if residual > TOLERANCE else min(REMEMBERED, points + 1) if further else 1
                 if points:
-                    memory.before[:], memory.before_rate[:] = memory.last, memory.last_rate
-                    memory.last[:] = last.z
-                    results.stiffness[j], memory.last_rate[:], share = self.tangent(at, share)
+                    remember(memory, x, last.z)
+                    results.stiffness[j], share = self.tangent(at, share)
                     if results.stiffness[j] == math.inf:  # not a minimum of the energy
                         residual, points = 1.0, 0
                 results.approach[j], results.load[j] = x, exact_sum(last.load)

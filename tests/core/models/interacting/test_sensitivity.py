@@ -1,11 +1,8 @@
 """Sensitivities of A0 to the heights against differences of high order."""
 
 import numpy as np
-import pytest
 
 import metafem as mf
-from metafem.models.interacting import elastic as interacting
-from metafem.models.interacting.sensitivity import general_gradients
 from tests.core.models.test_sensitivity import scene
 
 PEDESTALS = [mf.Interacting(order=order, substrate=mf.BondedLayer(), pedestal=True) for order in (1, 3)]
@@ -29,12 +26,3 @@ def test_heights_can_stand_in_place_of_those_of_the_surface():
         np.testing.assert_array_equal(given.curve.area, own.curve.area)
         np.testing.assert_array_equal(given.gradient, own.gradient)
         np.testing.assert_array_equal(given.indentation, own.indentation)
-
-
-@pytest.mark.parametrize("model", MODELS[2:], ids=repr)
-def test_the_kernel_has_the_sensitivities_of_the_general_solver(model, monkeypatch):
-    surface, load = scene(mf.Sphere(), 25), np.array([0.0, 0.05, 0.5])
-    found = model.sensitivity(surface, load).gradient
-    monkeypatch.setattr(interacting, "area_gradients", general_gradients)
-    general = model.sensitivity(surface, load).gradient
-    np.testing.assert_allclose(found, general, rtol=0.0, atol=1e-13 * np.abs(general).max())

@@ -1,0 +1,279 @@
+"""Curves of coupled contacts; each equilibrium is predicted from the previous ones.
+
+Each nominal indentation z is nearly linear in the approach x, and exactly linear without interaction. The
+prediction is the parabola through the last three equilibria.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from metafem._kernels.compiled import compiled, inlined
+from metafem._kernels.contact import hertz, tabulated
+from metafem._kernels.equations import ROWS, copy, linearise, spread, state_in
+from metafem._kernels.newton import ON_CURVE, TOLERANCE, Scratch, refresh, scratch_in, settle, solve
+
+# Relative residual of the tangent. The stiffness is stationary at the tangent and has twice as many correct
+# digits.
+TANGENT = 1e-4
+
+# Number of equilibria of which a prediction is made, and largest distance beyond the last of them, divided by
+# the distance of the last two, at which more than two are used.
+REMEMBERED = 3
+REACH = 3.0
+
+# Maximum number of Newton steps for the approach of a prediction, and relative error of the load that is
+# below that of the prediction.
+PREDICTOR_STEPS, CLOSE = 2, 1e-4
+
+
+from metafem._kernels.vectors import largest, total_of
+
+
+class Results(NamedTuple):
+    """Results of the equilibria of m surfaces at k loads or approaches, (m, k): parts of one array."""
+
+    approach: np.ndarray  # [mm]
+    load: np.ndarray  # P/E* [mm^2]
+    area: np.ndarray  # [mm^2]
+    stiffness: np.ndarray  # dP/dx [mm]
+    residual: np.ndarray
+    radius: np.ndarray  # contact radius of the largest contact [mm]
+    steps: np.ndarray  # number of Newton steps, including those from rejected predictions
+
+
+class Memory(NamedTuple):
+    """The last equilibria of a curve, the latest first."""
+
+    approach: np.ndarray  # (REMEMBERED,)
+    z: np.ndarray  # (REMEMBERED, n)
+
+
+def empty_memory(count: int) -> Memory:
+    """Return an empty memory for `count` asperities."""
+    return Memory(np.zeros(REMEMBERED), np.zeros((REMEMBERED, count)))
+
+
+class Work(NamedTuple):
+    """Arrays of one thread; they are few, because each takes time to pass to compiled code."""
+
+    block: np.ndarray  # state, scratch and memory, (rows, n)
+    matrix: np.ndarray  # (n, n); empty for order 1
+    closed: np.ndarray  # indices of the asperities in contact, (n,)
+
+
+def empty_work(count: int, order: int) -> Work:
+    """Return the arrays of one thread."""
+    size = 0 if order == 1 else count
+    rows = ROWS + len(Scratch._fields) - 1 + REMEMBERED
+    return Work(np.zeros((rows, count)), np.zeros((size, size)), np.zeros(count, np.int64))
+
+
+@inlined
+def load_and_rate(law, i, z):
+    """Return the load of asperity i at a nominal indentation z > 0 and its derivative."""
+    if law.data.size == 0:
+        a = hertz.contact_radius(law.radius[i], z)
+        return hertz.LOAD * a * z, hertz.STIFFNESS * a
+    return tabulated.load_and_rate(law.data, law.which[i], law.scale[i], z)
+
+
+@compiled
+def uniform_approach(gap, law, load):
+    """Return the approach [mm] at which independent asperities carry `load` within 10 %."""
+    radius, which, scale, data = law
+    x = math.inf
+    for i in range(gap.size):  # asperity i needs this approach to carry the load by itself: an upper bound
+        if data.size == 0:
+            alone = hertz.indentation_at_load(radius[i], load)
+        else:
+            alone = tabulated.indentation_at_load(data, which[i], scale[i], load)
+        x = min(x, gap[i] + alone)
+    low, high = gap.min(), math.inf
+    for _ in range(60):
+        p = slope = 0.0
+        for i in range(gap.size):
+            if x > gap[i]:
+                own, rate = load_and_rate(law, i, x - gap[i])
+                p += own
+                slope += rate
+        if 0.9 * load <= p <= 1.01 * load:
+            break
+        if p < load:
+            low = x
+        else:
+            high = x
+        # if the load is convex, Newton's method does not overshoot from the right; a plastic load is concave
+        x = x - (p - load) / slope if slope > 0.0 else low
+        if not low < x < high:
+            x = 0.5 * (low + high)
+    return x
+
+
+@compiled
+def remember(memory, x, z):
+    """Let an equilibrium become the latest in the memory."""
+    for k in range(REMEMBERED - 1, 0, -1):
+        memory.approach[k] = memory.approach[k - 1]
+        copy(memory.z[k - 1], memory.z[k])
+    memory.approach[0] = x
+    copy(z, memory.z[0])
+
+
+@compiled
+def extrapolate(memory, points, x, law, z):
+    """Fill the z predicted at the approach x from the last `points` equilibria; return load and dP/dx."""
+    at = memory.approach
+    near = x - at[0]
+    bend = turn = 0.0
+    if points == REMEMBERED and near <= REACH * (at[0] - at[1]):
+        bend = 1.0 / (at[0] - at[2])
+    load = slope = 0.0
+    first, second = 0.0, 0.0
+    if points > 1:
+        first, second = 1.0 / (at[0] - at[1]), 1.0 / (at[1] - at[2]) if bend > 0.0 else 0.0
+    for i in range(z.size):  # Newton's form of the interpolating polynomial
+        rate = 1.0
+        if points > 1:
+            rate = first * (memory.z[0, i] - memory.z[1, i])
+            turn = bend * (rate - second * (memory.z[1, i] - memory.z[2, i]))
+        ahead = x - at[1]
+        z[i] = memory.z[0, i] + near * (rate + ahead * turn)
+        if z[i] > 0.0:
+            own, own_rate = load_and_rate(law, i, z[i])
+            load += own
+            slope += own_rate * (rate + (ahead + near) * turn)
+    return load, slope
+
+
+@compiled
+def predict(memory, points, x, target, law, z):
+    """Fill the predicted z; return the approach: x or, if `target` > 0, that of this load, from x."""
+    load, slope = extrapolate(memory, points, x, law, z)
+    if target > 0.0:
+        for _ in range(PREDICTOR_STEPS):
+            if not slope > 0.0 or abs(load - target) <= CLOSE * target:
+                break
+            x = max(memory.approach[0], x - (load - target) / slope)
+            load, slope = extrapolate(memory, points, x, law, z)
+    return x
+
+
+@inlined
+def tangent(field, order, self_term, state, count, warm, scratch):
+    """Return dP/dx [mm], or infinity if unstable, and leave dp/dP in scratch.loads: warm, the last one."""
+    matrix = refresh(field, order, self_term, state, count, scratch, False)
+    load_rate = scratch.loads
+    compliance = 0.0
+    for i in range(load_rate.size):
+        load_rate[i] = load_rate[i] if state.z[i] > 0.0 else 0.0
+        scratch.rhs[i] = 0.0
+    for k in range(count):
+        compliance += 1.0 / abs(scratch.diagonal[state.closed[k]])
+    total = total_of(load_rate)
+    warm = warm and total > 0.5
+    if warm:
+        for i in range(load_rate.size):
+            load_rate[i] /= total
+    _, good = solve(matrix, state.closed, count, 1.0, True, TANGENT / compliance, warm, scratch)
+    form = linearise(field, order, self_term, state, count, load_rate, scratch.image)
+    return 1.0 / form if good and form > 0.0 else math.inf
+
+
+@inlined
+def independent_start(gap, law, control, by_load, z):
+    """Fill the z of independent asperities; return the approach."""
+    start = uniform_approach(gap, law, control) if by_load else control
+    for i in range(z.size):
+        z[i] = start - gap[i]
+    return start
+
+
+@compiled
+def curves(field, order, law, self_term, gap, control, by_load, found, work, all_z):
+    """Fill `found` (7, m, k), the results of m surfaces; fill `all_z` (k, n) with z of the last one unless empty.
+
+    self_term, gap and the arrays of the law are (m, n); control (k,) contains increasing loads or approaches.
+    The last equilibrium of each surface is solved to TOLERANCE, the others to ON_CURVE.
+    """
+    n = gap.shape[1]
+    results = Results(found[0], found[1], found[2], found[3], found[4], found[5], found[6])
+    state, scratch = state_in(work.block, work.closed), scratch_in(work.block[ROWS:], work.matrix)
+    memory = Memory(np.zeros(REMEMBERED), work.block[-REMEMBERED:])
+    load_rate = np.zeros(n)
+    for row in range(gap.shape[0]):
+        points = 0
+        law_of_row = tabulated.part(law, row)
+        for j in range(control.size):
+            results.approach[row, j] = 0.0 if by_load else control[j]
+            if control[j] <= 0.0:
+                for i in range(n):
+                    state.z[i] = min(results.approach[row, j], 0.0) - gap[row, i]
+                    state.indentation[i] = state.z[i]
+                    state.load[i] = state.square[i] = state.footprint[i] = 0.0
+                if all_z.size > 0:
+                    copy(state.z, all_z[j])
+                continue
+            target = control[j] if by_load else 0.0
+            tolerance = ON_CURVE if j + 1 < control.size else TOLERANCE
+            alone = points == 0
+            while True:
+                if alone:
+                    start = independent_start(gap[row], law_of_row, control[j], by_load, state.z)
+                else:
+                    x = control[j]
+                    if by_load:
+                        ahead = (target - results.load[row, j - 1]) / results.stiffness[row, j - 1]
+                        x = memory.approach[0] + ahead
+                    start = predict(memory, points, x, target, law_of_row, state.z)
+                new, count, load, residual, steps = settle(
+                    field,
+                    order,
+                    law_of_row,
+                    self_term[row],
+                    gap[row],
+                    start,
+                    target,
+                    tolerance,
+                    alone,
+                    state,
+                    scratch,
+                )
+                results.steps[row, j] += steps
+                if residual <= tolerance or alone:
+                    break
+                alone = True  # a prediction can fail if new contacts form
+            if all_z.size > 0:
+                copy(state.z, all_z[j])
+            results.approach[row, j] = new
+            results.load[row, j] = load
+            results.residual[row, j] = residual
+            results.area[row, j], results.radius[row, j] = areas(order, law_of_row, state)
+            if residual > tolerance or count == 0:
+                points = 0
+                continue
+            if points > 0 and not new > memory.approach[0]:
+                points = 0
+            remember(memory, new, state.z)
+            copy(load_rate, scratch.loads)
+            stiffness = tangent(field, order, self_term[row], state, count, points > 0, scratch)
+            results.stiffness[row, j] = stiffness
+            if stiffness == math.inf:  # the equilibrium is not a minimum of the energy
+                results.residual[row, j] = 1.0
+                points = 0
+                continue
+            copy(scratch.loads, load_rate)
+            points = min(REMEMBERED, points + 1)
+
+
+@inlined
+def areas(order, law, state):
+    """Fill the areas; return their sum [mm^2], and the largest contact radius [mm]."""
+    if order > 1 and law.data.size > 0:
+        spread(order, law, state)
+    else:
+        copy(state.square, state.footprint)
+    return math.pi * total_of(state.footprint), math.sqrt(largest(state.square))
