@@ -1,6 +1,6 @@
 """Contact of one asperity and a rigid plane."""
 
-from metafem.contact.adhesion import JKR
+from metafem.contact.jkr import JKR
 from metafem.contact.by_profile import Elastic
 from metafem.contact.cap_compliance import pedestal_compliance
 from metafem.contact.elastic import Hertz
