@@ -11,8 +11,8 @@ s = sqrt(2 pi w a/E*), JKR's law has d = d_cap - s, ``d' = c - s/(2 a)`` and ``P
 A contact is a sum of flat punches, so that at given radii the loads are linear in x, with the compliance
 ``Q = diag(1/(2 a)) + K``. The energy at given x, minimised over the loads, is a function of the radii alone.
 Its second derivatives are ``diag(2 s/a) [diag(a P'/s) + Q^-1] diag(2 s/a)`` divided by 4. The contacts are
-stable at fixed approach if this matrix is positive definite, which includes d' > 0, and stable at fixed load
-if the load increases with the approach as well. A branch ends where dF/da is singular.
+stable at fixed approach if this matrix is positive definite, and stable at fixed load if the load increases
+with the approach as well. A branch ends where this matrix, and therefore dF/da, is singular.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+from scipy.linalg.lapack import dpotrf
 
 from metafem._validate import FloatArray, IntArray
 from metafem.contact import JKR
@@ -36,30 +37,32 @@ TOLERANCE, GOAL = 1e-12, 2e-13
 # A double root at the end of a branch halves the error in each step, so that 60 steps reach rounding.
 MOST_STEPS = 60
 
+EVERY = slice(None)
+
 # Shortest step that the line search takes, over a step of Newton's method.
 SHORTEST = 1e-3
 
 
-class Condition(NamedTuple):
+@dataclass(frozen=True)
+class Condition:
     """``by_load . P + by_radius . a + by_approach x = value``, for k states of n contacts."""
 
     value: FloatArray  # (k,)
-    by_load: FloatArray | float = 0.0  # (k, n) or a number
-    by_radius: FloatArray | float = 0.0  # (k, n) or a number
+    by_load: FloatArray | None = None  # (k, n)
+    by_radius: FloatArray | None = None  # (k, n)
     by_approach: float = 0.0
 
-    def part(self, rows: IntArray, columns: IntArray) -> Condition:
+    def part(self, rows: IntArray | slice, columns: IntArray | slice = EVERY) -> Condition:
         """Return the condition of some states and contacts."""
-        by_load, by_radius = (
-            each if isinstance(each, float) else each[np.ix_(rows, columns)]
-            for each in (self.by_load, self.by_radius)
+        weights = (
+            None if each is None else each[rows][:, columns] for each in (self.by_load, self.by_radius)
         )
-        return Condition(self.value[rows], by_load, by_radius, self.by_approach)
+        return Condition(self.value[rows], *weights, self.by_approach)
 
 
-def at_load(load: FloatArray) -> Condition:
-    """Return the condition of total loads (k,) [mm^2]."""
-    return Condition(load, by_load=1.0)
+def at_load(load: FloatArray, count: int) -> Condition:
+    """Return the condition of total loads (k,) [mm^2] of `count` asperities."""
+    return Condition(load, by_load=np.ones((len(load), count)))
 
 
 def at_approach(approach: FloatArray) -> Condition:
@@ -73,12 +76,12 @@ def at_radius(index: IntArray, radius: FloatArray, count: int) -> Condition:
 
 
 class Fields(NamedTuple):
-    """The law at contact radii, arrays (k, m), for open contacts 0."""
+    """The law at contact radii, arrays (k, n)."""
 
-    load: FloatArray  # P [mm^2]
-    depth: FloatArray  # d_cap [mm]
-    deficit: FloatArray  # s [mm]
-    rise: FloatArray  # dP/da [mm]
+    load: FloatArray  # P [mm^2]; 0 for open contacts
+    depth: FloatArray  # d_cap [mm]; for open contacts that after a jump into contact
+    deficit: FloatArray  # s [mm]; also
+    rise: FloatArray  # dP/da [mm]; 0 for open contacts
     slope: FloatArray  # dd/da [-]; 1 for open contacts
 
 
@@ -119,13 +122,14 @@ class Scene:
     def fields(self, a: FloatArray, closed: BoolArray) -> Fields:
         """Return the law at contact radii (k, n) [mm]."""
         law, cap = self.law, self.law.cap
-        a = np.where(closed, a, self.entry_radius)
+        whole = closed.all()
+        a = a if whole else np.where(closed, a, self.entry_radius)
         depth, s, c = cap.indentation(a, self.radius), law.deficit(a), cap.profile_slope(a, self.radius)
         load, rise = cap.load(a, self.radius) - 2.0 * a * s, 2.0 * a * c - 3.0 * s
         slope = c - 0.5 * s / a
-        if closed.all():
-            return Fields(load, depth, s, rise, slope)
-        return Fields(load * closed, depth * closed, s * closed, rise * closed, np.where(closed, slope, 1.0))
+        if not whole:
+            load, rise, slope = load * closed, rise * closed, np.where(closed, slope, 1.0)
+        return Fields(load, depth, s, rise, slope)
 
     def displacement(self, load: FloatArray) -> FloatArray | float:
         """Return the displacements (k, n) [mm] by loads (k, n)."""
@@ -143,76 +147,101 @@ class Scene:
         except np.linalg.LinAlgError:
             return np.full_like(right, np.nan)
 
-    def solve(self, closed: BoolArray, a: FloatArray, x: FloatArray, condition: Condition) -> States:
-        """Return k states by Newton's method with a line search; `States.converged` tells which converged.
+    def solve(
+        self, closed: BoolArray, a: FloatArray, x: FloatArray, condition: Condition, goal: float = GOAL
+    ) -> States:
+        """Return k states by Newton's method with a line search; see `States.converged`.
 
-        closed: which asperities are in contact, (k, n). a (k, n), x (k,): initial guess [mm].
+        closed: which asperities are in contact, (k, n). a (k, n), x (k,): initial guess [mm]. goal: residual
+        at which the method stops.
         """
+        kept, some, inner = closed, self, condition
         columns = np.flatnonzero(closed.any(axis=0))
-        some, kept = self.part(columns), closed[:, columns]
-        found = np.zeros(closed.shape)
-        inner, x = some._newton(kept, np.where(kept, a[:, columns], some.entry_radius), x, condition, columns)
-        found[:, columns] = np.where(kept, inner, 0.0)
+        whole = len(columns) == len(self.gap)
+        if not whole:
+            kept, a, some, inner = (
+                closed[:, columns],
+                a[:, columns],
+                self.part(columns),
+                condition.part(EVERY, columns),
+            )
+        a, x = some._newton(kept, np.where(kept, a, some.entry_radius), x, inner, goal)
+        found = a * kept
+        if not whole:
+            found = np.zeros(closed.shape)
+            found[:, columns] = a * kept
         return States(self, closed, found, x, condition)
 
     def _newton(
-        self, closed: BoolArray, a: FloatArray, x: FloatArray, condition: Condition, columns: IntArray
+        self, closed: BoolArray, a: FloatArray, x: FloatArray, condition: Condition, goal: float
     ) -> tuple[FloatArray, FloatArray]:
         """Return the contact radii and approaches of `solve`.
 
         The residual decreases in each step; a step that increases it is halved.
         """
-        a, x = a.copy(), x.copy()
-        step, shift, length = np.zeros_like(a), np.zeros_like(x), np.ones_like(x)
-        error, unit = np.full(len(x), np.inf), np.zeros((2, len(x)))
+        least, largest = 0.5 * self.break_radius, self.largest_radius
+        best_a, best_x, error = a.copy(), x.copy(), np.full(len(x), np.inf)
+        step, shift, length, unit = np.zeros_like(a), np.zeros_like(x), np.ones_like(x), np.zeros((2, len(x)))
         rows = np.arange(len(x))
         for _ in range(MOST_STEPS):
-            new = a[rows] + length[rows, None] * step[rows]
-            new = np.clip(new, 0.5 * self.break_radius, 0.5 * (a[rows] + self.largest_radius))
-            moved = x[rows] + length[rows] * shift[rows]
-            goal = condition.part(rows, columns)
-            fields = self.fields(new, closed[rows])
-            force, wrong, own = self.errors(fields, closed[rows], new, moved, goal)
+            fields = self.fields(a, closed)
+            force, wrong, own = self.errors(fields, closed, a, x, condition)
             larger = np.maximum(own, unit[:, rows])
             merit = np.maximum(np.abs(force).max(axis=1) / larger[0], np.abs(wrong) / larger[1])
             better = merit < error[rows]
+            good = rows[better]
+            best_a[good], best_x[good], error[good], unit[:, good] = (
+                a[better],
+                x[better],
+                merit[better],
+                own[:, better],
+            )
             length[rows[~better]] *= 0.5
-            going = better & (merit > GOAL)
-            moving, good = rows[going], rows[better]
-            a[good], x[good], error[good], unit[:, good] = new[better], moved[better], merit[better], own[:, better]
-            if moving.size:
-                if not going.all():
-                    fields = Fields(*(each[going] for each in fields))
-                    goal = condition.part(moving, columns)
-                step[moving], shift[moving] = self._step(fields, force[going], wrong[going], goal)
-                # a contact radius at most doubles, and at least is halved, in one step
-                relative = step[moving] / a[moving]
-                most = np.maximum(relative.max(axis=1), -2.0 * relative.min(axis=1))
-                length[moving] = 1.0 / np.maximum(most, 1.0)
-            # below the tolerance a step that does not help shows rounding errors
-            stuck = ~better & ((error[rows] <= TOLERANCE) | ~(length[rows] >= SHORTEST))
-            rows = rows[~(stuck | (better & ~going))]
-            if not rows.size:
+            # below the tolerance, shorter steps do not help against rounding errors
+            going = np.where(better, merit > goal, (error[rows] > TOLERANCE) & (length[rows] >= SHORTEST))
+            if not going.any():
                 break
-        return a, x
+            if better.any():
+                change, move = self._step(fields, force, wrong, condition)
+                # a contact radius at most doubles, and at least is halved, in one step
+                relative = change / a
+                most = np.maximum(relative.max(axis=1), -2.0 * relative.min(axis=1))
+                step[good], shift[good] = change[better], move[better]
+                length[good] = 1.0 / np.maximum(most[better], 1.0)
+            if not going.all():
+                rows, closed, condition = rows[going], closed[going], condition.part(going)
+            a, x = best_a[rows] + length[rows, None] * step[rows], best_x[rows] + length[rows] * shift[rows]
+            a = np.maximum(np.minimum(a, 0.5 * (best_a[rows] + largest)), least)
+        return best_a, best_x
 
     def errors(
         self, fields: Fields, closed: BoolArray, a: FloatArray, x: FloatArray, condition: Condition
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return F (k, n), the error of the condition (k,), and the units of both (2, k)."""
         force = fields.depth - fields.deficit + self.displacement(fields.load) - (x[:, None] - self.gap)
-        by_load, by_radius, deepest = condition.by_load, condition.by_radius, fields.depth.max(axis=1)
-        wrong = (by_load * fields.load + by_radius * a).sum(axis=1) + condition.by_approach * x - condition.value
-        unit = (np.abs(by_load) * a * fields.depth + np.abs(by_radius) * a).sum(axis=1)
-        return force * closed, wrong, np.array([deepest, unit + condition.by_approach * deepest])
+        deepest = fields.depth.max(axis=1)
+        wrong, unit = condition.by_approach * x - condition.value, condition.by_approach * deepest
+        if condition.by_load is not None:
+            wrong += (condition.by_load * fields.load).sum(axis=1)
+            unit += (np.abs(condition.by_load) * a * fields.depth).sum(axis=1)
+        if condition.by_radius is not None:
+            wrong += (condition.by_radius * a).sum(axis=1)
+            unit += condition.value
+        return force * closed, wrong, np.array([deepest, unit])
 
     def _step(
         self, fields: Fields, force: FloatArray, wrong: FloatArray, condition: Condition
     ) -> tuple[FloatArray, FloatArray]:
         """Return Newton's steps in the radii (k, n) and in the approaches (k,)."""
-        change, rate = np.moveaxis(self.solved(fields, np.stack([-force, np.ones_like(force)], axis=2)), 2, 0)
-        weight = condition.by_load * fields.rise + condition.by_radius
-        shift = (-wrong - (weight * change).sum(axis=1)) / ((weight * rate).sum(axis=1) + condition.by_approach)
+        right = np.empty((*force.shape, 2))
+        right[:, :, 0], right[:, :, 1] = -force, 1.0
+        change, rate = np.moveaxis(self.solved(fields, right), 2, 0)
+        top, below = -wrong, np.full(len(wrong), condition.by_approach)
+        for weight, scale in ((condition.by_load, fields.rise), (condition.by_radius, 1.0)):
+            if weight is not None:
+                top -= (weight * scale * change).sum(axis=1)
+                below += (weight * scale * rate).sum(axis=1)
+        shift = top / below
         return change + rate * shift[:, None], shift
 
 
@@ -228,12 +257,11 @@ class States:
 
     def __getitem__(self, rows: IntArray) -> States:
         """Return some of the states."""
-        condition = self.condition.part(rows, np.arange(len(self.scene.gap)))
-        return States(self.scene, self.closed[rows], self.a[rows], self.x[rows], condition)
+        return States(self.scene, self.closed[rows], self.a[rows], self.x[rows], self.condition.part(rows))
 
-    def moved(self, a: FloatArray, x: FloatArray, condition: Condition) -> States:
+    def moved(self, a: FloatArray, x: FloatArray, condition: Condition, goal: float = GOAL) -> States:
         """Return the states of the same contacts under a condition, from guesses of a and x."""
-        return self.scene.solve(self.closed, a, x, condition)
+        return self.scene.solve(self.closed, a, x, condition, goal)
 
     def blended(self, other: States, share: FloatArray, condition: Condition) -> States:
         """Return the states under a condition, guessed between these and others with the same contacts."""
@@ -290,8 +318,10 @@ class States:
         """
         given = self.closed, self.a, self.x, self.condition
         force, wrong, unit = self.scene.errors(self.fields, *given)
-        if isinstance(self.condition.by_load, float) and self.condition.by_load:
-            unit[1] = np.maximum((2.0 * self.a * self.fields.deficit).sum(axis=1), np.abs(self.condition.value))
+        if self.condition.by_load is not None:
+            unit[1] = np.maximum(
+                (2.0 * self.a * self.fields.deficit).sum(axis=1), np.abs(self.condition.value)
+            )
         unit = np.where(unit > 0.0, unit, 1.0)
         return np.maximum(np.abs(force).max(axis=1) / unit[0], np.abs(wrong) / unit[1])
 
@@ -303,15 +333,15 @@ class States:
     @cached_property
     def holds(self) -> BoolArray:
         """Whether the contacts are stable at fixed approach, (k,)."""
-        stable = (self.fields.slope > 0.0).all(axis=1)
         if self.scene.influence is None:
-            return stable
-        for row in np.flatnonzero(stable & (self.fields.rise < 0.0).any(axis=1)):
-            columns = np.flatnonzero(self.closed[row])
-            a, s, rise = self.a[row, columns], self.fields.deficit[row, columns], self.fields.rise[row, columns]
-            inner = self.scene.influence[np.ix_(columns, columns)]
+            return np.asarray((self.fields.slope > 0.0).all(axis=1))
+        stable = np.ones(len(self.x), dtype=bool)
+        for row in np.flatnonzero((self.fields.rise < 0.0).any(axis=1)):
+            kept = np.flatnonzero(self.closed[row])
+            a, s, rise = self.a[row, kept], self.fields.deficit[row, kept], self.fields.rise[row, kept]
+            inner = self.scene.influence[np.ix_(kept, kept)]
             matrix = np.linalg.inv(0.5 * (inner + inner.T) + np.diag(0.5 / a)) + np.diag(a * rise / s)
-            stable[row] = np.linalg.eigvalsh(matrix)[0] > 0.0
+            stable[row] = dpotrf(matrix)[1] == 0
         return stable
 
     def gradient(self) -> FloatArray:

@@ -31,7 +31,7 @@ from metafem.models.adhesion.contacts import (
     at_radius,
     joined,
 )
-from metafem.models.adhesion.walk import LOCATED, walk
+from metafem.models.adhesion.walk import LOCATED, NODES, walk
 
 # Halvings of a part of a path until Newton's method stays in it; doublings from the first contact to a load.
 MOST_HALVINGS, MOST_DOUBLINGS = 60, 200
@@ -70,7 +70,8 @@ class Path:
         return self.sign * (states.load if self.by_load else states.x)
 
     def _condition(self, goal: FloatArray) -> Condition:
-        return (at_load if self.by_load else at_approach)(self.sign * goal)
+        values = self.sign * goal
+        return at_load(values, len(self.nodes.scene.gap)) if self.by_load else at_approach(values)
 
     def at(self, values: FloatArray) -> States:
         """Return the first states of the path at loads or approaches (k,); open beyond the ends of the path."""
@@ -82,7 +83,9 @@ class Path:
         size = max(1, TOGETHER // len(self.nodes.scene.gap) ** 2)
         if self.nodes.scene.influence is not None and len(goal) > size:
             cuts = np.arange(size, len(goal), size)
-            return joined([self._first(*part) for part in zip(np.split(goal, cuts), np.split(node, cuts), strict=True)])
+            return joined(
+                [self._first(*part) for part in zip(np.split(goal, cuts), np.split(node, cuts), strict=True)]
+            )
         inside = (node < len(self.best)) & ((goal >= self.best[0]) | (self.sign < 0.0))
         node = np.minimum(node, len(self.best) - 1)
         closed = self.nodes.closed[node] & inside[:, None]
@@ -107,7 +110,7 @@ class Path:
             found = low.blended(high, np.clip(share, 0.0, 1.0), self._condition(goal[rows]))
             width = np.abs(high.x - low.x) + 1e-9 * high.fields.depth.max(axis=1)
             inside = (np.abs(found.x - low.x) <= width) & (np.abs(found.x - high.x) <= width)
-            good = inside & found.converged & (found.fields.slope > 0.0).all(axis=1)
+            good = inside & found.converged & found.holds
             a[rows[good]], x[rows[good]] = found.a[good], found.x[good]
             if good.all():
                 return a, x
@@ -128,7 +131,10 @@ class Path:
         if self.sign > 0.0:
             level, before = np.append(0.0, level), np.append(0.0, before)
         after = self._first(level, np.searchsorted(self.best, level, side="right")).area
-        return [Jump(*each) for each in zip((self.sign * level).tolist(), before.tolist(), after.tolist(), strict=True)]
+        return [
+            Jump(*each)
+            for each in zip((self.sign * level).tolist(), before.tolist(), after.tolist(), strict=True)
+        ]
 
 
 def loading(scene: Scene, goal: float, by_load: bool) -> Path:
@@ -164,7 +170,9 @@ def _apart(scene: Scene, goal: float, by_load: bool) -> States:
 def _pressed(scene: Scene, closed: BoolArray, x: FloatArray) -> States:
     """Return states at approaches (k,) [mm] at which all contacts have d >= 0."""
     plain = scene.law.cap.contact_radius(np.maximum(x[:, None] - scene.gap, 0.0), scene.radius)
-    return scene.solve(closed, plain + scene.entry_radius, x, at_approach(x))
+    return scene.solve(
+        closed, (plain**1.5 + scene.entry_radius**1.5) ** (2.0 / 3.0), x, at_approach(x), NODES
+    )
 
 
 def _beyond(scene: Scene, closed: BoolArray, x: float, most: float, goal: float, by_load: bool) -> States:
@@ -174,7 +182,7 @@ def _beyond(scene: Scene, closed: BoolArray, x: float, most: float, goal: float,
     for _ in range(MOST_DOUBLINGS):
         x = min(x + width, most) if by_load else x
         found = _pressed(scene, closed, np.array([x]))
-        if found.converged and (found.load if by_load else x) >= goal:
+        if found.residual <= 2.0 * NODES and (found.load if by_load else x) >= goal:
             return found
         if x >= most:
             break

@@ -6,17 +6,26 @@ import numpy as np
 
 from metafem._validate import FloatArray
 from metafem.errors import NotConverged
-from metafem.models.adhesion.contacts import BoolArray, Condition, Scene, States, at_approach, at_radius, joined
+from metafem.models.adhesion.contacts import (
+    BoolArray,
+    Condition,
+    Scene,
+    States,
+    at_approach,
+    at_radius,
+    joined,
+)
 
 # Relative change of the radius of the contact that changes fastest, in a step on loading and on unloading.
-FORWARD, BACK = 1.0, 0.3
+FORWARD, BACK = 1.0, 0.5
 
-# Relative error of a contact radius at the end of a branch. The approach is stationary there, so that its
-# error is the square. COARSE is sufficient under load control if the load falls before the end.
-LOCATED, COARSE = 1e-7, 1e-3
+# Relative error of a contact radius at the end of a branch. Approach and load are stationary there, so that their
+# relative errors are about the square, 1e-10.
+LOCATED = 1e-5
 
-# Overlaps below this part of the largest depth of a cap are due to rounding.
-CLOSED = 1e-11
+# Residual of the nodes, which are only guesses of states, and overlap over the largest depth of a cap below which
+# it is due to this residual.
+NODES, CLOSED = 1e-10, 1e-9
 
 # Trials for one step, each of which shortens it or changes its aim.
 MOST_TRIALS = 60
@@ -26,13 +35,15 @@ def walk(scene: Scene, goal: float, by_load: bool, start: States | None = None) 
     """Return the states from the first contact, or on unloading from `start`, to a load or an approach."""
     sign, first = (1.0 if start is None else -1.0), scene.gap.min()
     nodes = [start or _entered(scene, np.zeros((1, len(scene.gap))), first, scene.gap <= first)]
-    precise = not by_load or start is None
-    while nodes[-1].closed.any() and sign * (goal - float(nodes[-1].load[0] if by_load else nodes[-1].x[0])) > 0.0:
-        nodes += _step(nodes[-1], sign, precise)
+    while (
+        nodes[-1].closed.any()
+        and sign * (goal - float(nodes[-1].load[0] if by_load else nodes[-1].x[0])) > 0.0
+    ):
+        nodes += _step(nodes[-1], sign)
     return joined(nodes if nodes[-1].closed.any() else nodes[:-1])
 
 
-def _step(state: States, sign: float, precise: bool) -> list[States]:
+def _step(state: States, sign: float) -> list[States]:
     """Return the next state; at an event, the states before and after it.
 
     Either the radius of the contact that changes fastest is given, or the next open asperity touches.
@@ -47,7 +58,7 @@ def _step(state: States, sign: float, precise: bool) -> list[States]:
             length = min(length, reach[k] * relative[i])
         else:
             trial = _at_radius(state, i, sign * length)
-        near = bool(trial.converged[0]) and _change(trial, state).max() <= 2.0 * length
+        near = bool(trial.residual[0] <= 2.0 * NODES) and _change(trial, state).max() <= 2.0 * length
         breaks = near and not trial.holds[0]
         if touches and not (near and trial.holds[0]):
             touches = False
@@ -56,7 +67,7 @@ def _step(state: States, sign: float, precise: bool) -> list[States]:
             length *= 0.5
             continue
         if breaks:
-            trial = _end(state, trial, i, sign * length, precise)
+            trial = _end(state, trial, i, sign * length)
         overlap = trial.overlap[0] - CLOSED * trial.fields.depth.max()
         overlap[k] = -np.inf if touches else overlap[k]
         ahead = np.flatnonzero(overlap > 0.0)
@@ -82,7 +93,9 @@ def _reach(state: States, sign: float) -> FloatArray:
     """Return the changes of the approach (n,) [mm] until open asperities touch, by the tangent."""
     nearing = sign * (1.0 - state.scene.displacement(state.fields.rise * state.rate))
     gap = -state.overlap
-    return np.where((nearing > 0.0) & ~state.closed, np.maximum(gap, 0.0) / np.where(nearing > 0.0, nearing, 1.0), np.inf)[0]
+    return np.where(
+        (nearing > 0.0) & ~state.closed, np.maximum(gap, 0.0) / np.where(nearing > 0.0, nearing, 1.0), np.inf
+    )[0]
 
 
 def _touching(scene: Scene, k: int) -> Condition:
@@ -93,7 +106,7 @@ def _touching(scene: Scene, k: int) -> Condition:
 def _moved(state: States, shift: float, condition: Condition) -> States:
     """Return the state under a condition, guessed by the tangent for a change of the approach."""
     a = np.maximum(state.a + shift * state.rate, 0.3 * state.a)
-    return state.moved(a, state.x + shift, condition)
+    return state.moved(a, state.x + shift, condition, NODES)
 
 
 def _at_radius(state: States, i: int, change: float) -> States:
@@ -107,27 +120,35 @@ def _change(state: States, before: States) -> FloatArray:
     return np.abs(state.a[state.closed] / before.a[state.closed] - 1.0)
 
 
-def _end(state: States, beyond: States, i: int, change: float, precise: bool) -> States:
+def _end(state: States, beyond: States, i: int, change: float) -> States:
     """Return the last stable state before an unstable one, `beyond`; the radius of contact i differs by `change`.
 
     dx/da of contact i passes 0 at the end of its branch.
     """
     radius, low, high = state.a[0, i], 0.0, abs(change)
-    value, other, side = 1.0 / state.rate[0, i], 1.0 / beyond.rate[0, i], -1.0
+    lengths, values = [0.0, high], [_turn(state, i), _turn(beyond, i)]
     for _ in range(MOST_TRIALS):
-        part = LOCATED if precise or state.stiffness[0] > 0.0 else COARSE
-        width = high - low
-        if width <= part:
+        fall = (values[-2] - values[-1]) / (lengths[-1] - lengths[-2])
+        # a secant, aimed a little before the end; halving if another direction than that of i becomes unstable
+        end = lengths[-1] + values[-1] / fall if fall > 0.0 and values[-1] * values[-2] != 0.0 else np.nan
+        if not low < end < high:
+            end = 0.5 * (low + high)
+        if high - low <= LOCATED or (lengths[-1] == low and end - low <= LOCATED):
             break
-        # a secant, aimed a little before or beyond the end, so that both sides approach it
-        share = value / (value - other) if other < 0.0 < value else 0.5
-        length = low + np.clip(share * width + 0.4 * side * part, 0.02 * width, 0.98 * width)
+        length = max(end - 0.4 * LOCATED, 0.5 * (low + end))
         trial = _at_radius(state, i, radius * (1.0 + np.sign(change) * length) / state.a[0, i] - 1.0)
-        if trial.converged[0] and trial.holds[0]:
-            state, low, value, side = trial, length, 1.0 / trial.rate[0, i], 1.0
+        if trial.residual[0] <= 2.0 * NODES and trial.holds[0]:
+            state, low = trial, length
         else:
-            high, other, side = length, 1.0 / trial.rate[0, i], -1.0
+            high = length
+        lengths.append(length)
+        values.append(_turn(trial, i))
     return state
+
+
+def _turn(state: States, i: int) -> float:
+    """Return dx/da of contact i times the root of a, which is almost linear in a."""
+    return float(np.sqrt(state.a[0, i]) / state.rate[0, i])
 
 
 def _left(state: States) -> States:
@@ -137,8 +158,8 @@ def _left(state: States) -> States:
         closed[np.where(closed, relative, -1.0).argmax()] = False
         if not closed.any():
             break
-        found = state.scene.solve(closed[None], state.a * closed, state.x, at_approach(state.x))
-        if found.converged[0] and found.holds[0] and _change(found, state).max() < BACK:
+        found = state.scene.solve(closed[None], state.a * closed, state.x, at_approach(state.x), NODES)
+        if found.residual[0] <= 2.0 * NODES and found.holds[0] and _change(found, state).max() < BACK:
             return found
     return States(state.scene, closed[None], 0.0 * state.a, state.x, at_approach(state.x))
 
@@ -148,9 +169,11 @@ def _entered(scene: Scene, a: FloatArray, x: float, entering: BoolArray) -> Stat
     approach = np.array([x])
     while True:
         a = np.where(entering & (a == 0.0), scene.entry_radius, a)
-        state = scene.solve(a > 0.0, a, approach, at_approach(approach))
-        if not (state.converged[0] and state.holds[0]):
-            raise NotConverged(f"no equilibrium after an asperity came into contact at an approach of {x:.6g} mm")
+        state = scene.solve(a > 0.0, a, approach, at_approach(approach), NODES)
+        if not (state.residual[0] <= 2.0 * NODES and state.holds[0]):
+            raise NotConverged(
+                f"no equilibrium after an asperity came into contact at an approach of {x:.6g} mm"
+            )
         entering = state.overlap > CLOSED * state.fields.depth.max()
         if not entering.any():
             return state
