@@ -22,7 +22,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg.lapack import dpotrf
+from scipy.linalg.lapack import dgesv, dpotrf
 
 from metafem._validate import FloatArray, IntArray
 from metafem.contact import JKR
@@ -37,42 +37,17 @@ TOLERANCE, GOAL = 1e-12, 2e-13
 # A double root at the end of a branch halves the error in each step, so that 60 steps reach rounding.
 MOST_STEPS = 60
 
-EVERY = slice(None)
-
 # Shortest step that the line search takes, over a step of Newton's method.
 SHORTEST = 1e-3
 
 
-@dataclass(frozen=True)
-class Condition:
+class Condition(NamedTuple):
     """``by_load . P + by_radius . a + by_approach x = value``, for k states of n contacts."""
 
     value: FloatArray  # (k,)
-    by_load: FloatArray | None = None  # (k, n)
-    by_radius: FloatArray | None = None  # (k, n)
-    by_approach: float = 0.0
-
-    def part(self, rows: IntArray | slice, columns: IntArray | slice = EVERY) -> Condition:
-        """Return the condition of some states and contacts."""
-        weights = (
-            None if each is None else each[rows][:, columns] for each in (self.by_load, self.by_radius)
-        )
-        return Condition(self.value[rows], *weights, self.by_approach)
-
-
-def at_load(load: FloatArray, count: int) -> Condition:
-    """Return the condition of total loads (k,) [mm^2] of `count` asperities."""
-    return Condition(load, by_load=np.ones((len(load), count)))
-
-
-def at_approach(approach: FloatArray) -> Condition:
-    """Return the condition of approaches (k,) [mm]."""
-    return Condition(approach, by_approach=1.0)
-
-
-def at_radius(index: IntArray, radius: FloatArray, count: int) -> Condition:
-    """Return the condition of the radii (k,) [mm] of one contact in each state, of `count` asperities."""
-    return Condition(radius, by_radius=np.eye(count)[index])
+    by_load: FloatArray  # (k, n)
+    by_radius: FloatArray  # (k, n)
+    by_approach: FloatArray  # (k,)
 
 
 class Fields(NamedTuple):
@@ -111,138 +86,92 @@ class Scene:
         most = np.minimum(cap.largest_indentation(self.radius), 1e3 * sizes_of(self.radius))
         return np.asarray(cap.contact_radius(most, self.radius))
 
-    def part(self, columns: IntArray) -> Scene:
-        """Return some of the asperities."""
-        inner = None if self.influence is None else self.influence[np.ix_(columns, columns)]
-        found = Scene(self.law, self.radius[columns], self.gap[columns], inner)
-        for name in ("entry_radius", "break_radius", "largest_radius"):
-            found.__dict__[name] = getattr(self, name)[columns]
-        return found
+    def at_load(self, load: FloatArray) -> Condition:
+        """Return the condition of total loads (k,) [mm^2]."""
+        none = np.zeros((len(load), len(self.gap)))
+        return Condition(load, none + 1.0, none, np.zeros(len(load)))
+
+    def at_approach(self, approach: FloatArray) -> Condition:
+        """Return the condition of approaches (k,) [mm]."""
+        none = np.zeros((len(approach), len(self.gap)))
+        return Condition(approach, none, none, np.ones(len(approach)))
+
+    def at_radius(self, index: IntArray, radius: FloatArray) -> Condition:
+        """Return the condition of the radii (k,) [mm] of one contact in each state."""
+        one = (np.arange(len(self.gap)) == index[:, None]).astype(float)
+        return Condition(radius, np.zeros(one.shape), one, np.zeros(len(radius)))
 
     def fields(self, a: FloatArray, closed: BoolArray) -> Fields:
         """Return the law at contact radii (k, n) [mm]."""
         law, cap = self.law, self.law.cap
-        whole = closed.all()
-        a = a if whole else np.where(closed, a, self.entry_radius)
+        a = np.where(closed, a, self.entry_radius)
         depth, s, c = cap.indentation(a, self.radius), law.deficit(a), cap.profile_slope(a, self.radius)
         load, rise = cap.load(a, self.radius) - 2.0 * a * s, 2.0 * a * c - 3.0 * s
-        slope = c - 0.5 * s / a
-        if not whole:
-            load, rise, slope = load * closed, rise * closed, np.where(closed, slope, 1.0)
-        return Fields(load, depth, s, rise, slope)
+        return Fields(load * closed, depth, s, rise * closed, np.where(closed, c - 0.5 * s / a, 1.0))
 
-    def displacement(self, load: FloatArray) -> FloatArray | float:
+    def displacement(self, load: FloatArray) -> FloatArray:
         """Return the displacements (k, n) [mm] by loads (k, n)."""
-        return 0.0 if self.influence is None else load @ self.influence.T
+        return np.zeros(load.shape) if self.influence is None else np.asarray(load @ self.influence.T)
 
-    def solved(self, fields: Fields, right: FloatArray, transposed: bool = False) -> FloatArray:
-        """Return J^-1 b, (k, n, q), with ``J = dF/da`` at the given fields."""
+    def solved(
+        self, fields: Fields, closed: BoolArray, right: FloatArray, transposed: bool = False
+    ) -> FloatArray:
+        """Return J^-1 b, (k, n, q), with ``J = dF/da`` at the given fields; 0 for open contacts."""
         if self.influence is None:
-            return np.asarray(right / np.where(fields.slope == 0.0, TOLERANCE, fields.slope)[:, :, None])
-        matrix = self.influence * fields.rise[:, None, :]
-        diagonal = np.arange(len(self.gap))
-        matrix[:, diagonal, diagonal] += fields.slope
-        try:
-            return np.linalg.solve(matrix.swapaxes(1, 2) if transposed else matrix, right)
-        except np.linalg.LinAlgError:
-            return np.full_like(right, np.nan)
+            slope = np.where(fields.slope == 0.0, TOLERANCE, fields.slope)
+            return np.asarray(right * (closed / slope)[:, :, None])
+        found = np.zeros(right.shape)
+        for row, inside in enumerate(closed):
+            kept = np.flatnonzero(inside)
+            matrix = self.influence[np.ix_(kept, kept)] * fields.rise[row, kept]
+            matrix[np.diag_indices(len(kept))] += fields.slope[row, kept]
+            _, _, inner, failed = dgesv(matrix.T if transposed else matrix, right[row, kept])
+            found[row, kept] = np.nan if failed else inner
+        return found
 
     def solve(
         self, closed: BoolArray, a: FloatArray, x: FloatArray, condition: Condition, goal: float = GOAL
     ) -> States:
-        """Return k states by Newton's method with a line search; see `States.converged`.
+        """Return k states by Newton's method with a line search, in which the residual decreases.
 
         closed: which asperities are in contact, (k, n). a (k, n), x (k,): initial guess [mm]. goal: residual
-        at which the method stops.
+        at which the method stops. Where it does not converge, the residual of the state is larger.
         """
-        kept, some, inner = closed, self, condition
-        columns = np.flatnonzero(closed.any(axis=0))
-        whole = len(columns) == len(self.gap)
-        if not whole:
-            kept, a, some, inner = (
-                closed[:, columns],
-                a[:, columns],
-                self.part(columns),
-                condition.part(EVERY, columns),
-            )
-        a, x = some._newton(kept, np.where(kept, a, some.entry_radius), x, inner, goal)
-        found = a * kept
-        if not whole:
-            found = np.zeros(closed.shape)
-            found[:, columns] = a * kept
-        return States(self, closed, found, x, condition)
-
-    def _newton(
-        self, closed: BoolArray, a: FloatArray, x: FloatArray, condition: Condition, goal: float
-    ) -> tuple[FloatArray, FloatArray]:
-        """Return the contact radii and approaches of `solve`.
-
-        The residual decreases in each step; a step that increases it is halved.
-        """
-        least, largest = 0.5 * self.break_radius, self.largest_radius
-        best_a, best_x, error = a.copy(), x.copy(), np.full(len(x), np.inf)
-        step, shift, length, unit = np.zeros_like(a), np.zeros_like(x), np.ones_like(x), np.zeros((2, len(x)))
-        rows = np.arange(len(x))
+        at = States(self, closed, np.where(closed, a, 0.0), x, condition)
+        best = States(self, closed, at.a.copy(), np.array(x), condition)
+        step, shift, length = np.zeros(at.a.shape), np.zeros(len(x)), np.ones(len(x))
+        error, unit, rows = np.full(len(x), np.inf), np.zeros((2, len(x))), np.arange(len(x))
         for _ in range(MOST_STEPS):
-            fields = self.fields(a, closed)
-            force, wrong, own = self.errors(fields, closed, a, x, condition)
-            larger = np.maximum(own, unit[:, rows])
-            merit = np.maximum(np.abs(force).max(axis=1) / larger[0], np.abs(wrong) / larger[1])
+            force, wrong, own = at.errors
+            merit = _largest(force, wrong, np.maximum(own, unit[:, rows]))
             better = merit < error[rows]
             good = rows[better]
-            best_a[good], best_x[good], error[good], unit[:, good] = (
-                a[better],
-                x[better],
-                merit[better],
-                own[:, better],
-            )
+            best.a[good], best.x[good] = at.a[better], at.x[better]
+            error[good], unit[:, good] = merit[better], own[:, better]
             length[rows[~better]] *= 0.5
             # below the tolerance, shorter steps do not help against rounding errors
             going = np.where(better, merit > goal, (error[rows] > TOLERANCE) & (length[rows] >= SHORTEST))
             if not going.any():
                 break
             if better.any():
-                change, move = self._step(fields, force, wrong, condition)
+                change, move = at.newton_step()
                 # a contact radius at most doubles, and at least is halved, in one step
-                relative = change / a
+                relative = change / np.where(at.closed, at.a, 1.0)
                 most = np.maximum(relative.max(axis=1), -2.0 * relative.min(axis=1))
                 step[good], shift[good] = change[better], move[better]
                 length[good] = 1.0 / np.maximum(most[better], 1.0)
             if not going.all():
-                rows, closed, condition = rows[going], closed[going], condition.part(going)
-            a, x = best_a[rows] + length[rows, None] * step[rows], best_x[rows] + length[rows] * shift[rows]
-            a = np.maximum(np.minimum(a, 0.5 * (best_a[rows] + largest)), least)
-        return best_a, best_x
+                rows, at = rows[going], at[going]
+            old, part = best.a[rows], length[rows]
+            new = np.minimum(old + part[:, None] * step[rows], 0.5 * (old + self.largest_radius))
+            new = np.maximum(new, 0.5 * self.break_radius) * at.closed
+            at = States(self, at.closed, new, best.x[rows] + part * shift[rows], at.condition)
+        return best
 
-    def errors(
-        self, fields: Fields, closed: BoolArray, a: FloatArray, x: FloatArray, condition: Condition
-    ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return F (k, n), the error of the condition (k,), and the units of both (2, k)."""
-        force = fields.depth - fields.deficit + self.displacement(fields.load) - (x[:, None] - self.gap)
-        deepest = fields.depth.max(axis=1)
-        wrong, unit = condition.by_approach * x - condition.value, condition.by_approach * deepest
-        if condition.by_load is not None:
-            wrong += (condition.by_load * fields.load).sum(axis=1)
-            unit += (np.abs(condition.by_load) * a * fields.depth).sum(axis=1)
-        if condition.by_radius is not None:
-            wrong += (condition.by_radius * a).sum(axis=1)
-            unit += condition.value
-        return force * closed, wrong, np.array([deepest, unit])
 
-    def _step(
-        self, fields: Fields, force: FloatArray, wrong: FloatArray, condition: Condition
-    ) -> tuple[FloatArray, FloatArray]:
-        """Return Newton's steps in the radii (k, n) and in the approaches (k,)."""
-        right = np.empty((*force.shape, 2))
-        right[:, :, 0], right[:, :, 1] = -force, 1.0
-        change, rate = np.moveaxis(self.solved(fields, right), 2, 0)
-        top, below = -wrong, np.full(len(wrong), condition.by_approach)
-        for weight, scale in ((condition.by_load, fields.rise), (condition.by_radius, 1.0)):
-            if weight is not None:
-                top -= (weight * scale * change).sum(axis=1)
-                below += (weight * scale * rate).sum(axis=1)
-        shift = top / below
-        return change + rate * shift[:, None], shift
+def _largest(force: FloatArray, wrong: FloatArray, unit: FloatArray) -> FloatArray:
+    """Return the largest errors (k,) of F and of the condition over their units (2, k)."""
+    return np.maximum(np.abs(force).max(axis=1) / unit[0], np.abs(wrong) / unit[1])
 
 
 @dataclass(frozen=True, eq=False)
@@ -257,21 +186,13 @@ class States:
 
     def __getitem__(self, rows: IntArray) -> States:
         """Return some of the states."""
-        return States(self.scene, self.closed[rows], self.a[rows], self.x[rows], self.condition.part(rows))
-
-    def moved(self, a: FloatArray, x: FloatArray, condition: Condition, goal: float = GOAL) -> States:
-        """Return the states of the same contacts under a condition, from guesses of a and x."""
-        return self.scene.solve(self.closed, a, x, condition, goal)
+        condition = Condition(*(each[rows] for each in self.condition))
+        return States(self.scene, self.closed[rows], self.a[rows], self.x[rows], condition)
 
     def blended(self, other: States, share: FloatArray, condition: Condition) -> States:
         """Return the states under a condition, guessed between these and others with the same contacts."""
         a = self.a + share[:, None] * (other.a - self.a)
-        return other.moved(a, self.x + share * (other.x - self.x), condition)
-
-    def where(self, chosen: BoolArray, other: States) -> States:
-        """Return these states where chosen (k,), and elsewhere others with the same contacts."""
-        a, x = np.where(chosen[:, None], self.a, other.a), np.where(chosen, self.x, other.x)
-        return States(self.scene, other.closed, a, x, at_approach(x))
+        return self.scene.solve(other.closed, a, self.x + share * (other.x - self.x), condition)
 
     @cached_property
     def fields(self) -> Fields:
@@ -291,7 +212,7 @@ class States:
     @cached_property
     def rate(self) -> FloatArray:
         """Derivatives of the contact radii with respect to the approach, (k, n) [-]."""
-        return self.scene.solved(self.fields, np.ones((*self.a.shape, 1)))[:, :, 0] * self.closed
+        return self.scene.solved(self.fields, self.closed, np.ones((*self.a.shape, 1)))[:, :, 0]
 
     @cached_property
     def stiffness(self) -> FloatArray:
@@ -299,15 +220,32 @@ class States:
         return np.asarray((self.fields.rise * self.rate).sum(axis=1))
 
     @cached_property
-    def overlap(self) -> FloatArray:
-        """Overlaps of the open asperities with the plane (k, n) [mm], minus the gap; -inf for closed ones."""
-        free = self.x[:, None] - self.scene.gap - self.scene.displacement(self.fields.load)
-        return np.where(self.closed, -np.inf, free)
-
-    @cached_property
     def indentation(self) -> FloatArray:
         """Indentations (k, n) [mm]; minus the gap of an open asperity."""
-        return np.where(self.closed, self.fields.depth - self.fields.deficit, self.overlap)
+        free = self.x[:, None] - self.scene.gap - self.scene.displacement(self.fields.load)
+        return np.where(self.closed, self.fields.depth - self.fields.deficit, free)
+
+    @cached_property
+    def errors(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """F (k, n), the error of the condition (k,), and the units of both (2, k)."""
+        fields, (value, by_load, by_radius, by_approach) = self.fields, self.condition
+        free = self.x[:, None] - self.scene.gap - self.scene.displacement(fields.load)
+        force = (fields.depth - fields.deficit - free) * self.closed
+        wrong = (by_load * fields.load + by_radius * self.a).sum(axis=1) + by_approach * self.x - value
+        unit = ((np.abs(by_load) * fields.depth + by_radius) * self.a).sum(axis=1)
+        deepest = fields.depth.max(axis=1)
+        return force, wrong, np.array([deepest, unit + by_approach * deepest])
+
+    def newton_step(self) -> tuple[FloatArray, FloatArray]:
+        """Return Newton's steps in the radii (k, n) and in the approaches (k,)."""
+        force, wrong, _ = self.errors
+        both = np.stack([-force, np.ones(force.shape)], axis=2)
+        change, rate = np.moveaxis(self.scene.solved(self.fields, self.closed, both), 2, 0)
+        weight = self.condition.by_load * self.fields.rise + self.condition.by_radius
+        shift = -(wrong + (weight * change).sum(axis=1)) / (
+            (weight * rate).sum(axis=1) + self.condition.by_approach
+        )
+        return change + rate * shift[:, None], shift
 
     @cached_property
     def residual(self) -> FloatArray:
@@ -316,19 +254,13 @@ class States:
         Errors of F are divided by the largest depth of a cap, those of a load by the larger of this load and
         the sum of the loads 2 a s, by which adhesion lowers those of the caps.
         """
-        given = self.closed, self.a, self.x, self.condition
-        force, wrong, unit = self.scene.errors(self.fields, *given)
-        if self.condition.by_load is not None:
-            unit[1] = np.maximum(
-                (2.0 * self.a * self.fields.deficit).sum(axis=1), np.abs(self.condition.value)
-            )
-        unit = np.where(unit > 0.0, unit, 1.0)
-        return np.maximum(np.abs(force).max(axis=1) / unit[0], np.abs(wrong) / unit[1])
-
-    @property
-    def converged(self) -> BoolArray:
-        """Whether Newton's method converged, (k,)."""
-        return self.residual <= TOLERANCE
+        force, wrong, unit = self.errors
+        lowered = (2.0 * self.a * self.fields.deficit).sum(axis=1)
+        loads = self.condition.by_load.all(axis=1)
+        unit = np.array(
+            [unit[0], np.where(loads, np.maximum(lowered, np.abs(self.condition.value)), unit[1])]
+        )
+        return _largest(force, wrong, np.where(unit > 0.0, unit, 1.0))
 
     @cached_property
     def holds(self) -> BoolArray:
@@ -347,13 +279,17 @@ class States:
     def gradient(self) -> FloatArray:
         """Return dA0/dh at fixed load [mm], (k, n)."""
         both = np.stack([2.0 * np.pi * self.a, self.fields.rise], axis=2)
-        by_area, by_load = np.moveaxis(self.scene.solved(self.fields, both, transposed=True), 2, 0)
+        solved = self.scene.solved(self.fields, self.closed, both, transposed=True)
+        by_area, by_load = np.moveaxis(solved, 2, 0)
         total = by_load.sum(axis=1, keepdims=True)
         share = by_load / np.where(total > 0.0, total, 1.0)
         return np.asarray(by_area - by_area.sum(axis=1, keepdims=True) * share)
 
 
 def joined(parts: list[States]) -> States:
-    """Return the states of several parts, with the approach as the condition."""
-    closed, a, x = (np.concatenate([getattr(part, name) for part in parts]) for name in ("closed", "a", "x"))
-    return States(parts[0].scene, closed, a, x, at_approach(x))
+    """Return the states of several parts."""
+    closed, a, x, *condition = (
+        np.concatenate(each)
+        for each in zip(*((part.closed, part.a, part.x, *part.condition) for part in parts), strict=True)
+    )
+    return States(parts[0].scene, closed, a, x, Condition(*condition))

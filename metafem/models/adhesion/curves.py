@@ -12,7 +12,7 @@ from metafem.contact import JKR, Contact
 from metafem.contact.jkr import of_sizes
 from metafem.errors import InvalidInput, NotConverged, refuse_if
 from metafem.models.adhesion.contacts import TOLERANCE, Scene, States
-from metafem.models.adhesion.path import Jump, loading, unloading
+from metafem.models.adhesion.path import loading, unloading
 from metafem.models.curve import Curve, RescaledState, Sensitivity
 from metafem.models.interacting.coupled import Coupled, refuse_wide
 from metafem.models.interacting.influence import coupling_between
@@ -165,8 +165,8 @@ def _followed(
             f"load = {modulus * low:.6g} N is beyond pull-off: on unloading the last contacts break at "
             f"{modulus * pull_off:.6g} N; use loads from there on",
         )
-    jumps = path.jumps(low if backwards else high) if by_load else []
-    return path.at(values), _notes(jumps, modulus, backwards)
+    notes = _notes(*path.jumps(low if backwards else high), modulus, backwards) if by_load else ()
+    return path.at(values), notes
 
 
 def _curve(found: States, notes: tuple[Note, ...], last) -> Curve:
@@ -198,21 +198,19 @@ def _refuse_merging(law: JKR, surface: Surface) -> None:
         )
 
 
-def _notes(jumps: list[Jump], modulus: float, unloading: bool) -> tuple[Note, ...]:
+def _notes(
+    load: FloatArray, before: FloatArray, after: FloatArray, modulus: float, unloading: bool
+) -> tuple[Note, ...]:
     """Return a note on the number, the loads and the sizes of the jumps of a curve, or none."""
-    if not jumps:
+    if not load.size:
         return ()
-    newtons = modulus * np.array([jump.load for jump in jumps])
-    change = np.array([jump.after - jump.before for jump in jumps])
+    newtons, change = modulus * load, after - before
     most = int(np.abs(change).argmax())
-    span = f"at {newtons[0]:.4g} N"
-    if len(jumps) > 1:
-        span = f"from {newtons.min():.4g} to {newtons.max():.4g} N"
+    span = f"from {newtons.min():.4g} to {newtons.max():.4g} N" if load.size > 1 else f"at {newtons[0]:.4g} N"
     what = "break on unloading" if unloading else "jump into contact on loading"
-    count = "1 jump" if len(jumps) == 1 else f"{len(jumps)} jumps"
     return (
         information(
-            f"{count} of A0, {span}, where asperities {what}; the largest changes A0 by "
-            f"{change[most]:+.3g} mm^2, at {newtons[most]:.4g} N"
+            f"{load.size} jump{'s' * (load.size > 1)} of A0, {span}, where asperities {what}; the largest "
+            f"changes A0 by {change[most]:+.3g} mm^2, at {newtons[most]:.4g} N"
         ),
     )
