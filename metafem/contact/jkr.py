@@ -25,9 +25,6 @@ if TYPE_CHECKING:
 # Twice the width of the first bracket of ln d, where d is the cap's indentation without adhesion.
 WIDTH = 1.0
 
-# Relative change of y by r in `paraboloid_radius` below which y is that at d = 0, to rounding.
-SHALLOW = 1e-18
-
 
 @dataclass(frozen=True)
 class JKR(Contact):
@@ -128,20 +125,14 @@ class JKR(Contact):
         At d = 0 the asperity has jumped into contact. On unloading, the contact stays closed down to a
         negative indentation. The models follow this branch to find the contact radius.
         """
-        d, size, extra = np.broadcast_arrays(np.asarray(indentation, np.float64), radius, curvature)
         if self.length == 0.0:
-            return self.cap.contact_radius(d, size, extra)
-        if self.cap == PARABOLOID:
-            found = paraboloid_radius(np.maximum(d, 0.0), size / (1.0 + extra * size), self.length)
-            return np.where(d >= 0.0, found, 0.0)[()]
-        found, closed = np.zeros(d.shape), d >= 0.0
+            return self.cap.contact_radius(indentation, radius, curvature)
 
-        def excess(a: FloatArray, inner: FloatArray, *given: FloatArray) -> FloatArray:
-            return np.asarray(np.log(inner / (given[2] + self.deficit(a))))
+        def excess(a: FloatArray, z: FloatArray, *given: FloatArray) -> FloatArray:
+            return np.asarray(np.log(z / (given[2] + self.deficit(a))))
 
-        if closed.any():
-            found[closed] = self._radius_where(excess, size[closed], extra[closed], d[closed])
-        return found[()]
+        found = self._radius_where(excess, radius, curvature, np.maximum(indentation, 0.0))
+        return np.where(np.asarray(indentation) >= 0.0, found, 0.0)[()]
 
     def indentation(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Return the indentation d = d_cap - s [mm]."""
@@ -226,35 +217,16 @@ class JKR(Contact):
         return np.asarray(self.cap.contact_radius(np.exp(x), summit, others[0]))[()]
 
 
-def paraboloid_radius(indentation: FloatArray, radius: FloatArray, length: float) -> FloatArray:
-    """Return contact radii [mm] of adhesive paraboloids at indentations d >= 0 [mm]; w/E* is `length` [mm].
-
-    With t = sqrt(a), ``d = a^2/R - sqrt(2 pi w a/E*)`` is ``t^4 = q t + r`` with q = R sqrt(2 pi w/E*) and
-    r = R d. By Ferrari's method, ``t^2 - sqrt(y) t + y/2 - q/(2 sqrt(y)) = 0`` with the root y of
-    ``y^3 + 4 r y = q^2``. No difference in the formulae cancels.
-    """
-    q, r = radius * math.sqrt(2.0 * math.pi * length), radius * indentation
-    jump = np.cbrt(q) ** 2  # y at d = 0
-    e = np.maximum(4.0 / 3.0 * r, SHALLOW * jump**2)
-    y = np.where(
-        r > SHALLOW * jump**2, 2.0 * np.sqrt(e) * np.sinh(np.arcsinh(0.5 * q**2 / e**1.5) / 3.0), jump
-    )
-    root = np.sqrt(y)
-    return np.asarray(0.25 * (root + np.sqrt(2.0 * q / root - y)) ** 2)
-
-
 def of_sizes(method: Callable[[JKR, FloatArray], FloatArray], law: JKR, radius: FloatArray) -> FloatArray:
-    """Return a contact radius [mm] for each summit radius, (n,), computed once for each distinct radius.
-
-    The contact radius is that of `method`, a method of `JKR` such as ``JKR.entry_radius``.
-    """
-    sizes, which = np.unique(radius, return_inverse=True)
-    return _of_sizes(method, law, tuple(sizes.tolist()), sizes.dtype)[which]
+    """Return contact radii [mm] for summit radii (n,), by a method of `JKR` such as `entry_radius`."""
+    return _of_sizes(method, law, radius.tobytes(), radius.dtype)
 
 
+# cached because a design repeats this root search for many heights
 @lru_cache(maxsize=64)
 def _of_sizes(
-    method: Callable[[JKR, FloatArray], FloatArray], law: JKR, sizes: tuple[Any, ...], kind: Any
+    method: Callable[[JKR, FloatArray], FloatArray], law: JKR, radius: bytes, kind: Any
 ) -> FloatArray:
-    """Return the radii of `of_sizes`, cached because a design repeats this root search for many heights."""
-    return np.asarray(method(law, np.array(list(sizes), kind)))
+    """Return the radii of `of_sizes`, computed once for each distinct summit radius."""
+    sizes, which = np.unique(np.frombuffer(radius, kind), return_inverse=True)
+    return np.asarray(method(law, sizes))[which]

@@ -19,7 +19,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.linalg.lapack import dgesv, dpotrf
@@ -67,7 +67,7 @@ class Scene:
     law: JKR  # for a material
     radius: FloatArray
     gap: FloatArray
-    influence: FloatArray | None = None  # K, with the terms of the asperities themselves on its diagonal
+    influence: Any = None  # K, with the terms of the asperities themselves on its diagonal; None for 0
 
     @cached_property
     def entry_radius(self) -> FloatArray:
@@ -114,18 +114,18 @@ class Scene:
         return np.zeros(load.shape) if self.influence is None else np.asarray(load @ self.influence.T)
 
     def solved(
-        self, fields: Fields, closed: BoolArray, right: FloatArray, transposed: bool = False
+        self, fields: Fields, closed: BoolArray, right: FloatArray, turned: bool = False
     ) -> FloatArray:
-        """Return J^-1 b, (k, n, q), with ``J = dF/da`` at the given fields; 0 for open contacts."""
+        """Return J^-1 b, (k, n, q), with ``J = dF/da``, or J^-T b if `turned`; 0 for open contacts."""
         if self.influence is None:
             slope = np.where(fields.slope == 0.0, TOLERANCE, fields.slope)
             return np.asarray(right * (closed / slope)[:, :, None])
         found = np.zeros(right.shape)
-        for row, inside in enumerate(closed):
-            kept = np.flatnonzero(inside)
+        for row in np.flatnonzero(closed.any(axis=1)):
+            kept = np.flatnonzero(closed[row])
             matrix = self.influence[np.ix_(kept, kept)] * fields.rise[row, kept]
             matrix[np.diag_indices(len(kept))] += fields.slope[row, kept]
-            _, _, inner, failed = dgesv(matrix.T if transposed else matrix, right[row, kept])
+            _, _, inner, failed = dgesv(matrix.T if turned else matrix, right[row, kept])
             found[row, kept] = np.nan if failed else inner
         return found
 
@@ -212,7 +212,9 @@ class States:
     @cached_property
     def rate(self) -> FloatArray:
         """Derivatives of the contact radii with respect to the approach, (k, n) [-]."""
-        return self.scene.solved(self.fields, self.closed, np.ones((*self.a.shape, 1)))[:, :, 0]
+        return np.asarray(
+            self.scene.solved(self.fields, self.closed, np.ones((*self.a.shape, 1)), False)[:, :, 0]
+        )
 
     @cached_property
     def stiffness(self) -> FloatArray:
@@ -240,12 +242,12 @@ class States:
         """Return Newton's steps in the radii (k, n) and in the approaches (k,)."""
         force, wrong, _ = self.errors
         both = np.stack([-force, np.ones(force.shape)], axis=2)
-        change, rate = np.moveaxis(self.scene.solved(self.fields, self.closed, both), 2, 0)
+        change, rate = np.moveaxis(self.scene.solved(self.fields, self.closed, both, False), 2, 0)
         weight = self.condition.by_load * self.fields.rise + self.condition.by_radius
         shift = -(wrong + (weight * change).sum(axis=1)) / (
             (weight * rate).sum(axis=1) + self.condition.by_approach
         )
-        return change + rate * shift[:, None], shift
+        return np.asarray(change + rate * shift[:, None]), np.asarray(shift)
 
     @cached_property
     def residual(self) -> FloatArray:
@@ -279,7 +281,7 @@ class States:
     def gradient(self) -> FloatArray:
         """Return dA0/dh at fixed load [mm], (k, n)."""
         both = np.stack([2.0 * np.pi * self.a, self.fields.rise], axis=2)
-        solved = self.scene.solved(self.fields, self.closed, both, transposed=True)
+        solved = self.scene.solved(self.fields, self.closed, both, True)
         by_area, by_load = np.moveaxis(solved, 2, 0)
         total = by_load.sum(axis=1, keepdims=True)
         share = by_load / np.where(total > 0.0, total, 1.0)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import contextlib
+from collections.abc import Callable
 
 import numpy as np
 
@@ -25,7 +26,6 @@ from metafem.surface import Surface
 MOST = 1000
 
 
-@dataclass(frozen=True)
 class AdhesiveAsperities(LoadEquation):
     """Load equation for an adhesive law."""
 
@@ -33,14 +33,14 @@ class AdhesiveAsperities(LoadEquation):
 
     def path(self, surface: Surface, values: FloatArray, by_load: bool, backwards: bool) -> Curve:
         """Return equilibria at increasing loads or approaches (k,), on loading or on unloading."""
-        scene = self._scene(surface.height, self.law.summits(surface))
+        height = surface.height
+        scene = Scene(self.law, np.broadcast_to(self.law.summits(surface), height.shape), surface.gap)
         found, notes = _followed(surface, scene, values, by_load, backwards)
-        return _curve(found, notes, lambda: self._state(found, surface.height))
+        return _curve(found, lambda: self._state(found, height), notes)
 
     def curve(self, height: FloatArray, radius: FloatArray, load: FloatArray) -> Curve:
         """Return equilibria at increasing loads (k,) for heights and radii (n,)."""
-        found = self._loaded(height, radius, load)
-        return _curve(found, (), lambda: self._state(found, height))
+        return self.sensitivity(height, radius, load).curve
 
     def solve(self, height: FloatArray, radius: FloatArray, load: FloatArray) -> tuple[FloatArray, ...]:
         """Return approach, load, area and stiffness (m, k) of surfaces (m, n) at increasing loads (k,)."""
@@ -55,7 +55,7 @@ class AdhesiveAsperities(LoadEquation):
     def sensitivity(self, height: FloatArray, radius: FloatArray, load: FloatArray) -> Sensitivity:
         """Return the loading curve at increasing loads (k,), and dA0/dh at fixed load [mm], (k, n)."""
         found = self._loaded(height, radius, load)
-        curve = _curve(found, (), lambda: self._state(found, height))
+        curve = _curve(found, lambda: self._state(found, height))
         return Sensitivity(curve, found.gradient, found.indentation)
 
     def contacts(
@@ -68,15 +68,12 @@ class AdhesiveAsperities(LoadEquation):
         found = self._loaded(height, radius, load)
         return found.a, found.indentation
 
-    def _scene(self, height: FloatArray, radius: FloatArray) -> Scene:
-        return Scene(self.law, np.broadcast_to(radius, height.shape), height.max() - height)
-
     def _loaded(self, height: FloatArray, radius: FloatArray, load: FloatArray) -> States:
-        return loading(self._scene(height, radius), float(load[-1]), by_load=True).at(load)
+        scene = Scene(self.law, np.broadcast_to(radius, height.shape), height.max() - height)
+        return loading(scene, float(load[-1]), by_load=True).at(load)
 
     def _state(self, found: States, height: FloatArray) -> RescaledState:
-        base = float(height.max() - found.x[-1])
-        return RescaledState(*_last(found), base, self.model)
+        return RescaledState(*_last(found), float(height.max() - found.x[-1]), self.model)
 
 
 class AdhesiveCoupling(Coupled):
@@ -89,7 +86,7 @@ class AdhesiveCoupling(Coupled):
         height = self.surface.height
         found, notes = _followed(self.surface, self._scene(height), values, by_load, backwards)
         refuse_wide(self.surface, float(found.a.max()))
-        return _curve(found, notes, lambda: self.state(height, *_last(found)))
+        return _curve(found, lambda: self.state(height, *_last(found)), notes)
 
     def solve(self, height: FloatArray, load: FloatArray) -> tuple[FloatArray, ...]:
         """Return approach, load, area and stiffness (m, k) for heights (m, n) at increasing loads (k,)."""
@@ -97,26 +94,21 @@ class AdhesiveCoupling(Coupled):
 
     def sensitivity(self, height: FloatArray, load: FloatArray) -> Sensitivity:
         """Return the loading curve at increasing loads (k,), and dA0/dh at fixed load [mm], (k, n)."""
-        found = self._loaded(height, None, load)
-
-        def gradient() -> FloatArray:
-            return self.on_pedestals(found.gradient(), height, found.fields.load)
-
-        curve = _curve(found, (), lambda: self.state(height, *_last(found)))
-        return Sensitivity(curve, gradient, found.indentation)
+        found = loading(self._scene(height), float(load[-1]), by_load=True).at(load)
+        return Sensitivity(
+            _curve(found, lambda: self.state(height, *_last(found))),
+            lambda: self.on_pedestals(found.gradient(), height, found.fields.load),
+            found.indentation,
+        )
 
     def areas(self, height: FloatArray, radius: FloatArray | None, load: FloatArray) -> FloatArray:
         """Return A0 [mm^2] (m, k) for heights and radii (m, n); see `Model.areas`."""
         area = np.full((len(height), len(load)), np.nan)
         for row, heights in enumerate(height):
-            try:
-                area[row] = self._loaded(heights, None if radius is None else radius[row], load).area
-            except NotConverged:
-                continue
+            scene = self._scene(heights, None if radius is None else radius[row])
+            with contextlib.suppress(NotConverged):
+                area[row] = loading(scene, float(load[-1]), by_load=True).at(load).area
         return area
-
-    def _loaded(self, height: FloatArray, radius: FloatArray | None, load: FloatArray) -> States:
-        return loading(self._scene(height, radius), float(load[-1]), by_load=True).at(load)
 
     def _scene(self, height: FloatArray, radius: FloatArray | None = None) -> Scene:
         """Return asperities with heights and radii (n,) [mm], and their influence on each other."""
@@ -169,7 +161,7 @@ def _followed(
     return path.at(values), notes
 
 
-def _curve(found: States, notes: tuple[Note, ...], last) -> Curve:
+def _curve(found: States, last: Callable[[], RescaledState], notes: tuple[Note, ...] = ()) -> Curve:
     return Curve(found.x, found.load, found.area, found.stiffness, found.residual, TOLERANCE, last, notes)
 
 

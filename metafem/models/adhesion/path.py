@@ -84,7 +84,7 @@ class Path:
         raise NotConverged("the adhesive contacts cannot be followed between two jumps")
 
     def jumps(self, goal: float) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return the loads (m,) [mm^2] of the jumps up to a load, and the areas before and after them [mm^2]."""
+        """Return the loads (m,) [mm^2] of the jumps up to a load, and areas before and after them."""
         measure, area = self._measure(self.nodes), self.nodes.area
         falls = np.append(measure[1:] < measure[:-1], self.sign < 0.0)
         falls &= (measure == self.best) & (measure <= self.sign * goal)
@@ -144,8 +144,8 @@ def _beyond(scene: Scene, closed: BoolArray, x: float, most: float, goal: float,
             break
     what = f"load {goal:.4g} mm^2" if by_load else f"approach {goal:.4g} mm"
     raise InvalidInput(
-        f"the {what} needs an approach beyond {most:.4g} mm, up to which {scene.law!r} describes all contacts; "
-        "use lighter loads or a law with a larger range"
+        f"the {what} needs an approach beyond {most:.4g} mm, up to which {scene.law!r} describes all "
+        "contacts; use lighter loads or a law with a larger range"
     )
 
 
@@ -190,7 +190,7 @@ def _with_lowest(nodes: States) -> States:
     def slope(share: FloatArray, rows: IntArray) -> FloatArray:
         """Return dP/dx over the largest da/dx, which is smooth at the end of a branch."""
         found = state(share, rows)
-        return found.stiffness / found.rate.max(axis=1)
+        return np.asarray(found.stiffness / found.rate.max(axis=1))
 
     share = elementwise.find_root(slope, (np.zeros(len(every)), np.ones(len(every))), args=(every,)).x
     lowest = state(np.where(np.isfinite(share), share, 1.0), every)

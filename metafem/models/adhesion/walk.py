@@ -40,6 +40,7 @@ def _step(state: States, sign: float) -> list[States]:
     Either the radius of the contact that changes fastest is given, or the next open asperity touches.
     """
     scene, overlap, relative = state.scene, _overlap(state), _relative(state)
+    none, one = np.zeros((1, len(overlap))), np.ones(1)
     i, length, breaks = int(relative.argmax()), (FORWARD if sign > 0.0 else BACK), False
     # changes of the approach until open asperities touch, by the tangent
     nearing = sign * (1.0 - scene.displacement(state.fields.rise * state.rate)[0])
@@ -50,9 +51,7 @@ def _step(state: States, sign: float) -> list[States]:
     for _ in range(MOST_TRIALS):
         if touches:
             length = min(length, reach[k] * relative[i])
-            touching = Condition(
-                scene.gap[[k]], -scene.influence[[k]], np.zeros((1, len(overlap))), np.ones(1)
-            )
+            touching = Condition(scene.gap[[k]], -scene.influence[[k]], none, one)
             trial = _moved(state, sign * reach[k], touching)
         else:
             trial = _at_radius(state, i, sign * length)
@@ -85,7 +84,7 @@ def _found(state: States) -> bool:
 
 def _overlap(state: States) -> FloatArray:
     """Return the overlaps of the open asperities with the plane, (n,) [mm]; -inf for contacts."""
-    return np.where(state.closed, -np.inf, state.indentation)[0]
+    return np.asarray(np.where(state.closed, -np.inf, state.indentation)[0])
 
 
 def _relative(state: States) -> FloatArray:
