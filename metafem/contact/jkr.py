@@ -127,11 +127,7 @@ class JKR(Contact):
         """
         if self.length == 0.0:
             return self.cap.contact_radius(indentation, radius, curvature)
-
-        def excess(a: FloatArray, z: FloatArray, *given: FloatArray) -> FloatArray:
-            return np.asarray(np.log(z / (given[2] + self.deficit(a))))
-
-        found = self._radius_where(excess, radius, curvature, np.maximum(indentation, 0.0))
+        found = self._radius_where(self.cap.indentation, 1.0, radius, curvature, np.maximum(indentation, 0.0))
         return np.where(np.asarray(indentation) >= 0.0, found, 0.0)[()]
 
     def indentation(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
@@ -159,27 +155,19 @@ class JKR(Contact):
 
     def pull_off_radius(self, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Return the contact radius [mm] at which the load has its (negative) minimum: c = 3/2 s/a."""
-        return self._steep(1.5, radius, curvature)
+        return self._radius_where(self._edge, 1.5, radius, curvature)
 
     def break_radius(self, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Return the contact radius [mm] of smallest indentation, where the branch ends: c = 1/2 s/a."""
-        return self._steep(0.5, radius, curvature)
-
-    def _steep(self, share: float, radius: Values, curvature: Values) -> FloatArray:
-        """Return the contact radius [mm] at which c equals ``share`` times s/a."""
-
-        def excess(a: FloatArray, _: FloatArray, *given: FloatArray) -> FloatArray:
-            return np.asarray(np.log(self.profile_slope(a, *given[:2]) * a / (share * self.deficit(a))))
-
-        return self._radius_where(excess, radius, curvature)
+        return self._radius_where(self._edge, 0.5, radius, curvature)
 
     def zero_load_radius(self, radius: Values, curvature: Values = 0.0) -> FloatArray:
-        """Return the radius [mm] of the stable contact at zero load."""
+        """Return the radius [mm] of the stable contact at zero load: P_cap/(2 a E*) = s."""
+        return self._radius_where(lambda a, *cap: self.cap.load(a, *cap) / (2.0 * a), 1.0, radius, curvature)
 
-        def excess(a: FloatArray, _: FloatArray, *given: FloatArray) -> FloatArray:
-            return np.asarray(np.log(self.cap.load(a, *given[:2]) / (2.0 * a * self.deficit(a))))
-
-        return self._radius_where(excess, radius, curvature)
+    def _edge(self, contact_radius: FloatArray, radius: Values, curvature: Values) -> FloatArray:
+        """Return a c [mm]."""
+        return contact_radius * self.profile_slope(contact_radius, radius, curvature)
 
     def _rates(self, contact_radius: Values, radius: Values, curvature: Values) -> tuple[FloatArray, ...]:
         """Return a [mm], c [-] and s/a [-]; for open contacts c = 1 and s/a = 0."""
@@ -190,20 +178,25 @@ class JKR(Contact):
         return a, slope, drop
 
     def _radius_where(
-        self, excess: Callable[..., FloatArray], radius: Values, curvature: Values, depth: Values = 0.0
+        self,
+        value: Callable[..., FloatArray],
+        share: float,
+        radius: Values,
+        curvature: Values,
+        depth: Values = 0.0,
     ) -> FloatArray:
-        """Return the contact radius a at which excess(a, z, radius, curvature, depth) is 0, to rounding.
+        """Return the contact radius a at which value(a, radius, curvature) is depth + share s, to rounding.
 
-        z is the cap's indentation without adhesion at the contact radius a. The excess increases almost
-        linearly with ln z.
+        The unknown is the logarithm of the cap's indentation, in which that of the ratio is almost linear.
         """
         summit, *others = np.broadcast_arrays(radius, curvature, depth)
         given = [np.arange(summit.size).reshape(summit.shape), *others]
         top = np.log(np.asarray(self.cap.largest_indentation(summit), dtype=np.float64))
 
-        def at(x: FloatArray, which: IntArray, *others: FloatArray) -> FloatArray:
-            inner, own = np.exp(x), summit.ravel()[which]
-            return excess(self.cap.contact_radius(inner, own, others[0]), inner, own, *others)
+        def at(x: FloatArray, which: IntArray, extra: FloatArray, deep: FloatArray) -> FloatArray:
+            own = summit.ravel()[which]
+            a = self.cap.contact_radius(np.exp(x), own, extra)
+            return np.asarray(np.log(value(a, own, extra) / (deep + share * self.deficit(a))))
 
         ends = np.isfinite(top)  # a cap without end has no bound
         if (ends & (at(np.where(ends, top, 0.0), *given) < 0.0)).any():

@@ -171,7 +171,7 @@ class Scene:
 
 def _largest(force: FloatArray, wrong: FloatArray, unit: FloatArray) -> FloatArray:
     """Return the largest errors (k,) of F and of the condition over their units (2, k)."""
-    return np.maximum(np.abs(force).max(axis=1) / unit[0], np.abs(wrong) / unit[1])
+    return np.asarray(np.maximum(np.abs(force).max(axis=1) / unit[0], np.abs(wrong) / unit[1]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -234,9 +234,9 @@ class States:
         free = self.x[:, None] - self.scene.gap - self.scene.displacement(fields.load)
         force = (fields.depth - fields.deficit - free) * self.closed
         wrong = (by_load * fields.load + by_radius * self.a).sum(axis=1) + by_approach * self.x - value
-        unit = ((np.abs(by_load) * fields.depth + by_radius) * self.a).sum(axis=1)
-        deepest = fields.depth.max(axis=1)
-        return force, wrong, np.array([deepest, unit + by_approach * deepest])
+        lowered, deepest = (np.abs(by_load) * self.a * fields.deficit).sum(axis=1), fields.depth.max(axis=1)
+        unit = 2.0 * lowered + by_approach * deepest + (1.0 - by_approach) * np.abs(value)
+        return force, wrong, np.array([deepest, np.where(unit > 0.0, unit, 1.0)])
 
     def newton_step(self) -> tuple[FloatArray, FloatArray]:
         """Return Newton's steps in the radii (k, n) and in the approaches (k,)."""
@@ -253,16 +253,10 @@ class States:
     def residual(self) -> FloatArray:
         """Largest relative error of the equations and of the condition, (k,).
 
-        Errors of F are divided by the largest depth of a cap, those of a load by the larger of this load and
-        the sum of the loads 2 a s, by which adhesion lowers those of the caps.
+        Errors of F are divided by the largest depth of a cap, those of a load by the sum of this load and of
+        the loads 2 a s, by which adhesion lowers those of the caps.
         """
-        force, wrong, unit = self.errors
-        lowered = (2.0 * self.a * self.fields.deficit).sum(axis=1)
-        loads = self.condition.by_load.all(axis=1)
-        unit = np.array(
-            [unit[0], np.where(loads, np.maximum(lowered, np.abs(self.condition.value)), unit[1])]
-        )
-        return _largest(force, wrong, np.where(unit > 0.0, unit, 1.0))
+        return _largest(*self.errors)
 
     @cached_property
     def holds(self) -> BoolArray:

@@ -54,23 +54,10 @@ class AdhesiveAsperities(LoadEquation):
 
     def sensitivity(self, height: FloatArray, radius: FloatArray, load: FloatArray) -> Sensitivity:
         """Return the loading curve at increasing loads (k,), and dA0/dh at fixed load [mm], (k, n)."""
-        found = self._loaded(height, radius, load)
+        scene = Scene(self.law, np.broadcast_to(radius, height.shape), height.max() - height)
+        found = loading(scene, float(load[-1]), by_load=True).at(load)
         curve = _curve(found, lambda: self._state(found, height))
         return Sensitivity(curve, found.gradient, found.indentation)
-
-    def contacts(
-        self, height: FloatArray, radius: FloatArray, load: FloatArray
-    ) -> tuple[FloatArray, FloatArray]:
-        """Return contact radii and indentations (k, n) [mm] at increasing loads (k,).
-
-        An open asperity has the radius 0, and minus its gap as indentation.
-        """
-        found = self._loaded(height, radius, load)
-        return found.a, found.indentation
-
-    def _loaded(self, height: FloatArray, radius: FloatArray, load: FloatArray) -> States:
-        scene = Scene(self.law, np.broadcast_to(radius, height.shape), height.max() - height)
-        return loading(scene, float(load[-1]), by_load=True).at(load)
 
     def _state(self, found: States, height: FloatArray) -> RescaledState:
         return RescaledState(*_last(found), float(height.max() - found.x[-1]), self.model)

@@ -127,6 +127,7 @@ def _pressed(scene: Scene, closed: BoolArray, x: FloatArray) -> States:
     plain = scene.law.cap.contact_radius(np.maximum(x[:, None] - scene.gap, 0.0), scene.radius)
     # the guess exceeds a slightly, so that Newton's method for the convex d(a) converges without damping
     a = (plain**1.5 + scene.entry_radius**1.5) ** (2.0 / 3.0)
+    a = np.minimum(a, 0.5 * (plain + scene.largest_radius))
     return scene.solve(closed, a, x, scene.at_approach(x), NODES)
 
 

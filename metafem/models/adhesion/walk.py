@@ -99,7 +99,7 @@ def _change(state: States, before: States) -> float:
 
 def _moved(state: States, shift: float, condition: Condition) -> States:
     """Return the state under a condition, guessed by the tangent for a change of the approach."""
-    a = np.maximum(state.a + shift * state.rate, 0.3 * state.a)
+    a = np.clip(state.a + shift * state.rate, 0.3 * state.a, 0.5 * (state.a + state.scene.largest_radius))
     return state.scene.solve(state.closed, a, state.x + shift, condition, NODES)
 
 

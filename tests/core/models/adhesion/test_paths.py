@@ -144,10 +144,10 @@ def test_states_are_stable():
             assert np.linalg.eigvalsh(whole).min() > 0.0
 
 
-@pytest.mark.parametrize("first", [0, 15])
+@pytest.mark.parametrize("first", [0, 10, 20])
 def test_a_curve_and_its_sensitivity_agree(first):
     """Scenes in which some asperities are about to touch, for weak and strong adhesion."""
-    for seed in range(first, first + 15):
+    for seed in range(first, first + 10):
         rng = np.random.default_rng(seed)
         energy, height = 9e-6 * 10.0 ** rng.random(), 0.1 + 0.03 * rng.random(16)
         surface = mf.Surface.square_lattice(height, (4, 4), radius=0.526, material=mf.Material(1.36))
@@ -209,7 +209,7 @@ def test_loads_far_below_adhesion(couples):
         a = np.sqrt(state.asperity_area / np.pi)
         lowered = 1.36 * (2.0 * a * bound.deficit(a)).sum()
         error = abs(state.asperity_load.sum() - load)
-        assert error <= 1.001 * state.residual * max(load, lowered) + 1e-15 * lowered
+        assert error <= 1.001 * state.residual * (load + lowered) + 1e-15 * lowered
         assert state.residual <= 1e-12
 
 
