@@ -123,9 +123,10 @@ class Scene:
         found = np.zeros(right.shape)
         for row in np.flatnonzero(closed.any(axis=1)):
             kept = np.flatnonzero(closed[row])
-            matrix = self.influence[np.ix_(kept, kept)] * fields.rise[row, kept]
-            matrix[np.diag_indices(len(kept))] += fields.slope[row, kept]
-            _, _, inner, failed = dgesv(matrix.T if turned else matrix, right[row, kept])
+            # the transposed matrix by rows is the matrix by columns, which LAPACK does not copy
+            matrix = self.influence.T[kept[:, None], kept] * fields.rise[row, kept, None]
+            matrix.flat[:: len(kept) + 1] += fields.slope[row, kept]
+            _, _, inner, failed = dgesv(matrix if turned else matrix.T, right[row, kept], overwrite_a=True)
             found[row, kept] = np.nan if failed else inner
         return found
 
@@ -242,7 +243,8 @@ class States:
         """Return Newton's steps in the radii (k, n) and in the approaches (k,)."""
         force, wrong, _ = self.errors
         both = np.stack([-force, np.ones(force.shape)], axis=2)
-        change, rate = np.moveaxis(self.scene.solved(self.fields, self.closed, both, False), 2, 0)
+        found = self.scene.solved(self.fields, self.closed, both, False)
+        change, rate = found[..., 0], found[..., 1]
         weight = self.condition.by_load * self.fields.rise + self.condition.by_radius
         shift = -(wrong + (weight * change).sum(axis=1)) / (
             (weight * rate).sum(axis=1) + self.condition.by_approach
@@ -275,8 +277,8 @@ class States:
     def gradient(self) -> FloatArray:
         """Return dA0/dh at fixed load [mm], (k, n)."""
         both = np.stack([2.0 * np.pi * self.a, self.fields.rise], axis=2)
-        solved = self.scene.solved(self.fields, self.closed, both, True)
-        by_area, by_load = np.moveaxis(solved, 2, 0)
+        found = self.scene.solved(self.fields, self.closed, both, True)
+        by_area, by_load = found[..., 0], found[..., 1]
         total = by_load.sum(axis=1, keepdims=True)
         share = by_load / np.where(total > 0.0, total, 1.0)
         return np.asarray(by_area - by_area.sum(axis=1, keepdims=True) * share)
