@@ -106,7 +106,7 @@ class Scene:
         law, cap = self.law, self.law.cap
         a = np.where(closed, a, self.entry_radius)
         depth, s, c = cap.indentation(a, self.radius), law.deficit(a), cap.profile_slope(a, self.radius)
-        load, rise = cap.load(a, self.radius) - 2.0 * a * s, 2.0 * a * c - 3.0 * s
+        load, rise = law.load(a, self.radius), 2.0 * a * c - 3.0 * s
         return Fields(load * closed, depth, s, rise * closed, np.where(closed, c - 0.5 * s / a, 1.0))
 
     def displacement(self, load: FloatArray) -> FloatArray:

@@ -61,6 +61,8 @@ def _step(state: States, sign: float) -> list[States]:
             continue
         if not near:
             length *= 0.5
+            if length < LOCATED:  # as at the equator of a sphere
+                break
             continue
         breaks = not trial.holds[0]
         trial = _end(state, trial, i, sign * length) if breaks else trial
