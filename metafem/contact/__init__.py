@@ -1,7 +1,7 @@
 """Contact of one asperity and a rigid plane."""
 
-from metafem.contact.adhesion import JKR
 from metafem.contact.elastic import Elastic, Hertz
+from metafem.contact.jkr import JKR
 from metafem.contact.law import Contact
 from metafem.contact.pedestal import pedestal_compliance
 from metafem.contact.plastic import JacksonGreen, KogutEtsion

@@ -14,8 +14,7 @@ from metafem.contact import Contact
 from metafem.contact.elastic import PARABOLOID
 from metafem.contact.law import checked_contact
 from metafem.errors import InvalidInput
-from metafem.models.adhesion.load_equation import AdhesiveAsperities
-from metafem.models.adhesion.notes import adhesive_law
+from metafem.models.adhesion.curves import AdhesiveAsperities, adhesive_law
 from metafem.models.curve import Curve, Sensitivity, controlled
 from metafem.models.interacting.model import Interacting
 from metafem.models.load_equation import LoadEquation

@@ -287,6 +287,8 @@ def base_contact_load(surface: Surface, model: Model) -> float:
 
     # start from the base contact of independent asperities; it comes later if the base sinks, and it may come
     # earlier if the layer rises
+    if state_at(0.0)[0] <= 0.0:  # strong adhesion pulls the base to the plane at the first contact
+        return 0.0
     high, gap = top, state_at(top)[0]
     for _ in range(MOST_STEPS):
         if gap <= BASE_TOLERANCE * top:

@@ -15,9 +15,8 @@ from metafem.contact import Contact
 from metafem.contact.elastic import PARABOLOID
 from metafem.contact.law import checked_contact
 from metafem.errors import InvalidInput, refuse_if
-from metafem.models.adhesion.notes import adhesive_law
+from metafem.models.adhesion.curves import AdhesiveCoupling, adhesive_law
 from metafem.models.curve import Curve, Sensitivity, areas_one_by_one, controlled
-from metafem.models.interacting.adhesive import AdhesiveCoupling
 from metafem.models.interacting.elastic import DENSE_LIMIT as DENSE_LIMIT
 from metafem.models.interacting.elastic import LATTICE_LIMIT as LATTICE_LIMIT
 from metafem.models.interacting.elastic import TOLERANCE as TOLERANCE

@@ -26,9 +26,6 @@ if TYPE_CHECKING:
 # Twice the width of the first bracket of ln d, where d is the cap's indentation without adhesion.
 WIDTH = 1.0
 
-# Relative change of y by r in `paraboloid_radius` below which y is that at d = 0, to rounding.
-SHALLOW = 1e-18
-
 
 @dataclass(frozen=True)
 class JKR(Contact):
@@ -129,20 +126,10 @@ class JKR(Contact):
         At d = 0 the asperity has jumped into contact. On unloading, the contact stays closed down to a
         negative indentation. The models follow this branch to find the contact radius.
         """
-        d, size, extra = np.broadcast_arrays(np.asarray(indentation, np.float64), radius, curvature)
         if self.length == 0.0:
-            return self.cap.contact_radius(d, size, extra)
-        if self.cap == PARABOLOID:
-            found = paraboloid_radius(np.maximum(d, 0.0), size / (1.0 + extra * size), self.length)
-            return np.where(d >= 0.0, found, 0.0)[()]
-        found, closed = np.zeros(d.shape), d >= 0.0
-
-        def excess(a: FloatArray, inner: FloatArray, *given: FloatArray) -> FloatArray:
-            return np.asarray(np.log(inner / (given[2] + self.deficit(a))))
-
-        if closed.any():
-            found[closed] = self._radius_where(excess, size[closed], extra[closed], d[closed])
-        return found[()]
+            return self.cap.contact_radius(indentation, radius, curvature)
+        found = self._radius_where(self.cap.indentation, 1.0, radius, curvature, np.maximum(indentation, 0.0))
+        return np.where(np.asarray(indentation) >= 0.0, found, 0.0)[()]
 
     def indentation(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Return the indentation d = d_cap - s [mm]."""
@@ -169,27 +156,19 @@ class JKR(Contact):
 
     def pull_off_radius(self, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Return the contact radius [mm] at which the load has its (negative) minimum: c = 3/2 s/a."""
-        return self._steep(1.5, radius, curvature)
+        return self._radius_where(self._edge, 1.5, radius, curvature)
 
     def break_radius(self, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Return the contact radius [mm] of smallest indentation, where the branch ends: c = 1/2 s/a."""
-        return self._steep(0.5, radius, curvature)
-
-    def _steep(self, share: float, radius: Values, curvature: Values) -> FloatArray:
-        """Return the contact radius [mm] at which c equals ``share`` times s/a."""
-
-        def excess(a: FloatArray, _: FloatArray, *given: FloatArray) -> FloatArray:
-            return np.asarray(np.log(self.profile_slope(a, *given[:2]) * a / (share * self.deficit(a))))
-
-        return self._radius_where(excess, radius, curvature)
+        return self._radius_where(self._edge, 0.5, radius, curvature)
 
     def zero_load_radius(self, radius: Values, curvature: Values = 0.0) -> FloatArray:
-        """Return the radius [mm] of the stable contact at zero load."""
+        """Return the radius [mm] of the stable contact at zero load: P_cap/(2 a E*) = s."""
+        return self._radius_where(lambda a, *cap: self.cap.load(a, *cap) / (2.0 * a), 1.0, radius, curvature)
 
-        def excess(a: FloatArray, _: FloatArray, *given: FloatArray) -> FloatArray:
-            return np.asarray(np.log(self.cap.load(a, *given[:2]) / (2.0 * a * self.deficit(a))))
-
-        return self._radius_where(excess, radius, curvature)
+    def _edge(self, contact_radius: FloatArray, radius: Values, curvature: Values) -> FloatArray:
+        """Return a c [mm]."""
+        return contact_radius * self.profile_slope(contact_radius, radius, curvature)
 
     def _rates(self, contact_radius: Values, radius: Values, curvature: Values) -> tuple[FloatArray, ...]:
         """Return a [mm], c [-] and s/a [-]; for open contacts c = 1 and s/a = 0."""
@@ -200,20 +179,25 @@ class JKR(Contact):
         return a, slope, drop
 
     def _radius_where(
-        self, excess: Callable[..., FloatArray], radius: Values, curvature: Values, depth: Values = 0.0
+        self,
+        value: Callable[..., FloatArray],
+        share: float,
+        radius: Values,
+        curvature: Values,
+        depth: Values = 0.0,
     ) -> FloatArray:
-        """Return the contact radius a at which excess(a, z, radius, curvature, depth) is 0, to rounding.
+        """Return the contact radius a at which value(a, radius, curvature) is depth + share s, to rounding.
 
-        z is the cap's indentation without adhesion at the contact radius a. The excess increases almost
-        linearly with ln z.
+        The unknown is the logarithm of the cap's indentation, in which that of the ratio is almost linear.
         """
         summit, *others = np.broadcast_arrays(radius, curvature, depth)
         given = [np.arange(summit.size).reshape(summit.shape), *others]
         top = np.log(np.asarray(self.cap.largest_indentation(summit), dtype=np.float64))
 
-        def at(x: FloatArray, which: IntArray, *others: FloatArray) -> FloatArray:
-            inner, own = np.exp(x), summit.ravel()[which]
-            return excess(self.cap.contact_radius(inner, own, others[0]), inner, own, *others)
+        def at(x: FloatArray, which: IntArray, extra: FloatArray, deep: FloatArray) -> FloatArray:
+            own = summit.ravel()[which]
+            a = self.cap.contact_radius(np.exp(x), own, extra)
+            return np.asarray(np.log(value(a, own, extra) / (deep + share * self.deficit(a))))
 
         ends = np.isfinite(top)  # a cap without end has no bound
         if (ends & (at(np.where(ends, top, 0.0), *given) < 0.0)).any():
@@ -227,35 +211,16 @@ class JKR(Contact):
         return np.asarray(self.cap.contact_radius(np.exp(x), summit, others[0]))[()]
 
 
-def paraboloid_radius(indentation: FloatArray, radius: FloatArray, length: float) -> FloatArray:
-    """Return contact radii [mm] of adhesive paraboloids at indentations d >= 0 [mm]; w/E* is `length` [mm].
-
-    With t = sqrt(a), ``d = a^2/R - sqrt(2 pi w a/E*)`` is ``t^4 = q t + r`` with q = R sqrt(2 pi w/E*) and
-    r = R d. By Ferrari's method, ``t^2 - sqrt(y) t + y/2 - q/(2 sqrt(y)) = 0`` with the root y of
-    ``y^3 + 4 r y = q^2``. No difference in the formulae cancels.
-    """
-    q, r = radius * math.sqrt(2.0 * math.pi * length), radius * indentation
-    jump = np.cbrt(q) ** 2  # y at d = 0
-    e = np.maximum(4.0 / 3.0 * r, SHALLOW * jump**2)
-    y = np.where(
-        r > SHALLOW * jump**2, 2.0 * np.sqrt(e) * np.sinh(np.arcsinh(0.5 * q**2 / e**1.5) / 3.0), jump
-    )
-    root = np.sqrt(y)
-    return np.asarray(0.25 * (root + np.sqrt(2.0 * q / root - y)) ** 2)
-
-
 def of_sizes(method: Callable[[JKR, FloatArray], FloatArray], law: JKR, radius: FloatArray) -> FloatArray:
-    """Return a contact radius [mm] for each summit radius, (n,), computed once for each distinct radius.
-
-    The contact radius is that of `method`, a method of `JKR` such as ``JKR.entry_radius``.
-    """
-    sizes, which = np.unique(radius, return_inverse=True)
-    return _of_sizes(method, law, tuple(sizes.tolist()), sizes.dtype)[which]
+    """Return contact radii [mm] for summit radii (n,), by a method of `JKR` such as `entry_radius`."""
+    return _of_sizes(method, law, radius.tobytes(), radius.dtype)
 
 
+# cached because a design repeats this root search for many heights
 @lru_cache(maxsize=64)
 def _of_sizes(
-    method: Callable[[JKR, FloatArray], FloatArray], law: JKR, sizes: tuple[Any, ...], kind: Any
+    method: Callable[[JKR, FloatArray], FloatArray], law: JKR, radius: bytes, kind: Any
 ) -> FloatArray:
-    """Return the radii of `of_sizes`, cached because a design repeats this root search for many heights."""
-    return np.asarray(method(law, np.array(list(sizes), kind)))
+    """Return the radii of `of_sizes`, computed once for each distinct summit radius."""
+    sizes, which = np.unique(np.frombuffer(radius, kind), return_inverse=True)
+    return np.asarray(method(law, sizes))[which]

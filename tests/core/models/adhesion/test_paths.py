@@ -1,0 +1,226 @@
+"""Paths of adhesive contacts: each jump is located, each state is stable, and all ways to a state agree."""
+
+import contextlib
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import metafem as mf
+from metafem.contact.by_profile import law_of
+from metafem.models.adhesion.contacts import Scene, States
+from metafem.models.adhesion.path import loading, unloading
+from metafem.models.interacting.influence import coupling_between
+from tests.models.scenes import lattice, said, scene
+
+ENERGY = 9e-6
+# Part of the largest load to which jumps are located.
+LOCATED = 1e-6
+CAPS = [mf.Hertz(), law_of(mf.Power(1.5))]
+
+
+def scene_of(surface, substrate=mf.HalfSpace(), law=mf.JKR(ENERGY)):  # noqa: B008
+    coupling, regular = coupling_between(surface, substrate.for_surface(surface), 1)
+    influence = coupling.influence.T + np.diag(regular)
+    summits = np.broadcast_to(surface.radius, surface.gap.shape)
+    return Scene(law.for_material(surface.material), summits, surface.gap, influence)
+
+
+def path_of(asperities, low, high, back):
+    """Path from a low to a high load, or back."""
+    return unloading(asperities, high, low, True) if back else loading(asperities, high, True)
+
+
+def uneven(seed=1):
+    return lattice(0.15 - np.random.default_rng(seed).uniform(0.0, 0.03, 9))
+
+
+@pytest.mark.parametrize("cap", CAPS, ids=repr)
+def test_derivatives_are_those_of_the_equations(cap):
+    surface, step = scene(), 1e-5
+    closed = np.array([[True, False, True, True, False, True]])
+    some = scene_of(surface, mf.BondedLayer(), mf.JKR(9e-5, cap))
+    a = np.array([0.12, 0.0, 0.2, 0.15, 0.0, 0.18])
+
+    def state(radii):
+        return States(some, closed, radii[None], np.array([0.02]), some.at_load(np.array([0.01])))
+
+    rows = np.flatnonzero(closed[0])
+    at = state(a)
+    # J^-1 of the change of F by each radius is the unit vector of this radius
+    ends = [[state(a + sign * step * e) for sign in (-1.0, 1.0)] for e in np.eye(6)[rows]]
+    changes = np.array([(high.errors[0] - low.errors[0])[0] for low, high in ends]).T / (2.0 * step)
+    found = some.solved(at.fields, closed, changes[None], False)[0][rows]
+    assert_allclose(found, np.eye(4), atol=1e-7)
+    loads = [(high.load - low.load)[0] / (2.0 * step) for low, high in ends]
+    assert_allclose(at.fields.rise[0, rows], loads, atol=1e-7 * np.abs(loads).max())
+
+
+@pytest.mark.parametrize("cap", CAPS, ids=repr)
+def test_the_area_is_the_derivative_of_the_energy(cap):
+    """With dU = P dx - A dw, a change of w changes P at fixed x by -dA/dx."""
+    surface, w, x, step = scene(height=0.1 + np.array([0, 1, 0, 2, 1, 0]) * 1e-3), 9e-5, 0.06, 1e-3
+
+    def state(energy, approach):
+        model = mf.Interacting(1, contact=mf.JKR(energy, cap))
+        return model.curve(surface, approach=np.array([approach]))
+
+    area = [state(w, x * (1.0 + sign * 0.1 * step)).area[0] for sign in (-1.0, 1.0)]
+    load = [state(w * (1.0 + sign * step), x).load[0] for sign in (-1.0, 1.0)]
+    modulus = surface.material.composite_modulus
+    by_approach, by_energy = (
+        np.diff(area)[0] / (0.2 * step * x),
+        modulus * np.diff(load)[0] / (2.0 * step * w),
+    )
+    assert by_energy == pytest.approx(-by_approach, rel=1e-8)
+
+
+@pytest.mark.parametrize(("substrate", "back"), [(mf.HalfSpace(), False), (mf.BondedLayer(), True)])
+def test_jumps_are_located(substrate, back):
+    """The areas at each jump are those of the path at loads just below and above it."""
+    largest = 0.05
+    path = path_of(scene_of(uneven(), substrate), 0.0, largest, back)
+    load, before, after = path.jumps(0.0 if back else largest)
+    assert len(load) > 5
+    assert (np.diff(load) * (-1.0 if back else 1.0) > 0.0).all()
+    low, high = (path.at(load[1:] + sign * LOCATED * largest).area for sign in (-1.0, 1.0))
+    below, above = (after, before) if back else (before, after)
+    # away from the jump the area changes as the root of the load
+    step = 0.2 * np.abs(after - before)[1:]
+    assert (np.abs(low - below[1:]) <= step).all()
+    assert (np.abs(high - above[1:]) <= step).all()
+
+
+def test_one_among_many_stiff_contacts_jumps():
+    """Beside stiff contacts the load is lowest just before one breaks; no such jump is missed."""
+    height = np.append(np.full(20, 0.2), 0.15 - np.array([0.0, 0.001, 0.003, 0.004, 0.007]))
+    surface = scene(1e6 * np.stack(np.divmod(np.arange(25), 5), axis=1), height, 0.526)
+    for back in (False, True):
+        model = mf.Independent(mf.JKR(ENERGY)).curve(surface, np.array([0.0, 1.3]), unloading=back)
+        load, _, _ = path_of(scene_of(surface), 0.0, 1.3, back).jumps(0.0 if back else 1.3)
+        assert said(model).startswith(f"{len(load)} jumps of A0")
+        assert len(load) == 5 + (not back)
+
+
+def test_two_contacts_that_break_together_are_followed():
+    """Asperities 10 and 36 reach the ends of their branches together; near the ends, their order changes."""
+    height = 0.1 + 0.003 * np.random.default_rng(12).random(64)
+    found = []
+    for lower in (0.0, 1e-5, -1e-5):
+        height_of = height - np.where(np.arange(64) == 36, lower, 0.0)
+        surface = mf.Surface.square_lattice(height_of, radius=0.526, material=mf.Material(1.36))
+        path = path_of(scene_of(surface), 2.2e-3, 0.07, True)
+        found.append((len(path.jumps(2.2e-3)[0]), path.at(np.array([2.2e-3]))))
+    # heights that differ by 10 nm separate the two breaks; afterwards all states are the same
+    assert [jumps for jumps, _ in found] == [1, 2, 2]
+    for _, state in found:
+        assert set(np.flatnonzero(~state.closed[0]).tolist()) == {10, 36}
+        assert state.holds.all()
+        assert state.stiffness > 0.0
+        assert state.area == pytest.approx(found[0][1].area, rel=1e-11)
+
+
+def test_states_are_stable():
+    """The second variation of the potential by contact radii and approach is positive."""
+    asperities = scene_of(uneven())
+    for back in (False, True):
+        states = path_of(asperities, 0.0, 0.05, back).at(np.linspace(0.0, 0.05, 9))
+        assert (states.residual <= 1e-12).all()
+        for row, closed in enumerate(states.closed):
+            a, law = states.a[row, closed], asperities.law
+            s = law.deficit(a)
+            own = law.profile_slope(a, asperities.radius[closed]) - 0.5 * s / a
+            # with the indentation d and the edge: P = 2 a (d - d_cap) + P_cap, dP = 2 a dd - 2 s da
+            field = asperities.influence[np.ix_(closed, closed)]
+            held = np.linalg.inv(np.eye(len(a)) + 2.0 * field * a)  # dd by a displacement, at given radii
+            stiff = 2.0 * a[:, None] * held  # dP/dx of the contacts
+            by_radii = held @ (2.0 * field * s)  # dd/da at a given approach
+            push = -2.0 * np.diag(s) + 2.0 * a[:, None] * by_radii  # dP/da at a given approach
+            whole = np.zeros((len(a) + 1, len(a) + 1))
+            whole[:-1, :-1] = 2.0 * s[:, None] * (np.diag(own) - by_radii)
+            whole[-1, :-1] = whole[:-1, -1] = push.sum(axis=0)
+            whole[-1, -1] = stiff.sum()
+            assert np.abs(whole - whole.T).max() <= 1e-12 * np.abs(whole).max()
+            assert np.linalg.eigvalsh(whole).min() > 0.0
+
+
+@pytest.mark.parametrize("first", [0, 10, 20])
+def test_a_curve_and_its_sensitivity_agree(first):
+    """Scenes in which some asperities are about to touch, for weak and strong adhesion."""
+    for seed in range(first, first + 10):
+        rng = np.random.default_rng(seed)
+        energy, height = 9e-6 * 10.0 ** rng.random(), 0.1 + 0.03 * rng.random(16)
+        surface = mf.Surface.square_lattice(height, (4, 4), radius=0.526, material=mf.Material(1.36))
+        model, load = mf.Interacting(1, contact=mf.JKR(energy)), np.linspace(1e-3, 0.1, 4)
+        assert_allclose(
+            model.sensitivity(surface, load).curve.area, model.curve(surface, load).area, rtol=1e-11
+        )
+    # the state at a load does not depend on the loads before it
+    assert_allclose(model.curve(surface, load[3:4]).area, model.curve(surface, load).area[3], rtol=1e-11)
+
+
+@pytest.mark.parametrize("model", [mf.Independent, mf.Interacting], ids=lambda model: model.__name__)
+def test_no_unit_matters(model):
+    """Lengths times 1e±3, moduli times 1e±6, and w with their product: the same numbers, scaled."""
+
+    def curves(length, modulus):
+        law = mf.JKR(2e-5 * length * modulus)
+        chosen = mf.Independent(law) if model is mf.Independent else mf.Interacting(1, contact=law)
+        first = uneven()
+        surface = mf.Surface(
+            length * first.position, length * first.height, length * first.radius, mf.Material(1.36 * modulus)
+        )
+        for back in (False, True):
+            load = length**2 * np.linspace(-2e-5 if back else 0.0, 0.05, 8)
+            curve = chosen.curve(surface, load, unloading=back)
+            assert curve.converged
+            yield curve.area / length**2, curve.approach / length, curve.stiffness / length
+            deep = length * np.linspace(-0.003 if back else 1e-4, 0.04, 6)
+            curve = chosen.curve(surface, approach=deep, unloading=back)
+            assert curve.converged
+            yield curve.area / length**2, curve.load / length**2, curve.stiffness / length
+
+    expected = list(curves(1.0, 1.0))
+    for length, modulus in ((1e-3, 1e6), (1e3, 1e-6)):
+        for found, one in zip(curves(length, modulus), expected, strict=True):
+            for ours, theirs in zip(found, one, strict=True):
+                assert_allclose(ours, theirs, rtol=1e-9, atol=1e-12 * np.abs(theirs).max())
+
+
+def test_an_approach_is_kept_while_the_contacts_pull():
+    """Just after the first contact, in tension, the plane is held where it was asked to be."""
+    surface, approach = uneven(), np.array([1e-9, 1e-4, 3e-4])
+    for back in (False, True):
+        curve = mf.Interacting(1, contact=mf.JKR(ENERGY)).curve(surface, approach=approach, unloading=back)
+        assert_allclose(curve.approach, approach, rtol=0.0, atol=0.0)
+        assert curve.load[0] < 0.0 or back
+
+
+@pytest.mark.parametrize("couples", [False, True])
+def test_loads_far_below_adhesion(couples):
+    """What is returned carries the load within the residual, at loads from nothing to the largest."""
+    law = mf.JKR(5e-5)
+    model = mf.Interacting(1, contact=law) if couples else mf.Independent(law)
+    surface, bound = uneven(), law.for_material(mf.Material(1.36))
+    for load in (0.0, 1e-60, 1e-12, 1e-8, 1e-3):
+        state = mf.equilibrium(surface, model, load=load)
+        law = mf.friction_law(surface, model, load=[load, 0.05])
+        assert state.area == pytest.approx(law.area[0], rel=1e-9)
+        a = np.sqrt(state.asperity_area / np.pi)
+        lowered = 1.36 * (2.0 * a * bound.deficit(a)).sum()
+        error = abs(state.asperity_load.sum() - load)
+        assert error <= 1.001 * state.residual * (load + lowered) + 1e-15 * lowered
+        assert state.residual <= 1e-12
+
+
+@pytest.mark.parametrize("energy", [0.01, *np.linspace(0.02, 0.2, 10)])
+def test_no_message_of_a_library_reaches_the_user(energy):
+    surface = mf.Surface.square_lattice(0.1, (2, 2), radius=0.526, material=mf.Material(1.36))
+    law = mf.JKR(float(energy))
+    for model in (mf.Independent(law), mf.Interacting(1, contact=law)):
+        for back in (False, True):
+            with contextlib.suppress(mf.MetafemError):
+                found = mf.friction_law(surface, model, load=[0.01, 0.02], unloading=back)
+                assert np.isfinite(found.area).all()
+                assert said(found)
+                assert said(mf.equilibrium(surface, model, load=0.01))
