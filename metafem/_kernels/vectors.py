@@ -10,56 +10,10 @@ from metafem._kernels.compiled import compiled
 
 
 @compiled
-def dot(a, b):
-    """Return the inner product of a and the leading elements of b, computed as four partial sums."""
-    s0 = s1 = s2 = s3 = 0.0
-    whole = a.size - a.size % 4
-    for i in range(0, whole, 4):
-        s0 += a[i] * b[i]
-        s1 += a[i + 1] * b[i + 1]
-        s2 += a[i + 2] * b[i + 2]
-        s3 += a[i + 3] * b[i + 3]
-    for i in range(whole, a.size):
-        s0 += a[i] * b[i]
-    return (s0 + s1) + (s2 + s3)
-
-
-@compiled
 def add(total, rest, term):
     """Return a sum and its rounding error after adding a term: Neumaier, ZAMM 54, 39 (1974)."""
     new = total + term
     return new, rest + ((total - new) + term if total >= term else (term - new) + total)
-
-
-@compiled
-def shifted_dot(a, b, z):
-    """Return the inner product of a and b - z, computed as four partial sums."""
-    s0 = s1 = s2 = s3 = 0.0
-    whole = a.size - a.size % 4
-    for i in range(0, whole, 4):
-        s0 += a[i] * (b[i] - z)
-        s1 += a[i + 1] * (b[i + 1] - z)
-        s2 += a[i + 2] * (b[i + 2] - z)
-        s3 += a[i + 3] * (b[i + 3] - z)
-    for i in range(whole, a.size):
-        s0 += a[i] * (b[i] - z)
-    return (s0 + s1) + (s2 + s3)
-
-
-@compiled
-def add_multiple(total, factor, vector):
-    """Add a multiple of a vector to `total`."""
-    for i in range(total.size):
-        total[i] += factor * vector[i]
-
-
-@compiled
-def shortage(v, z, face):
-    """Return z - v on the face and 0 elsewhere."""
-    result = np.empty(v.size)
-    for i in range(v.size):
-        result[i] = z - v[i] if face[i] else 0.0
-    return result
 
 
 @compiled
@@ -69,20 +23,6 @@ def exact_sum(values):
     for value in values:
         total, rest = add(total, rest, value)
     return total + rest
-
-
-@compiled
-def violations(v, z, face):
-    """Return the largest |v - z| on the face, and the largest z - v, the overlap, outside it."""
-    inside = 0.0
-    outside = 0.0
-    for i in range(v.size):
-        w = v[i] - z
-        if face[i]:
-            inside = max(inside, abs(w))
-        else:
-            outside = max(outside, -w)
-    return inside, outside
 
 
 @compiled

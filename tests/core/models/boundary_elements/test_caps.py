@@ -9,7 +9,7 @@ import metafem as mf
 from metafem.caps.shapes import sphere_profile
 from metafem.contact.by_profile import law_of
 from metafem.contact.caps import PowerCap
-from metafem.models.boundary_elements.summits import Summits
+from metafem.models.boundary_elements.cells import Summits
 from tests.models.interacting.dense_twin import Twin
 from tests.models.scenes import lattice, scene, single_contact
 
