@@ -136,8 +136,9 @@ class Influence:
         for q, first, second, block in self.blocks:
             part = moments[:, :q, :q].reshape(-1, q * q)
             local = np.zeros_like(part)
-            np.add.at(local, first, (block @ part[second, :, None])[:, :, 0])
-            np.add.at(local, second, (part[first, None, :] @ block)[:, 0, :])
+            # no matrix products, whose threads may wait for busy cores
+            np.add.at(local, first, np.einsum("kab,kb->ka", block, part[second]))
+            np.add.at(local, second, np.einsum("kab,ka->kb", block, part[first]))
             result[:, :q, :q] += local.reshape(-1, q, q)
         return result
 

@@ -108,14 +108,14 @@ def on_face(
         inside, outside = _violations(w, face)
         if inside <= max(tolerance, share * max(outside, -float(p.min()))):
             return p, z, step
-        new = -float(s @ w)
+        new = -_dot(s, w)
         d = s + (new / rho) * d
         rho = new
         image = operator.product(d)
-        curvature = float(d @ image)
+        curvature = _dot(d, image)
         if curvature <= 0.0:  # the step is zero, or lost in rounding
             return p, z, step
-        length = -float(d @ w) / curvature
+        length = -_dot(d, w) / curvature
         p += length * d
         w += length * image
     return p, z, max_steps
@@ -132,6 +132,11 @@ def project(trial: FloatArray, total: float | None) -> FloatArray:
     while (new := float((kept.sum() - total) / kept.size)) > shift:  # each pass removes cells
         kept, shift = kept[kept > new], new
     return np.maximum(trial - shift, 0.0)
+
+
+def _dot(a: FloatArray, b: FloatArray) -> float:
+    """Return the inner product in one thread, since those of a BLAS may wait for busy cores."""
+    return float(np.einsum("i,i", a, b))
 
 
 def _violations(w: FloatArray, face: BoolArray) -> tuple[float, float]:
@@ -160,7 +165,7 @@ def _projected_step(
         new = project(trial, total)
         image = operator.product(new) + gap
         # the change of the energy from both gradients, without cancellation
-        falls = float((new - p) @ ((v - z) + (image - z))) < 0.0
+        falls = _dot(new - p, (v - z) + (image - z)) < 0.0
         if falls or max(_violations(image - z, new > 0.0)) <= tolerance:
             return new, image, halvings
         if halvings == 0:
@@ -168,7 +173,7 @@ def _projected_step(
             step = np.where(face, level - v, 0.0)
             if not step.any():
                 break
-            length = float(step @ step / (step @ operator.product(step)))
+            length = _dot(step, step) / _dot(step, operator.product(step))
         trial = p + length * step
         length *= 0.5
     return p, v, MAX_HALVINGS

@@ -185,7 +185,7 @@ class Scene:
         height = np.maximum(d[owner] / self.cell - 2.0 * depth, 0.0)
         pressure = 2.0 / math.pi * np.sqrt(height / self.summits.radius[owner])
         # where no summit is the highest surface at its site, any initial guess works
-        return pressure if pressure.any() else pressure + 1.0
+        return np.asarray(pressure if pressure.any() else pressure + 1.0)
 
     def _enlarged(
         self,
