@@ -100,13 +100,15 @@ class Scene:
         total = None if load is None else load / self.cell**2
         # summits whose gaps may close have cells too
         half_width = self._reach(d, guess.last.load, 1.0 + MARGIN_SHARE, 0.01 * d.max())
-        patches, pressure, covered = [], np.zeros(0), False
+        patches: list[Patch] = []
+        parts: list[FloatArray] = []
+        pressure, covered = np.zeros(0), False
         for _ in range(MAX_GROWTHS):
             if not covered:
-                patches = self._patches(half_width)
+                old, patches = patches, self._patches(half_width)
                 operator = self._influence(patches)
                 gap = np.concatenate([p.gap.ravel() for p in patches])
-                pressure = self._expected(d, patches, gap)
+                pressure = _moved(old, parts, patches) if old else self._expected(d, patches, gap)
             if total is not None:
                 pressure = pressure * (total / pressure.sum())
             # half of the tolerance, as the final indentation may be smaller than the expected one
@@ -209,3 +211,14 @@ class Scene:
         d = minimum.multiplier * self.cell - self.surface.gap - self.coupling @ load
         new = np.where(half_width == 0.0, self._reach(d, load, 1.0, 0.0), 0.0)
         return np.asarray(np.maximum(result, new))
+
+
+def _moved(old: list[Patch], pressure: list[FloatArray], new: list[Patch]) -> FloatArray:
+    """Return the pressure on new patches of the same grid; zero in new cells."""
+    parts = [np.zeros(region.gap.shape) for region in new]
+    for source, p in zip(old, pressure, strict=True):
+        cells = np.argwhere(p > 0.0) + source.corner
+        for region, part in zip(new, parts, strict=True):
+            here = ((cells >= region.corner) & (cells < region.corner + part.shape)).all(axis=1)
+            part[tuple((cells[here] - region.corner).T)] = p[tuple((cells[here] - source.corner).T)]
+    return np.concatenate([part.ravel() for part in parts])
