@@ -13,8 +13,9 @@ import numpy as np
 
 from metafem._kernels.compiled import compiled, inlined
 from metafem._kernels.contact import hertz, tabulated
-from metafem._kernels.equations import ROWS, copy, linearise, spread, state_in
+from metafem._kernels.equations import ROWS, State, copy, linearise, spread, state_in
 from metafem._kernels.newton import ON_CURVE, TOLERANCE, Scratch, refresh, scratch_in, settle, solve
+from metafem._kernels.vectors import largest, total_of
 
 # Relative residual of the tangent. The stiffness is stationary at the tangent and has twice as many correct
 # digits.
@@ -28,9 +29,6 @@ REACH = 3.0
 # Maximum number of Newton steps for the approach of a prediction, and relative error of the load that is
 # below that of the prediction.
 PREDICTOR_STEPS, CLOSE = 2, 1e-4
-
-
-from metafem._kernels.vectors import largest, total_of
 
 
 class Results(NamedTuple):
@@ -70,6 +68,12 @@ def empty_work(count: int, order: int) -> Work:
     size = 0 if order == 1 else count
     rows = ROWS + len(Scratch._fields) - 1 + REMEMBERED
     return Work(np.zeros((rows, count)), np.zeros((size, size)), np.zeros(count, np.int64))
+
+
+def state_of(work: Work) -> State:
+    """Return the state that a workspace holds."""
+    state: State = state_in.py_func(work.block, work.closed)
+    return state
 
 
 @inlined
@@ -194,7 +198,7 @@ def independent_start(gap, law, control, by_load, z):
 
 @compiled
 def curves(field, order, law, self_term, gap, control, by_load, found, work, all_z):
-    """Fill `found` (7, m, k), the results of m surfaces; fill `all_z` (k, n) with z of the last one unless empty.
+    """Fill `found` (7, m, k), the results of m surfaces, and `all_z` (k, n), z of the last one, unless empty.
 
     self_term, gap and the arrays of the law are (m, n); control (k,) contains increasing loads or approaches.
     The last equilibrium of each surface is solved to TOLERANCE, the others to ON_CURVE.

@@ -109,7 +109,8 @@ def state_in(block, closed):
 
 def empty_state(count: int) -> State:
     """Return a zero state of `count` asperities."""
-    return state_in.py_func(np.zeros((ROWS, count)), np.zeros(count, np.int64))
+    state: State = state_in.py_func(np.zeros((ROWS, count)), np.zeros(count, np.int64))
+    return state
 
 
 @compiled
@@ -379,10 +380,8 @@ def measure(gap, approach, target, state, count):
         errors[i] = abs(error) if closed else max(state.z[i] - error, 0.0)
         errors[i] += math.inf if closed and state.outside[i] > 0.0 else 0.0
     worst, load = largest(errors), total_of(state.load)
-    if count == 0:
-        residual = 1.0 if worst > 0.0 else 0.0  # no contact, but open summits overlap the plane
-    else:
-        residual = worst / largest(state.indentation)
+    nothing = 1.0 if worst > 0.0 else 0.0  # no contact, but open summits overlap the plane
+    residual = nothing if count == 0 else worst / largest(state.indentation)
     if target > 0.0:
         residual = max(residual, abs(load - target) / target)
     return (residual if math.isfinite(total_of(errors)) else math.inf), load

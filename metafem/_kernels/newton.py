@@ -1,8 +1,8 @@
 """Newton's method for coupled contacts at a load or an approach; `equations` states the equations.
 
-A step solves ``A y - s 1 = b`` for the changes y of the loads and, if the total load is given, the change s of
-the approach with ``sum y = total``, by conjugate gradients. The preconditioner consists of the diagonal and
-the constraint (Gould, Hribar and Nocedal, SIAM J. Sci. Comput. 23, 1376 (2001),
+A step solves ``A y - s 1 = b`` for the changes y of the loads and, if the total load is given, the change s
+of the approach with ``sum y = total``, by conjugate gradients. The preconditioner consists of the diagonal
+and the constraint (Gould, Hribar and Nocedal, SIAM J. Sci. Comput. 23, 1376 (2001),
 doi:10.1137/S1064827598345667). The projection removes the stiff long-wave modes, which only change the
 approach.
 """
@@ -81,8 +81,8 @@ def solve(matrix, closed, count, total, free, leave, warm, scratch):
     """Fill y = scratch.loads, the changes of the loads; return the change of the approach, and success.
 
     matrix: rows of A for the contacts, without `scratch.diagonal`; A must be positive. free: whether the sum
-    of y is `total`; otherwise the approach does not change. warm: whether y is an initial guess with this sum.
-    On return ``scratch.rest = scratch.rhs - A y`` for all asperities; with the change of the approach, its
+    of y is `total`; otherwise the approach does not change. warm: whether y is a guess with this sum. On return
+    ``scratch.rest = scratch.rhs - A y`` for all asperities; with the change of the approach, its
     mean square over the contacts, weighted by the preconditioner, is within that of `leave`.
     """
     rest, inverse, ahead, image = scratch.rest, scratch.inverse, scratch.ahead, scratch.image

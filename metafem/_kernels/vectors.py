@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
-import numpy as np
-
 from metafem._kernels.compiled import compiled
 
 
@@ -62,54 +58,9 @@ def add(total, rest, term):
 
 
 @compiled
-def shifted_dot(a, b, z):
-    """Return the inner product of a and b - z, computed as four partial sums."""
-    s0 = s1 = s2 = s3 = 0.0
-    whole = a.size - a.size % 4
-    for i in range(0, whole, 4):
-        s0 += a[i] * (b[i] - z)
-        s1 += a[i + 1] * (b[i + 1] - z)
-        s2 += a[i + 2] * (b[i + 2] - z)
-        s3 += a[i + 3] * (b[i + 3] - z)
-    for i in range(whole, a.size):
-        s0 += a[i] * (b[i] - z)
-    return (s0 + s1) + (s2 + s3)
-
-
-@compiled
-def add_multiple(total, factor, vector):
-    """Add a multiple of a vector to `total`."""
-    for i in range(total.size):
-        total[i] += factor * vector[i]
-
-
-@compiled
-def shortage(v, z, face):
-    """Return z - v on the face and 0 elsewhere."""
-    result = np.empty(v.size)
-    for i in range(v.size):
-        result[i] = z - v[i] if face[i] else 0.0
-    return result
-
-
-@compiled
 def exact_sum(values):
     """Return the sum of an array, exact to a few roundings of the result."""
     total = rest = 0.0
     for value in values:
         total, rest = add(total, rest, value)
     return total + rest
-
-
-@compiled
-def violations(v, z, face):
-    """Return the largest |v - z| on the face, and the largest z - v, the overlap, outside it."""
-    inside = 0.0
-    outside = 0.0
-    for i in range(v.size):
-        w = v[i] - z
-        if face[i]:
-            inside = max(inside, abs(w))
-        else:
-            outside = max(outside, -w)
-    return inside, outside

@@ -11,11 +11,11 @@ import numpy as np
 
 from metafem import _validate as check
 from metafem._given import shown
-from metafem._validate import FloatArray
+from metafem._validate import FloatArray, IntArray
 from metafem.contact import Contact, Elastic, Hertz
 from metafem.contact.elastic import PARABOLOID
 from metafem.errors import InvalidInput
-from metafem.models.boundary_elements import far_field
+from metafem.models.boundary_elements.cells import allowed
 from metafem.models.boundary_elements.field import ContactField
 from metafem.models.boundary_elements.solve import COARSEST, TOLERANCE, Scene, Solution
 from metafem.models.curve import Curve, ModelError, RescaledState, controlled
@@ -26,16 +26,13 @@ from metafem.progress import each
 from metafem.substrate import HalfSpace, Radial
 from metafem.surface import Surface
 
-# Assumed error in the area of one contact, in cells. The measured error is up to 7 cells; a quarter is added
-# for safety.
-CELL_ERROR = 9.0
+# Assumed errors in the area of one contact, in cells: if its pressure has the shape of its law, measured to
+# 0.8; if it has another shape, up to 4 on layers from 0.1 to 1 mm; if it is merged, up to 5 in random scenes;
+# and for each pair of cells of `Contacts.grooves`, up to 0.1 if the grooves are parallel to the grid.
+LAWFUL_ERROR, CELL_ERROR, MERGING_ERROR, GROOVE_ERROR = 1.0, 5.0, 8.0, 0.1
 
-# Assumed error per contact, in cells, if contacts merge or are separated by narrow gaps: measured up to 11.
-MERGING_ERROR = 30.0
-
-# Error in the area of one contact, in cells, if its pressure has the shape of its law: 0.37 pi for a Hertz
-# contact (0.37/n^2 for n cells per radius), and a quarter more for safety.
-LAWFUL_ERROR = 1.25 * 0.37 * math.pi
+# Number of cells per radius of the largest contact with which the error is judged; also the minimum number.
+FEWEST_CELLS = 10.0
 
 
 def resolvable(contact: object) -> bool:
@@ -126,26 +123,16 @@ class BoundaryElements(WithoutGradients):
         because the contacts are far smaller than their distances.
         """
         values, by_load = controlled(load, approach)
-        scene = self._scene(surface)
+        scene = scene_of(surface, self)
         guesses = [scene.initial_guess(value, by_load) if value > 0.0 else None for value in values.tolist()]
-        fine = [guess is not None and scene.resolves(guess) for guess in guesses]
+        fine = [guess is not None and scene.largest(guess) >= COARSEST * self.cell for guess in guesses]
         light = fine.index(True) if any(fine) else 0
         if not (values[:light] > 0.0).any():
             light = 0
         parts = [self._light(surface, values[:light], by_load)] if light else []
-        rows = range(light, len(values))
-        parts += [
-            self._point(scene, guesses[k], float(values[k]), by_load)
-            for k in each("resolved contacts: load", list(rows))
-        ]
+        for k in each("resolved contacts: load", list(range(light, len(values)))):
+            parts.append(self._point(scene, guesses[k], float(values[k]), by_load))
         return Curve.joined(parts)
-
-    def _scene(self, surface: Surface) -> Scene:
-        """Return the surface with its law and cells."""
-        if surface.cell is not None:
-            raise InvalidInput("contacts in a periodic cell cannot be resolved; use metafem.Interacting()")
-        law = cast("Hertz | Elastic", self.contact.bound(surface))
-        return Scene(surface, self.cell, self.substrate, law)
 
     def _light(self, surface: Surface, values: FloatArray, by_load: bool) -> Curve:
         """Return the part of a curve at loads too light for the cells, by `Interacting` of order 3."""
@@ -157,30 +144,27 @@ class BoundaryElements(WithoutGradients):
             f"has fewer than {COARSEST:g} cells of {self.cell:g} mm per radius"
         )
         error = order_3_error(surface, first.last.area, self.substrate, self.contact)
-        return replace(first, notes=(*first.notes, note), error=error)
+        return first.with_notes((*first.notes, note), error)
 
     def _point(self, scene: Scene, guess: Curve | None, value: float, by_load: bool) -> Curve:
         """Return the equilibrium at one load [mm^2] or approach [mm] as a curve."""
-        solution = None if guess is None else scene.solve(guess, value if by_load else None)
-        return self._row(scene, solution, value, by_load)
-
-    def _row(self, scene: Scene, solution: Solution | None, value: float, by_load: bool) -> Curve:
-        """Return the solution at one load [mm^2] or approach [mm] as a curve."""
-        if solution is None:  # no load, or no contact
+        if guess is None:  # no load, or no contact
             row = (0.0 if by_load else value, 0.0, 0.0, 0.0, 0.0)
             last = partial(self._open, scene.surface, row[0])
             estimate = ModelError(0.0, "there is no contact")
         else:
-            h = scene.cell
+            solution, h = scene.solve(guess, value if by_load else None), scene.cell
             load, area = (h**2 * math.fsum(part) for part in (solution.contacts.load, solution.contacts.area))
             residual = solution.minimum.error / solution.indentation if solution.covered else math.inf
             if by_load:
                 residual = max(residual, abs(load - value) / value)
             row = (h * solution.minimum.multiplier, load, area, h * solution.stiffness, residual)
             last = partial(self._last, scene, solution)
-            estimate = ModelError(_cell_error(solution), "the number of cells in contact")
-        approach, carried, total, stiffness, error = np.array(row)[:, None]
-        return Curve(approach, carried, total, stiffness, error, TOLERANCE, last, error=estimate)
+            estimate = ModelError(_cell_error(solution, scene), "the number of cells in contact")
+        pressed, carried, total, stiffness, error = np.array(row)[:, None]
+        return Curve(
+            pressed, carried, total, stiffness, error, TOLERANCE, last, guess.notes if guess else (), estimate
+        )
 
     def _open(self, surface: Surface, approach: float) -> RescaledState:
         """Return the state without contact."""
@@ -204,50 +188,88 @@ class BoundaryElements(WithoutGradients):
         )
 
 
-def _cell_error(solution: Solution) -> float:
+def within(
+    tolerance: float,
+    surface: Surface,
+    load: FloatArray | None = None,
+    *,
+    approach: FloatArray | None = None,
+    substrate: Radial,
+    contact: Contact = PARABOLOID,
+) -> BoundaryElements:
+    """Return the model whose stated error of A0 at these loads or approaches is within a tolerance.
+
+    The contacts are resolved by coarse cells at the first and at the last value. Their areas, their shapes
+    and the merged contacts tell the error in cells, and from it the side of the cells.
+    """
+    values, by_load = controlled(load, approach)
+    ends = values[values > 0.0][[0, -1]]
+    guessed = BoundaryElements(math.inf, substrate, contact)
+    scene = scene_of(surface, guessed)
+    coarse = replace(guessed, cell=scene.largest(scene.initial_guess(ends[0], by_load)) / FEWEST_CELLS)
+    found = coarse.curve(surface, ends) if by_load else coarse.curve(surface, approach=ends)
+    finer = 0.9 * math.sqrt(tolerance / float(found.error or 0.0))  # contacts may change their shape
+    return replace(coarse, cell=coarse.cell * min(1.0, finer))
+
+
+def scene_of(surface: Surface, model: BoundaryElements) -> Scene:
+    """Return a surface with the law and the cells of a model."""
+    if surface.cell is not None:
+        raise InvalidInput("contacts in a periodic cell cannot be resolved; use metafem.Interacting()")
+    law = cast("Hertz | Elastic", model.contact.bound(surface))
+    return Scene(surface, model.cell, model.substrate, law)
+
+
+def _cell_error(solution: Solution, scene: Scene) -> float:
     """Return the assumed relative error of A0 for the numbers of cells in contact."""
     contacts = solution.contacts
     cells = np.where(contacts.deformed, CELL_ERROR, LAWFUL_ERROR)
     cells[contacts.merged.ravel()] = MERGING_ERROR
-    return float(cells[contacts.area > 0.0].sum() / contacts.area.sum())
+    if not scene.summits.paraboloids:  # the pressure near their edges has other shapes
+        other = allowed(contacts.area, False)
+        cells = np.where(contacts.deformed, other, cells)
+    grooves = GROOVE_ERROR * contacts.grooves
+    return float((grooves + cells[contacts.area > 0.0].sum()) / contacts.area.sum())
 
 
 def _field(scene: Scene, solution: Solution) -> ContactField:
     h, found = scene.cell, solution.minimum
+    corner, shape = _places(solution)
     undeformed = np.concatenate([p.gap.ravel() for p in solution.patches]) - found.multiplier
     low, high = scene.surface.position.min(axis=0), scene.surface.position.max(axis=0)
     return ContactField(
         cell=h,
-        corner=low + 0.5 * (high - low) + h * np.array([p.corner for p in solution.patches]),
-        shape=np.array([p.shape for p in solution.patches]),
+        corner=low + 0.5 * (high - low) + h * corner,
+        shape=shape,
         pressure=found.pressure,
-        gap=h * found.gradient,
+        gap=h * found.gap,
         undeformed_gap=h * undeformed,
     )
 
 
+def _places(solution: Solution) -> tuple[IntArray, IntArray]:
+    """Return the first cells and the numbers of rows and columns of the patches, (m, 2) each."""
+    patches = solution.patches
+    return np.array([p.corner for p in patches]), np.array([p.gap.shape for p in patches])
+
+
 def _notes(scene: Scene, solution: Solution) -> tuple[Note, ...]:
     """Return notes on the number of cells, and on contacts that are deformed, merged or of few cells."""
-    patches, contacts = solution.patches, solution.contacts
-    cells = sum(p.gap.size for p in patches)
-    corner = np.array([p.corner for p in patches])
-    extent = (corner + [p.shape for p in patches]).max(axis=0) - corner.min(axis=0)
+    contacts, (corner, shape) = solution.contacts, _places(solution)
+    extent = (corner + shape).max(axis=0) - corner.min(axis=0)
     notes = [
-        information(f"{cells} cells cover the contacts; a grid over all of them would have {extent.prod()}"),
-    ]
-    if len(patches) > 1:
-        notes.append(
-            information(
-                f"displacements between {len(patches)} patches by expansions within {far_field.TOLERANCE:g}"
-            )
+        information(
+            f"{shape.prod(axis=1).sum()} cells in {len(shape)} patches cover the contacts; a grid over all "
+            f"of them would have {extent.prod()}"
         )
+    ]
     if contacts.deformed.any():
         hertz = scene.law == PARABOLOID
-        shape = "a Hertzian ellipse" if hertz else f"{scene.law!r} on a surface of constant curvature"
+        law = "a Hertzian ellipse" if hertz else f"{scene.law!r} on a surface of constant curvature"
         notes.append(
             information(
-                f"the pressure of {contacts.deformed.sum()} contacts is not that of {shape}: "
-                "their areas are those within their edges, with an error of up to seven cells each"
+                f"the pressure of {contacts.deformed.sum()} contacts is not that of {law}: their areas are "
+                "those within their edges, with an error of a few cells each and up to 1 %"
             )
         )
     if len(contacts.merged):
@@ -265,7 +287,7 @@ def _notes(scene: Scene, solution: Solution) -> tuple[Note, ...]:
         notes.append(
             Note(
                 f"{coarse.sum()} contacts have fewer than {COARSEST:g} cells per radius and carry "
-                f"{share:.2g} of the load; the error of their areas is 2 % and more",
+                f"{share:.2g} of the load; the error of their areas is 1 % and more",
                 quantity="cells per radius",
                 value=float(radius[coarse].min()),
                 bound=COARSEST,

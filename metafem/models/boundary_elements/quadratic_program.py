@@ -21,28 +21,19 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from metafem._kernels import vectors as kernel
 from metafem._validate import FloatArray
 from metafem.models.boundary_elements.influence import Influence
 
+BoolArray = NDArray[np.bool_]
+
 # Conjugate gradients on a face stop if their error is below this share of the error that the bounds cause.
 # Smaller values need fewer cycles and more steps: 6, 5 and 4 cycles and 17, 18 and 18 steps at 1, 0.3 and 0.1
-# (64 contacts of 36 cells per radius).
-SHARE = 0.1
-
-# Growth of this share when a projected step does not decrease the energy: the next face is solved less
-# accurately, down to one step, after which few cells are in tension.
-GROWTH = 10.0
-
-# Tolerance on a face divided by that of the program.
-INNER = 0.5
+# (64 contacts of 36 cells per radius). The share grows by the second number when a projected step does not
+# decrease the energy: the next face is solved less accurately, after which few cells are in tension.
+SHARE, GROWTH = 0.1, 10.0
 
 # Maximum number of halvings of a gradient step; 2^-40 of the first step is below rounding.
 MAX_HALVINGS = 40
-
-# Maximum number of passes in the projection with a fixed sum. Each pass removes cells, and a few usually
-# suffice.
-MAX_PASSES = 100
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,10 +41,84 @@ class Minimum:
     """Pressure and gap on all cells that minimise the energy."""
 
     pressure: FloatArray  # not negative
-    gradient: FloatArray  # A p + g - z, recomputed: the gap
+    gap: FloatArray  # A p + g - z, recomputed
     multiplier: float  # z
     error: float  # largest |gap| of a cell with pressure, or overlap of a cell without
-    iterations: int
+
+
+def minimise(
+    operator: Influence,
+    gap: FloatArray,
+    pressure: FloatArray,
+    multiplier: float,
+    total: float | None,
+    tolerance: float,
+    max_iterations: int,
+) -> Minimum:
+    """Return the solution of the program; `pressure` is an initial guess that satisfies the constraints.
+
+    gap: g; multiplier: z, or a first guess of z if the pressure has a fixed sum `total`. The iteration stops
+    when the error, in the units of g, is within the tolerance, or after `max_iterations`.
+    """
+    p, v, z = pressure, operator.product(pressure) + gap, multiplier
+    iterations, halvings, share = 0, 0, SHARE
+    while True:
+        if total is not None:
+            z = float(v[p > 0.0].mean())
+        error = max(_violations(v - z, p > 0.0))
+        if error <= tolerance or iterations >= max_iterations or halvings == MAX_HALVINGS:
+            return Minimum(p, v - z, z, error)
+        face = (p > 0.0) | (v < z)
+        left = max_iterations - iterations
+        trial, z, steps = on_face(operator, face, p, v, z, total is not None, 0.5 * tolerance, left, share)
+        iterations += max(steps, 1)
+        if total is not None:
+            trial *= total / trial.sum()  # which rounding may have changed
+        p, v, halvings = _projected_step(operator, gap, face, p, v, z, trial, total, tolerance)
+        if halvings:
+            share *= GROWTH
+
+
+def on_face(
+    operator: Influence,
+    face: BoolArray,
+    p: FloatArray,
+    v: FloatArray,
+    z: float,
+    keep_sum: bool,
+    tolerance: float,
+    max_steps: int,
+    share: float = 0.0,
+) -> tuple[FloatArray, float, int]:
+    """Return p and z with v = z on the face, without bounds on p, and the number of steps.
+
+    v: the gradient A p + g. To keep the sum of p, the directions preserve it, and z is updated. The iteration
+    stops if the error is within `tolerance`, or within a share of the error that the bounds cause.
+    """
+    p, w = p.copy(), v - z
+    d, rho = np.zeros_like(p), np.inf
+    one = operator.precondition(face.astype(np.float64)) * face if keep_sum else np.zeros(0)
+    for step in range(max_steps):
+        s = operator.precondition(np.where(face, -w, 0.0)) * face
+        if keep_sum:
+            change = -float(s.sum() / one.sum())
+            z += change
+            w -= change
+            s += change * one
+        inside, outside = _violations(w, face)
+        if inside <= max(tolerance, share * max(outside, -float(p.min()))):
+            return p, z, step
+        new = -_dot(s, w)
+        d = s + (new / rho) * d
+        rho = new
+        image = operator.product(d)
+        curvature = _dot(d, image)
+        if curvature <= 0.0:  # the step is zero, or lost in rounding
+            return p, z, step
+        length = -_dot(d, w) / curvature
+        p += length * d
+        w += length * image
+    return p, z, max_steps
 
 
 def project(trial: FloatArray, total: float | None) -> FloatArray:
@@ -63,165 +128,52 @@ def project(trial: FloatArray, total: float | None) -> FloatArray:
     """
     if total is None:
         return np.maximum(trial, 0.0)
-    candidates = trial[trial > 0.0]
-    shift = 0.0
-    for _ in range(MAX_PASSES):
-        kept = candidates[candidates > shift]
-        new = float((kept.sum() - total) / kept.size)
-        if new <= shift:
-            break
-        shift = new
+    kept, shift = trial[trial > 0.0], 0.0
+    while (new := float((kept.sum() - total) / kept.size)) > shift:  # each pass removes cells
+        kept, shift = kept[kept > new], new
     return np.maximum(trial - shift, 0.0)
 
 
-def minimise(
-    operator: Influence,
-    gap: FloatArray,
-    pressure: FloatArray,
-    *,
-    multiplier: float,
-    total: float | None,
-    tolerance: float,
-    max_iterations: int,
-) -> Minimum:
-    """Return the solution of the program; `pressure` is an initial guess that satisfies the constraints.
-
-    operator: A and its preconditioner; gap: g; multiplier: z, or a first
-    guess of z if the pressure has a fixed sum `total`. The iteration stops when the error, in the units of g,
-    is within the tolerance.
-    """
-    problem = _Problem(operator, gap, total, multiplier)
-    p, v = pressure, operator.product(pressure) + gap
-    iterations, halvings, share = 0, 0, SHARE
-    while True:
-        problem.restrict(p, v)
-        error = problem.error(p, v)
-        if error <= tolerance or iterations >= max_iterations or halvings == MAX_HALVINGS:
-            break
-        trial, steps = _on_face(problem, p, v, INNER * tolerance, max_iterations - iterations, share)
-        iterations += max(steps, 1)
-        if total is not None:
-            trial *= total / trial.sum()  # which rounding may have changed
-        p, v, halvings = _projected_step(problem, p, v, trial, tolerance)
-        if halvings > 0:
-            share *= GROWTH
-    return Minimum(p, v - problem.multiplier, problem.multiplier, error, iterations)
+def _dot(a: FloatArray, b: FloatArray) -> float:
+    """Return the inner product in one thread, since those of a BLAS may wait for busy cores."""
+    return float(np.einsum("i,i", a, b))
 
 
-def solve_on(
-    operator: Influence, face: NDArray[np.bool_], right: FloatArray, tolerance: float, max_iterations: int
-) -> FloatArray:
-    """Return q with A q = right on the face and q = 0 elsewhere, by preconditioned conjugate gradients.
-
-    The iteration stops when the largest error of the equations, recomputed in double precision, is within
-    `tolerance`, or after `max_iterations`.
-    """
-    problem = _Problem(operator, -right, None, 0.0)
-    problem.face = face
-    q, v = np.zeros_like(right), -right
-    iterations = 0
-    while np.abs(v[face]).max(initial=0.0) > tolerance and iterations < max_iterations:
-        q, steps = _on_face(problem, q, v, INNER * tolerance, max_iterations - iterations, 0.0)
-        iterations += max(steps, 1)
-        v = operator.product(q) - right
-    return q
-
-
-class _Problem:
-    """The data of the program, and the current face and multiplier."""
-
-    def __init__(self, operator: Influence, gap: FloatArray, total: float | None, multiplier: float) -> None:
-        self.operator = operator
-        self.gap = gap
-        self.total = total
-        self.multiplier = multiplier
-        self.face: NDArray[np.bool_] = np.zeros(gap.shape, dtype=bool)
-
-    def restrict(self, p: FloatArray, v: FloatArray) -> None:
-        """Set the face, the cells with pressure or overlap; with a fixed sum, update z first."""
-        if self.total is not None:
-            self.multiplier = float(v[p > 0.0].mean())
-        self.face = np.asarray((p > 0.0) | (v < self.multiplier))
-
-    def restricted(self, vector: FloatArray) -> FloatArray:
-        """Return the preconditioner on the face, applied to a vector that is zero elsewhere."""
-        return self.operator.precondition(vector) * self.face
-
-    def error(self, p: FloatArray, v: FloatArray) -> float:
-        """Return the largest |gap| of a cell with pressure, or overlap of a cell without."""
-        return float(max(kernel.violations(v, self.multiplier, p > 0.0)))
-
-    def energy_change(self, step: FloatArray, before: FloatArray, after: FloatArray) -> float:
-        """Return the change of the energy by a step, from both gradients, without cancellation."""
-        z = self.multiplier
-        return float(0.5 * (kernel.shifted_dot(step, before, z) + kernel.shifted_dot(step, after, z)))
-
-
-def _on_face(
-    problem: _Problem,
-    p: FloatArray,
-    v: FloatArray,
-    tolerance: float,
-    max_steps: int,
-    share: float,
-) -> tuple[FloatArray, int]:
-    """Return the solution on the face without bounds, which may be negative, and the number of steps.
-
-    With a fixed sum, the directions preserve it, and the multiplier is updated. The iteration stops if the
-    error is within `tolerance`, or within a share of the error that the bounds cause.
-    """
-    face, operator = problem.face, problem.operator
-    p, v = p.copy(), v.copy()
-    d = np.zeros_like(p)
-    rho = np.inf
-    if problem.total is not None:
-        one = problem.restricted(face.astype(np.float64))
-        sum_one = float(one.sum())
-    for step in range(max_steps):
-        s = problem.restricted(kernel.shortage(v, problem.multiplier, face))
-        if problem.total is not None:
-            change = -float(s.sum()) / sum_one
-            problem.multiplier += change
-            kernel.add_multiple(s, change, one)
-        inside, outside = kernel.violations(v, problem.multiplier, face)
-        if inside <= max(tolerance, share * max(outside, -float(p.min()))):
-            return p, step
-        new = -kernel.shifted_dot(s, v, problem.multiplier)
-        d *= new / rho
-        d += s
-        rho = new
-        image = operator.product(d)
-        curvature = kernel.dot(d, image)
-        if curvature <= 0.0:  # the step is zero, or lost in rounding
-            return p, step
-        length = -kernel.shifted_dot(d, v, problem.multiplier) / curvature
-        kernel.add_multiple(p, length, d)
-        kernel.add_multiple(v, length, image)
-    return p, max_steps
+def _violations(w: FloatArray, face: BoolArray) -> tuple[float, float]:
+    """Return the largest |w| on the face, and the largest -w, the overlap, outside it."""
+    return float(np.abs(w[face]).max(initial=0.0)), float(-w[~face].min(initial=0.0))
 
 
 def _projected_step(
-    problem: _Problem, p: FloatArray, v: FloatArray, trial: FloatArray, tolerance: float
+    operator: Influence,
+    gap: FloatArray,
+    face: BoolArray,
+    p: FloatArray,
+    v: FloatArray,
+    z: float,
+    trial: FloatArray,
+    total: float | None,
+    tolerance: float,
 ) -> tuple[FloatArray, FloatArray, int]:
     """Return pressure and A p + g after a projected step, and the number of halvings.
 
     The trial step is used if it decreases the energy or solves the program: 0 halvings. Otherwise a gradient
     step is halved until it decreases the energy. After MAX_HALVINGS, the pressure has not changed.
     """
-    operator, gap = problem.operator, problem.gap
     step, length = np.zeros(0), 0.0
     for halvings in range(MAX_HALVINGS):
-        new = project(trial, problem.total)
+        new = project(trial, total)
         image = operator.product(new) + gap
-        if problem.energy_change(new - p, v, image) < 0.0 or problem.error(new, image) <= tolerance:
+        # the change of the energy from both gradients, without cancellation
+        falls = _dot(new - p, (v - z) + (image - z)) < 0.0
+        if falls or max(_violations(image - z, new > 0.0)) <= tolerance:
             return new, image, halvings
         if halvings == 0:
-            problem.restrict(p, v)
-            z = problem.multiplier if problem.total is None else v[problem.face].mean()
-            step = np.where(problem.face, z - v, 0.0)
+            level = z if total is None else v[face].mean()
+            step = np.where(face, level - v, 0.0)
             if not step.any():
                 break
-            length = kernel.dot(step, step) / kernel.dot(step, operator.product(step))
+            length = _dot(step, step) / _dot(step, operator.product(step))
         trial = p + length * step
         length *= 0.5
     return p, v, MAX_HALVINGS

@@ -10,9 +10,10 @@ from functools import cached_property, partial
 import numpy as np
 
 from metafem._kernels import curve as kernel
-from metafem._kernels.gradient import area_gradients
 from metafem._kernels.contact.tabulated import Law
-from metafem._kernels.equations import State, state_in
+from metafem._kernels.equations import State
+from metafem._kernels.gradient import area_gradients
+from metafem._kernels.newton import ON_CURVE
 from metafem._validate import FloatArray
 from metafem.contact.law import contacts
 from metafem.errors import InvalidInput, NotConverged
@@ -35,7 +36,7 @@ from metafem.notes import Note, information
 from metafem.substrate import Radial
 
 # Largest residual of a converged state solved with dense matrices; the kernel has the same tolerance.
-TOLERANCE = kernel.ON_CURVE
+TOLERANCE = ON_CURVE
 
 # Largest numbers of asperities that are solved with dense matrices over all pairs. The first number applies
 # to lattices with order 3, the second to all other scenes. Times per load of a curve of order 3 on a layer,
@@ -173,8 +174,8 @@ class ElasticCoupling(Coupled):
                 last = equations.follow(control, by_load, part, indentation)
             self._refuse_deep(rows_of(law, -1), last)
             notes = (information(sums.note),)
-            gradients = partial(equations.area_gradients, indentation)
-            return Solution(results, height[-1], last, FAST_TOLERANCE, gradients, notes)
+            by_height = partial(equations.area_gradients, indentation)
+            return Solution(results, height[-1], last, FAST_TOLERANCE, by_height, notes)
         coupling, regular = coupling_between(surface, bound, self.order)
         self_term += regular
         control = np.array(control)  # a read-only array would compile the kernel again
@@ -186,7 +187,7 @@ class ElasticCoupling(Coupled):
                 coupling, self.order, rows_of(law, rows), self_term[rows], gap[rows], control[loads], by_load,
                 found[:, rows, loads], work, indentation[loads],
             )  # fmt: skip
-            states[rows.stop, loads.stop] = state_in.py_func(work.block, work.closed)
+            states[rows.stop, loads.stop] = kernel.state_of(work)
 
         whole, pairs = (len(gap), len(control)), gap.size * surface.count * len(control)
         if len(gap) == 1:

@@ -66,12 +66,12 @@ def test_the_cause_is_named_by_the_model():
 
 
 def test_the_error_of_order_3_on_a_thin_layer():
-    """Against a contact that is resolved by 60 cells per radius, and not more than three times as large."""
+    """Against a contact that is resolved by 120 cells per radius, and not more than three times as large."""
     for ratio, poisson_ratio in ((0.28, 0.5), (0.5, 0.3)):
         surface = scene([[0.0, 0.0]], [0.4], 0.526, thickness=0.2, poisson_ratio=poisson_ratio)
         load = mf.equilibrium(surface, approach=(0.2 * ratio) ** 2 / 0.526).load
         third = mf.equilibrium(surface, LAYER, load=load)
-        exact = mf.equilibrium(surface, mf.BoundaryElements(0.2 * ratio / 60, mf.BondedLayer()), load=load)
+        exact = mf.equilibrium(surface, mf.BoundaryElements(0.2 * ratio / 120, mf.BondedLayer()), load=load)
         error = abs(third.area / exact.area - 1.0)
         assert error < truncation(surface, third.asperity_area, mf.BondedLayer()) < 3.0 * error
 

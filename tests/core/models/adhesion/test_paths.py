@@ -7,7 +7,6 @@ import pytest
 from numpy.testing import assert_allclose
 
 import metafem as mf
-from metafem.contact.by_profile import law_of
 from metafem.models.adhesion.contacts import Scene, States
 from metafem.models.adhesion.path import loading, unloading
 from metafem.models.interacting.influence import coupling_between
@@ -16,7 +15,7 @@ from tests.models.scenes import lattice, said, scene
 ENERGY = 9e-6
 # Part of the largest load to which jumps are located.
 LOCATED = 1e-6
-CAPS = [mf.Hertz(), law_of(mf.Power(1.5))]
+CAPS = [mf.Hertz(), mf.Elastic(mf.Power(1.5))]
 
 
 def scene_of(surface, substrate=mf.HalfSpace(), law=mf.JKR(ENERGY)):  # noqa: B008

@@ -7,7 +7,7 @@ import pytest
 
 import metafem as mf
 from metafem.caps.shapes import sphere_profile
-from metafem.models.boundary_elements.summits import Summits
+from metafem.models.boundary_elements.cells import Summits
 from tests.models.interacting.dense_twin import Twin
 from tests.models.scenes import Read, lattice, scene, single_contact
 

@@ -1,6 +1,7 @@
 """Resolved contacts against Hertz, the reference, and other grids."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,8 +10,8 @@ from hypothesis import strategies as st
 
 import metafem as mf
 from metafem.models import _resources
-from metafem.models.boundary_elements import patches, solve
-from tests.models.scenes import single_contact
+from metafem.models.boundary_elements import cells, solve
+from tests.models.scenes import said, single_contact
 
 MATERIAL = mf.Material(1.36)
 RADIUS = 0.526
@@ -30,6 +31,32 @@ def test_hertz_is_met_at_any_offset_from_the_grid(x, y):
     load, area = hertz_errors(50, x, y)
     assert load <= 5e-5
     assert area <= 1.5e-4
+
+
+def test_area_of_few_cells_grows_with_the_load():
+    """Four cells per radius, and 1 % between the loads."""
+    one = mf.Surface([[0.0, 0.0]], [0.1], RADIUS, MATERIAL)
+    radius = 0.1205 * 1.01 ** (np.arange(24) / 3.0)
+    load = 1.36 * 4.0 / 3.0 * radius**3 / RADIUS
+    area = mf.friction_law(one, mf.BoundaryElements(0.03), load=load).area
+    np.testing.assert_allclose(area, np.pi * radius**2, rtol=0.01)
+    assert (np.diff(area) > 0.0).all()
+
+
+def test_an_initial_guess_without_solution_raises(monkeypatch):
+    """Neither order 1 nor independent asperities have a solution: their state is no guess of the contacts."""
+    curve = mf.Independent().curve(PAIR, [0.05])
+    failed = replace(curve, residual=np.ones(1))
+    for model in (mf.Interacting, mf.Independent):
+        monkeypatch.setattr(model, "curve", lambda *_, **__: failed)
+    with pytest.raises(mf.NotConverged):
+        COARSE.curve(PAIR, [0.05])
+
+
+def test_another_initial_guess_is_said():
+    surface = PAIR.replaced(height=[0.3, 0.31])
+    assert "order 1 has no solution" in said(on_layer(surface, 0.1, load=0.05))
+    assert "order 1 has no solution" not in said(mf.equilibrium(surface, COARSE, load=0.05))
 
 
 def on_layer(surface, thickness, cell=0.008, **given):
@@ -106,10 +133,10 @@ def test_stopping_early_raises_with_the_state(monkeypatch):
 def test_patches_give_what_one_grid_gives(monkeypatch):
     surface = mf.Surface.square_lattice([0.1, 0.11, 0.12, 0.1], (2, 2), 0.9, radius=RADIUS, material=MATERIAL)
     apart = mf.equilibrium(surface, COARSE, load=0.1)
-    assert "4 patches" in apart.notes[1].text
-    monkeypatch.setattr(patches, "SLOWEST_RATE", math.inf)
+    assert "4 patches" in apart.notes[0].text
+    monkeypatch.setattr(cells, "SLOWEST_RATE", math.inf)
     whole = mf.equilibrium(surface, COARSE, load=0.1)
-    assert len(whole.notes) == 1
+    assert "1 patches" in whole.notes[0].text
     np.testing.assert_allclose(apart.asperity_load, whole.asperity_load, rtol=1e-8)
     np.testing.assert_allclose(apart.asperity_area, whole.asperity_area, rtol=1e-8)
 

@@ -32,7 +32,7 @@ def random_program(seed, size):
 
 def solve(matrix, gap, start, total=None, most=3000):
     return quadratic_program.minimise(
-        Dense(matrix), gap, start, multiplier=0.0, total=total, tolerance=1e-9, max_iterations=most
+        Dense(matrix), gap, start, 0.0, total, tolerance=1e-9, max_iterations=most
     )
 
 
@@ -84,6 +84,7 @@ def test_projection_on_a_sum_is_the_nearest_point(start, seed):
 def test_system_on_a_face_is_solved_there():
     matrix, _ = random_program(1, 20)
     face = np.arange(20) % 3 > 0
-    found = quadratic_program.solve_on(Dense(matrix), face, np.ones(20), 1e-10, 500)
+    zero = np.zeros(20)
+    found, _, _ = quadratic_program.on_face(Dense(matrix), face, zero, zero - 1.0, 0.0, False, 1e-10, 500)
     assert (found[~face] == 0.0).all()
     np.testing.assert_allclose((matrix @ found)[face], 1.0, rtol=1e-9)

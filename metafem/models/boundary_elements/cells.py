@@ -1,0 +1,228 @@
+"""Summits, patches of cells around their contacts, and loads and areas of the contacts; lengths in cells.
+
+The origin of the common grid is the centre of the bounding box of all summits, so that the grid moves with
+the surface. Cell (i, j) has its centre at (i, j).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import binary_erosion
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from metafem._validate import FloatArray, IntArray
+from metafem.contact import Hertz
+from metafem.contact.elastic import PARABOLOID, Elastic
+from metafem.contact.law import area_change, sizes_of
+from metafem.models.boundary_elements.influence import convergence_rate
+from metafem.surface import Surface
+
+# Boxes are merged into one patch if each term of the expansion between them reduces the error by less than
+# this factor. At this rate 23 terms per side are needed for the tolerance of the far field, and their table
+# costs as much as the patch.
+SLOWEST_RATE = 2.4
+
+# Area that the second moments of collocated pressures miss, in cells: 0.4 to 0.6 for Hertz contacts of 5 to
+# 80 cells per radius at any offset from the grid, 0.3 for 4; 0 to 1.1 for powers from 1.2 to 8.
+MISSING = 0.5
+
+# Between two caps a groove stays open, which the cells close where it is narrower than they are: the error of
+# the area increases with the length of the grooves, measured by pairs of cells this far apart.
+NARROW = 4
+
+# Width [cells] of the rim within which the cells are weighted by their distance to the edge; and the distance
+# of the edge of the weighted area beyond the true one, for Hertz contacts of 4 to 80 cells per radius.
+WIDTH, BEYOND = 3.0, 0.04
+
+
+@dataclass(frozen=True, eq=False)
+class Summits:
+    """Positions (n, 2), summit depths (n,) and radii (n,) of asperities, in cells, and their cap."""
+
+    position: FloatArray
+    depth: FloatArray
+    radius: FloatArray
+    cap: Hertz | Elastic = PARABOLOID
+    cell: float = 1.0  # [mm]
+    of_law: Any = 0.0  # what the law takes as the radius of each asperity, (n,) [mm]
+
+    @classmethod
+    def of(cls, surface: Surface, cap: Hertz | Elastic, cell: float) -> Summits:
+        """Return the summits of a surface, with lengths divided by the cell."""
+        low, high = surface.position.min(axis=0), surface.position.max(axis=0)
+        # relative to the corner, so that no digits are lost if the surface is far from the origin
+        position = ((surface.position - low) - 0.5 * (high - low)) / cell
+        of_law = cap.summits(surface)
+        return cls(position, surface.gap / cell, sizes_of(of_law) / cell, cap, cell, of_law)
+
+    @property
+    def paraboloids(self) -> bool:
+        """Whether the caps are paraboloids, for which closed forms exist."""
+        return self.cap == PARABOLOID
+
+    def widest(self) -> FloatArray:
+        """Return the largest contact radii that the law describes, (n,); 10 R deep if it has no limit."""
+        most = self.cap.largest_indentation(self.of_law)
+        deepest = np.where(np.isfinite(most), most, 10.0 * self.cell * self.radius)
+        return np.asarray(self.cap.contact_radius(deepest, self.of_law) / self.cell)
+
+    def patch(self, members: IntArray, first: IntArray, last: IntArray) -> Patch:
+        """Return the patch with the cells from `first` to `last`, on which these summits have contacts."""
+        inside = np.flatnonzero(((self.position >= first) & (self.position <= last)).all(axis=1))
+        x, y = (np.arange(a, b + 1, dtype=np.float64) for a, b in zip(first, last, strict=True))
+        gap = np.full((len(x), len(y)), np.inf)
+        owner = np.zeros(gap.shape, dtype=np.int64)
+        for i in np.union1d(members, inside):
+            cx, cy = self.position[i]
+            rho = self.cell * np.hypot((x - cx)[:, None], y - cy)
+            depth = self.depth[i] + self.cap.depth_at(rho, self.of_law[i]) / self.cell
+            higher = depth < gap
+            gap[higher] = depth[higher]
+            owner[higher] = i
+        return Patch(first, gap, owner)
+
+    def areas(self, spread: FloatArray, load: FloatArray, shift: FloatArray) -> FloatArray:
+        """Return the areas of contacts with loads P and second moments M = 2 s P of the pressure, (n,).
+
+        M is about the centroid, and s = sqrt(<x^2><y^2> - <xy>^2); a Hertzian ellipse has the area 5 pi s.
+        shift: distances from the summits to the centroids of the pressure.
+
+        The field of the neighbours adds an unknown curvature, whose contribution to M is 2/5 a^2 times its
+        contribution to P, as for a paraboloid. Therefore ``M - 2/5 P a^2 = M0(a) - 2/5 P0(a) a^2`` with M0
+        and P0 of an isolated contact; bisection gives a. The slope g of the field moves the centroid by
+        ``4/3 a^3 g/P``. It changes the area by the fraction `area_change`, and the area computed from M by
+        the fraction ``(10 - 20/3 a^2 D'/P) (g/D')^2``. Both fractions are zero for paraboloids.
+        """
+        if self.paraboloids:
+            return 5.0 * math.pi * spread
+        radius, low, widest = self.of_law, np.zeros(spread.shape), self.cell * self.widest()
+        high = widest
+        carried = self.cell**2 * load
+        moment = 2.0 * self.cell**2 * spread * carried
+        for _ in range(52):  # down to rounding
+            a = 0.5 * (low + high)
+            alone = self.cap.load(a, radius)
+            own = self.cap.second_moment(a, radius) - 0.4 * a**2 * alone
+            # neighbours flatten the summit: alone, a contact of this radius carries at most twice the load,
+            # up to which the equation is monotonic for all power caps
+            wide = (own > moment - 0.4 * a**2 * carried) | (alone > 2.0 * carried)
+            low, high = np.where(wide, low, a), np.where(wide, a, high)
+        closed = low > 1e-12 * widest  # pressure on one cell has no moment
+        a, carried = np.where(closed, low, 0.5 * widest), np.where(closed, carried, 1.0)
+        slope, own = carried * self.cell * shift / (4.0 / 3.0 * a**3), self.cap.profile_slope(a, radius)
+        seen = (10.0 - 20.0 / 3.0 * a**2 * own / self.cap.load(a, radius)) * (slope / own) ** 2
+        change = np.maximum(1.0 + area_change(self.cap, a, radius, slope) - seen, 0.0)
+        return np.where(closed, math.pi * (a / self.cell) ** 2 * change, 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Patch:
+    """A rectangle of cells around one contact or several close contacts."""
+
+    corner: IntArray  # grid indices of the first cell, (2,)
+    gap: FloatArray  # depth of the undeformed surface below the tallest summit, (rows, columns)
+    owner: IntArray  # index of the asperity with the highest surface in each cell, (rows, columns)
+
+
+def boxes(position: FloatArray, half_width: FloatArray) -> tuple[list[IntArray], IntArray, IntArray]:
+    """Return the members (summits), first cells (m, 2) and last cells (m, 2) of m patches, sorted by shape.
+
+    half_width: half the width of the box of cells around each summit, (n,); 0 if it has no cells.
+    """
+    used = np.flatnonzero(half_width > 0.0)
+    first = np.floor(position[used] - half_width[used, None]).astype(np.int64)
+    last = np.ceil(position[used] + half_width[used, None]).astype(np.int64)
+    last += (first - last - 1) % 4  # few shapes, whose products are computed together
+    members = [np.array([i]) for i in used]
+    while len(members) > 1:
+        rate = convergence_rate(first, last)
+        a, b = np.nonzero(np.triu(rate < SLOWEST_RATE, 1))
+        if a.size == 0:
+            break
+        graph = coo_array((np.ones(a.size), (a, b)), shape=rate.shape)
+        count, group = connected_components(graph, directed=False)
+        groups = [np.flatnonzero(group == k) for k in range(count)]
+        first = np.array([first[g].min(axis=0) for g in groups])
+        last = np.array([last[g].max(axis=0) for g in groups])
+        members = [np.concatenate([members[i] for i in g]) for g in groups]
+    place = np.lexsort((last - first).T)
+    return [members[k] for k in place], first[place], last[place]
+
+
+@dataclass(frozen=True, eq=False)
+class Contacts:
+    """Loads and areas of the asperities (n,); lengths are in cells."""
+
+    load: FloatArray  # sum of p/E* over the cells in which the asperity is the highest
+    area: FloatArray  # contact area on these cells
+    # whether the area is the area within the edge instead of the law's area for the second moments
+    deformed: NDArray[np.bool_]
+    merged: IntArray  # pairs of asperities with adjacent cells in contact, (m, 2)
+    grooves: int  # pairs of cells in contact of two asperities, `NARROW` cells apart
+
+
+def measure(patches: list[Patch], pressure: list[FloatArray], summits: Summits) -> Contacts:
+    """Return the loads and areas of the asperities, and the merged contacts."""
+    count = len(summits.radius)
+    sums, area, pairs, grooves = np.zeros((6, count)), np.zeros(count), [], 0
+    for patch, p in zip(patches, pressure, strict=True):
+        closed, owner = p > 0.0, patch.owner
+        for a, b in _neighbours(1):
+            met = closed[a] & closed[b] & (owner[a] != owner[b])
+            pairs.append(np.stack([owner[a][met], owner[b][met]], axis=1))
+        for a, b in _neighbours(NARROW):
+            grooves += int((closed[a] & closed[b] & (owner[a] != owner[b])).sum())
+        cells, of = np.argwhere(closed), owner[closed]
+        x, y = (cells + patch.corner - summits.position[of]).T
+        for k, factor in enumerate((1.0, x, y, x**2, y**2, x * y)):
+            sums[k] += np.bincount(of, p[closed] * factor, count)
+        area += _within_edges(p, owner, count)
+    load, carries = sums[0], sums[0] > 0.0
+    x, y, xx, yy, xy = sums[1:] / np.where(carries, load, 1.0)
+    square = (xx - x**2) * (yy - y**2) - (xy - x * y) ** 2
+    spread = np.sqrt(np.maximum(square, 0.0)) + MISSING / (5.0 * math.pi) * carries
+    lawful = summits.areas(spread, load, np.hypot(x, y))
+    merged = np.unique(np.sort(np.concatenate(pairs), axis=1), axis=0)
+    deformed = np.abs(area - lawful) > allowed(lawful, summits.paraboloids)
+    deformed[merged.ravel()] = True
+    return Contacts(load, np.where(deformed, area, lawful), deformed, merged, grooves)
+
+
+def _neighbours(apart: int) -> tuple[tuple[Any, Any], ...]:
+    """Return slices of two grids of cells that are so many cells apart, along rows and along columns."""
+    ahead, behind = slice(apart, None), slice(None, -apart)
+    return (np.s_[ahead, :], np.s_[behind, :]), (np.s_[:, ahead], np.s_[:, behind])
+
+
+def allowed(area: FloatArray, paraboloids: bool) -> FloatArray:
+    """Return the error of areas within the edge, in cells, with which contacts may have their law's shape.
+
+    Hertz contacts of 4 to 80 cells per radius are met within it, and powers from 1.2 to 8, whose pressure is
+    steep near the edge or near the axis.
+    """
+    edge = np.sqrt(4.0 * math.pi * area)
+    return np.asarray(np.maximum(2.5, 0.01 * edge) if paraboloids else 8.0 + 0.02 * edge)
+
+
+def _within_edges(pressure: FloatArray, owner: IntArray, count: int) -> FloatArray:
+    """Return the contact area within the edges on the cells of each asperity, (n,).
+
+    Near an edge p^2 increases linearly with the distance x, so that p^2 divided by its slope is x. The weight
+    H(t) of a cell with t = x/WIDTH up to 1 vanishes at the edge, so that a cell that opens or closes causes
+    no jump. Its mean over the rim is 1, and int H' t^2 dt = 0, so that a curved p^2(x) has no effect.
+    """
+    closed, square = np.pad(pressure > 0.0, 1), np.pad(pressure, 1) ** 2
+    slope = WIDTH * np.hypot(*np.gradient(square))
+    near = (slope > square) & ~binary_erosion(closed, iterations=5)  # the rim along diagonals too
+    t = np.divide(square, slope, out=np.ones_like(square), where=near)
+    edges = sum(closed & ~np.roll(closed, step, axis) for axis in (0, 1) for step in (1, -1))
+    weight = closed * (9.0 * t - 18.0 * t**2 + 10.0 * t**3)
+    # edges of cells are longer than a curved line by 4/pi in the mean
+    share = weight - 0.25 * math.pi * BEYOND * np.asarray(edges)
+    return np.maximum(np.bincount(owner.ravel(), share[1:-1, 1:-1].ravel(), count), 0.0)
