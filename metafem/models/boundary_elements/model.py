@@ -34,6 +34,9 @@ LAWFUL_ERROR, CELL_ERROR, MERGING_ERROR, GROOVE_ERROR = 1.0, 5.0, 8.0, 0.1
 # Number of cells per radius of the largest contact with which the error is judged; also the minimum number.
 FEWEST_CELLS = 10.0
 
+# Number of cells in contact that are solved within about ten seconds on two cores.
+MOST_CELLS = 5e5
+
 
 def resolvable(contact: object) -> bool:
     """Return whether a contact law is an elastic cap without adhesion, with a profile for the cells."""
@@ -58,7 +61,8 @@ class BoundaryElements(WithoutGradients):
     The contact areas are computed from the second moments of the pressure of each contact. For paraboloids
     ``A = 5 pi sqrt(<x^2><y^2> - <xy>^2)``, which is exact for Hertzian ellipses; for other caps the factor
     follows from their law with an extra curvature. If a contact has another shape or has merged, the area
-    within its edge is used, with an error of up to seven cells per asperity, and a note states this.
+    within its edge is used, with an error of a few cells per asperity and up to 1 % where contacts have
+    merged, and a note states this.
 
     With fine cells the time for one load is about proportional to the number of cells, and thus increases
     fourfold if the cell is halved: half a million cells in contact take seconds. The memory is 128 bytes for
@@ -199,17 +203,25 @@ def within(
 ) -> BoundaryElements:
     """Return the model whose stated error of A0 at these loads or approaches is within a tolerance.
 
-    The contacts are resolved by coarse cells at the first and at the last value. Their areas, their shapes
-    and the merged contacts tell the error in cells, and from it the side of the cells.
+    The contacts are resolved by coarse cells and by half of them, at the first and at the last value. The
+    stated errors tell the side of the cells. With more than `MOST_CELLS` in contact the error remains above
+    the tolerance, as the state says.
     """
     values, by_load = controlled(load, approach)
     ends = values[values > 0.0][[0, -1]]
-    guessed = BoundaryElements(math.inf, substrate, contact)
+    guessed = BoundaryElements(1.0, substrate, contact)  # [mm], before the contacts are known
     scene = scene_of(surface, guessed)
     coarse = replace(guessed, cell=scene.largest(scene.initial_guess(ends[0], by_load)) / FEWEST_CELLS)
-    found = coarse.curve(surface, ends) if by_load else coarse.curve(surface, approach=ends)
-    finer = 0.9 * math.sqrt(tolerance / float(found.error or 0.0))  # contacts may change their shape
-    return replace(coarse, cell=coarse.cell * min(1.0, finer))
+    halved = replace(coarse, cell=0.5 * coarse.cell)
+    given = (ends, None) if by_load else (None, ends)
+    curves = [model.curve(surface, given[0], approach=given[1]) for model in (coarse, halved)]
+    before, found = (float(curve.error or 0.0) for curve in curves)
+    # along grooves the error is proportional to the cell, elsewhere to its square
+    rate = min(max(math.log2(before / found), 1.0), 2.0)
+    # contacts may change their shape, which a tenth allows for
+    cell = 0.9 * halved.cell * (tolerance / found) ** (1.0 / rate)
+    least = math.sqrt(float(curves[1].area.max()) / MOST_CELLS)
+    return replace(coarse, cell=min(coarse.cell, max(cell, least)))
 
 
 def scene_of(surface: Surface, model: BoundaryElements) -> Scene:

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 import metafem as mf
 from metafem.models import _resources
 from metafem.models.boundary_elements import cells, solve
+from metafem.models.boundary_elements.model import within
 from tests.models.scenes import said, single_contact
 
 MATERIAL = mf.Material(1.36)
@@ -148,3 +149,11 @@ def test_a_summit_in_the_contact_of_another_gets_cells_up_to_the_end_of_its_own(
     assert state.status is mf.Status.CONVERGED
     coarse = mf.equilibrium(pair, mf.BoundaryElements(0.01), load=0.2)
     assert state.area == pytest.approx(coarse.area, rel=5e-3)
+
+
+def test_cells_for_a_tolerance_are_chosen_once():
+    four = mf.Surface.square_lattice(0.2, (2, 2), 0.3, radius=RADIUS, material=MATERIAL)
+    for surface, tolerance in ((PAIR, 1e-4), (four, 5e-3)):
+        for control in ({"load": np.array([0.05])}, {"approach": np.array([0.04])}):
+            model = within(tolerance, surface, substrate=mf.HalfSpace(), **control)
+            assert model.curve(surface, **control).error <= tolerance
