@@ -81,8 +81,8 @@ def solve(matrix, closed, count, total, free, leave, warm, scratch):
     """Fill y = scratch.loads, the changes of the loads; return the change of the approach, and success.
 
     matrix: rows of A for the contacts, without `scratch.diagonal`; A must be positive. free: whether the sum
-    of y is `total`; otherwise the approach does not change. warm: whether y is a guess with this sum. On return
-    ``scratch.rest = scratch.rhs - A y`` for all asperities; with the change of the approach, its
+    of y is `total`; otherwise the approach does not change. warm: whether y is a guess with this sum.
+    Afterwards ``scratch.rest = scratch.rhs - A y`` for all asperities; with the change of the approach, its
     mean square over the contacts, weighted by the preconditioner, is within that of `leave`.
     """
     rest, inverse, ahead, image = scratch.rest, scratch.inverse, scratch.ahead, scratch.image
