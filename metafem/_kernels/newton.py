@@ -21,7 +21,7 @@ from metafem._kernels.vectors import dot, largest, total_of
 # Largest residual of a solution at which a state is returned, and at the other points of a curve: one step
 # from the prediction usually reaches the latter, because the matrix omits 1e-4 of its terms.
 TOLERANCE = 1e-12
-ON_CURVE = 1e-9
+ON_CURVE = 1e-8
 
 # Residual of order 1 from which order 3 starts: their solutions differ by a percent.
 START = 1e-2

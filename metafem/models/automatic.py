@@ -15,28 +15,15 @@ from metafem.contact import Contact
 from metafem.contact.elastic import PARABOLOID
 from metafem.contact.law import checked_contact
 from metafem.errors import MetafemError
-from metafem.models.boundary_elements import model as resolved
-from metafem.models.boundary_elements.model import BoundaryElements
+from metafem.models.boundary_elements.model import resolvable, within
 from metafem.models.curve import Curve, ModelError, controlled
 from metafem.models.error import DISPLACEMENTS, RADII, coupled, independent_errors, largest, unresolved
 from metafem.models.independent import Independent
 from metafem.models.interacting.model import DENSE_LIMIT
 from metafem.models.model import WithoutGradients
-from metafem.models.neighbours import close_pairs
 from metafem.notes import Level, Note, information
-from metafem.progress import each
 from metafem.substrate import HalfSpace, Radial, Substrate
 from metafem.surface import Surface
-
-# Margin of the cells: the error is proportional to the square of the cell, within a fifth.
-FINER = 0.9
-
-# Minimum number of cells per radius of the largest contact.
-FEWEST_CELLS = 10.0
-
-# Sum of two contact radii over the distance of the sites, from which on contacts are expected to merge: of
-# about equal heights, two by two contacts have merged at 2.4, and not at 2.1.
-MERGING = 2.2
 
 UNUSED_BLOCK = information("the surface's block is not used: the contacts are coupled through a half-space")
 
@@ -139,7 +126,7 @@ class Automatic(WithoutGradients):
 
     @cached_property
     def _resolvable(self) -> bool:
-        return resolved.resolvable(self.contact)
+        return resolvable(self.contact)
 
     @property
     def _unsolved(self) -> str:
@@ -177,40 +164,12 @@ class Automatic(WithoutGradients):
         return f"order {model.order}", curve, errors, RADII
 
     def _resolved(self, surface: Surface, values: FloatArray, by_load: bool) -> Rung:
-        """Return resolved contacts, whose cells are chosen at each load."""
-        curves, cells = [], []
-        for value in each("resolved contacts: load", values.tolist()):
-            control = _control(np.array([value]), by_load)
-            cell = self._cell(surface, control)
-            model = BoundaryElements(cell, cast("Radial", self.substrate), self.contact)
-            found = model.curve(surface, **control)
-            if found.error is not None and found.error > self.tolerance:  # smaller contacts than expected
-                model = replace(model, cell=FINER * cell * math.sqrt(self.tolerance / found.error))
-                found = model.curve(surface, **control)
-            curves.append(found)
-            cells.append(model.cell)
-        sides = " to ".join(dict.fromkeys(f"{cell:.3g}" for cell in (min(cells), max(cells))))
-        name = f"resolved contacts with cells of {sides} mm"
-        errors = np.array([math.nan if curve.error is None else curve.error for curve in curves])
-        return name, Curve.joined(curves), errors, "the number of cells"
-
-    def _cell(self, surface: Surface, control: dict[str, Any]) -> float:
-        """Return the side of the cells [mm] with which the error of A0 is within the tolerance.
-
-        The contacts are computed by order 3, or as independent asperities if it has no solution. Where m
-        contacts merge, one of the same load has the area of all over m^(1/3).
-        """
-        try:
-            area = self.gradient_model.curve(surface, **control).checked().last.area
-        except MetafemError:
-            area = self._uncoupled.curve(surface, **control).last.area
-        a = np.sqrt(area / math.pi)
-        i, j, r = close_pairs(surface.position, surface.cell, 2.0 * float(a.max()) / MERGING)
-        close = (a[i] + a[j] >= MERGING * r) & (area[i] > 0.0) & (area[j] > 0.0)
-        met = np.bincount(np.concatenate([i[close], j[close]]), minlength=len(a))
-        cells = np.where(met > 0, resolved.MERGING_ERROR, resolved.CELL_ERROR) @ (area > 0.0)
-        cell = FINER * math.sqrt(self.tolerance * float((area / np.cbrt(1.0 + met)).sum()) / cells)
-        return min(cell, float(a.max()) / FEWEST_CELLS)
+        """Return resolved contacts, whose cells are chosen once for all loads."""
+        control, substrate = _control(values, by_load), cast("Radial", self.substrate)
+        model = within(self.tolerance, surface, **control, substrate=substrate, contact=self.contact)
+        curve = model.curve(surface, **control)
+        errors = np.full(len(values), math.nan if curve.error is None else curve.error)
+        return f"resolved contacts with cells of {model.cell:.3g} mm", curve, errors, "the number of cells"
 
     def _note(self, name: str, error: ModelError, end: str) -> Note:
         """Return the note on a choice, a warning if its error is not within the tolerance."""
