@@ -26,8 +26,7 @@ def compile_curves() -> None:
     """Compile `curves` and all that it calls."""
     matrix, vector, index = np.empty((1, 1)), np.empty(1), np.empty((1, 1), np.int64)
     coupling, law = Coupling(matrix, matrix), Law(matrix, index, matrix, matrix)
-    found = np.empty((7, 1, 2))[:, :, :1]
-    given = coupling, 3, law, matrix, matrix, vector, True, found, empty_work(1, 3), matrix
+    given = coupling, 3, law, matrix, matrix, vector, True, np.empty((7, 1, 1)), empty_work(1, 3), matrix
     curves.compile(tuple(map(typeof, given)))
 
 

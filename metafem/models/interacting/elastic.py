@@ -183,10 +183,12 @@ class ElasticCoupling(Coupled):
 
         def run(rows: slice, loads: slice) -> None:
             work = kernel.empty_work(surface.count, self.order)
+            part = np.zeros_like(found[:, rows, loads], order="C")  # a view would compile the kernel again
             kernel.curves(
                 coupling, self.order, rows_of(law, rows), self_term[rows], gap[rows], control[loads], by_load,
-                found[:, rows, loads], work, indentation[loads],
+                part, work, indentation[loads],
             )  # fmt: skip
+            found[:, rows, loads] = part
             states[rows.stop, loads.stop] = kernel.state_of(work)
 
         whole, pairs = (len(gap), len(control)), gap.size * surface.count * len(control)
