@@ -182,14 +182,14 @@ class ElasticCoupling(Coupled):
         states = {}
 
         def run(rows: slice, loads: slice) -> None:
-            work = kernel.empty_work(surface.count, self.order)
+            state = State(surface.count)
             part = np.zeros_like(found[:, rows, loads], order="C")  # a view would compile the kernel again
             kernel.curves(
                 coupling, self.order, rows_of(law, rows), self_term[rows], gap[rows], control[loads], by_load,
-                part, work, indentation[loads],
+                part, state.block, state.closed, self._matrix(), indentation[loads],
             )  # fmt: skip
             found[:, rows, loads] = part
-            states[rows.stop, loads.stop] = kernel.state_of(work)
+            states[rows.stop, loads.stop] = state
 
         whole, pairs = (len(gap), len(control)), gap.size * surface.count * len(control)
         if len(gap) == 1:
@@ -204,13 +204,20 @@ class ElasticCoupling(Coupled):
             system = coupling, self.order, rows_of(law, -1), self_term[-1]
 
             def run(part: slice) -> None:
-                work = kernel.empty_work(surface.count, self.order)
-                area_gradients(*system, indentation[part], work, found[part])
+                state = State(surface.count)
+                area_gradients(
+                    *system, indentation[part], state.block, state.closed, self._matrix(), found[part]
+                )
 
             run_rows(run, len(found), len(found) * surface.count**2, PAIRS_PER_THREAD)
             return found
 
         return Solution(results, height[-1], states[whole], TOLERANCE, gradients)
+
+    def _matrix(self) -> FloatArray:
+        """Return the matrix of one thread for Newton's method; order 1 needs none."""
+        size = 0 if self.order == 1 else self.surface.count
+        return np.zeros((size, size))
 
     def _refuse_deep(self, law: Law, state: State) -> None:
         """Raise InvalidInput if an indentation exceeds the range of the law."""
