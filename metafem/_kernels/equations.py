@@ -23,7 +23,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from metafem._kernels.compiled import compiled, inlined
+from metafem._kernels.compiled import compiled
 from metafem._kernels.contact import hertz, tabulated
 from metafem._kernels.vectors import largest, total_of
 
@@ -103,7 +103,8 @@ class State:
         """Return a row of the block."""
         if name not in ROWS:
             raise AttributeError(name)
-        return self.block[ROWS.index(name)]
+        row: np.ndarray = self.block[ROWS.index(name)]
+        return row
 
 
 @compiled
@@ -152,7 +153,7 @@ def add_moments(source, closed, count, size, turn_x, turn_y, u):
         k += 2
 
 
-@inlined
+@compiled
 def press(law, order, s, closed):
     """Fill the quantities that depend only on z; return the number of contacts."""
     radius, which, scale, data = law
@@ -189,7 +190,7 @@ def press(law, order, s, closed):
     return count
 
 
-@inlined
+@compiled
 def sharpen(law, s, closed, count):
     """Fill the quantities that depend on the curvature of the neighbours' field."""
     radius, which, scale, data = law
@@ -251,7 +252,7 @@ def spread(order, law, s):
             s[BY_CURVATURE, i] = -4.0 / 3.0 * square * math.sqrt(square) * wider
 
 
-@inlined
+@compiled
 def respond(field, order, law, self_term, s, closed):
     """Fill all quantities of a state from its nominal indentations z; return the number of contacts."""
     load, u = s[LOAD], s[DISPLACEMENT]
@@ -278,7 +279,7 @@ def respond(field, order, law, self_term, s, closed):
     return count
 
 
-@inlined
+@compiled
 def assemble(field, s, closed, count, matrix):
     """Fill the rows of dF/dp of the contacts, without the diagonal terms of the law and of `self_term`.
 
@@ -303,7 +304,7 @@ def assemble(field, s, closed, count, matrix):
             )
 
 
-@inlined
+@compiled
 def linearise(field, order, self_term, s, closed, count, y, image):
     """Return y.(d2W/dp2) y with all terms for changes y of the loads; y is zero for open asperities.
 
@@ -336,7 +337,7 @@ def linearise(field, order, self_term, s, closed, count, y, image):
     return total
 
 
-@inlined
+@compiled
 def energy(order, law, gap, approach, s, closed, count):
     """Return the complementary energy W [mm^3] of a state."""
     total = 0.0
@@ -357,7 +358,7 @@ def energy(order, law, gap, approach, s, closed, count):
     return total
 
 
-@inlined
+@compiled
 def measure(gap, approach, target, s, count):
     """Return the residual of the equations [-] and the load [mm^2].
 

@@ -135,7 +135,7 @@ def apply(matrix, diagonal, closed, count, y, image):
     add_rows(matrix, closed, count, y, image)
 
 
-@inlined
+@compiled
 def refresh(field, order, self_term, s, closed, count, matrix, always):
     """Fill the diagonal, and the matrix if it is always needed or a row is missing; return the matrix."""
     for i in range(self_term.size):
@@ -165,7 +165,7 @@ def rates(s, shift, out):
         out[i] = bent if s[Z, i] > 0.0 else change
 
 
-@inlined
+@compiled
 def newton(field, order, law, self_term, gap, approach, target, tolerance, s, closed, matrix):
     """Solve for an equilibrium at the approach or, if `target` > 0, at this load, starting from s[Z].
 
@@ -254,7 +254,7 @@ def downhill(self_term, matrix, s, closed, count, leave):
     return shift, good
 
 
-@inlined
+@compiled
 def settle(field, order, law, self_term, gap, approach, target, tolerance, rough, s, closed, matrix):
     """Solve by Newton's method at the load `target` or, if this is 0, at the approach.
 
