@@ -12,8 +12,15 @@ derive from one energy, the Jacobian is symmetric. For Hertz's law w = 3/5 p d, 
 and the contact is shifted by -R g. Order 1 has k = g = 0.
 
 The unknown of a contact is its nominal indentation z: the indentation at which the law without extra
-curvature has the load p. If z < 0 the asperity is open, with the gap -z. `contact.tabulated` evaluates all
-laws except Hertz's.
+curvature has the load p. If z < 0 the asperity is open, with the gap -z. In the order of evaluation:
+
+- `press`: p, dp/dz, a and T from z, by Hertz's law here and by all other laws in `contact.tabulated`;
+- `respond`: u = G p, k and g, the fields of the loads, and -dT/dp |g|^2, by which a slope raises a contact;
+- `sharpen`: a, d and M under the extra curvature k, for Hertz's law with 1/R + k in place of 1/R;
+- `add_moments`: M/4 lap G and the field of the tilted contacts, added to u;
+- `measure`: the residuals d + u - e, and sum p - P if the load is given;
+- `assemble`, `linearise`: the derivatives d2W/dp2, without and with the terms of second order;
+- `spread`: the areas and their derivatives.
 """
 
 from __future__ import annotations
