@@ -34,8 +34,8 @@ from metafem.models.error import (
     truncation,
     without_jumps,
 )
-from metafem.models.model import contact_of, has_paraboloids
 from metafem.models.interacting.influence import close_pairs
+from metafem.models.model import contact_of, has_paraboloids
 from metafem.notes import Level, Note, information
 from metafem.prediction.part_notes import part_notes
 from metafem.substrate import HalfSpace

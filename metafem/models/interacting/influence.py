@@ -32,8 +32,8 @@ MOST_PERIODIC = 2000
 # 10,000 sites take 2 MiB, their neighbours 8 MiB.
 MOST_KEPT_SUMS = 10_000
 
-# Number of nearest neighbours that short-ranged sums include. On a lattice, asperities farther away add less
-# than a hundredth.
+# Number of nearest neighbours that short-ranged sums include above `MOST_KEPT` asperities. On a lattice,
+# asperities farther away add less than a hundredth.
 NEIGHBOURS = 24
 
 
@@ -93,8 +93,8 @@ def nearest_distance(surface: Surface) -> float:
 def neighbours(surface: Surface) -> tuple[FloatArray, IntArray, FloatArray]:
     """Return distances [mm], indices and relative positions of the nearest neighbours, (n, q), (n, q, 2).
 
-    There are `NEIGHBOURS`, or fewer without a cell. With a cell they include sites of other periods, in
-    particular those of the site itself.
+    There are `NEIGHBOURS`, for few asperities `MOST_KEPT` or all. With a cell they include sites of other
+    periods, in particular those of the site itself.
     """
     return (_kept_neighbours if surface.count <= MOST_KEPT_SUMS else _neighbours)(Sites.of(surface))
 
@@ -118,14 +118,14 @@ def close_pairs(surface: Surface, reach: float) -> tuple[IntArray, IntArray, Flo
 
 def _neighbours(sites: Sites) -> tuple[FloatArray, IntArray, FloatArray]:
     position, cell = sites.surface.position, sites.cell
-    images = position
+    images, some = position, 1 + (MOST_KEPT if len(position) <= MOST_KEPT else NEIGHBOURS)
     if cell is not None:
         # periods on each side, so that there are enough sites at the distances of the neighbours
-        reach, sides = math.sqrt((NEIGHBOURS + 1) * cell.area / len(position)), (cell.width, cell.length)
+        reach, sides = math.sqrt(some * cell.area / len(position)), (cell.width, cell.length)
         steps = [side * np.arange(-(most := math.ceil(reach / side)), most + 1) for side in sides]
         shift = np.stack(np.meshgrid(*steps, indexing="ij"), axis=-1).reshape(-1, 1, 2)
         images = (position + shift).reshape(-1, 2)
-    found = scipy.spatial.cKDTree(images).query(position, k=min(NEIGHBOURS + 1, len(images)))
+    found = scipy.spatial.cKDTree(images).query(position, k=min(some, len(images)))
     distance, other = (np.reshape(part, (len(position), -1))[:, 1:] for part in found)
     return distance, other % len(position), position[:, None] - images[other]
 
