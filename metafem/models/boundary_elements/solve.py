@@ -13,7 +13,7 @@ from metafem.errors import InvalidInput, MetafemError
 from metafem.models._resources import require_memory
 from metafem.models.boundary_elements.cells import Contacts, Patch, Summits, boxes, measure
 from metafem.models.boundary_elements.influence import Influence, convergence_rate, orders
-from metafem.models.boundary_elements.quadratic_program import Minimum, minimise, on_face
+from metafem.models.boundary_elements.quadratic_program import Minimum, Program
 from metafem.models.curve import Curve
 from metafem.models.independent import Independent
 from metafem.models.interacting.model import Interacting
@@ -32,16 +32,8 @@ COARSEST = 4.0
 # do not overlap, the error of the edge predicted by point loads is smaller.
 MARGIN_CELLS, MARGIN_SHARE = 3.0, 0.03
 
-# Growth factor of a patch when a contact reaches its edge, and maximum number of solutions on growing
-# patches.
-GROWTH, MAX_GROWTHS = 1.25, 10
-
-# Maximum number of iterations. Conjugate gradients need 10 to 60, unless the tolerance is below rounding.
-MAX_ITERATIONS = 1000
-
-OTHER_GUESS = information(
-    "order 1 has no solution, so that the first guess of the contacts is that of independent asperities"
-)
+# Maximum number of solutions on patches that grow where a contact reaches their edge.
+MAX_GROWTHS = 10
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +72,8 @@ class Scene:
             return point.curve(self.surface, load, approach=approach).checked().with_notes(())
         except MetafemError:
             alone = Independent(self.law).curve(self.surface, load, approach=approach).checked()
-            return alone.with_notes((OTHER_GUESS,))
+            text = "order 1 has no solution, so that the contacts are first those of independent asperities"
+            return alone.with_notes((information(text),))
 
     def largest(self, guess: Curve) -> float:
         """Return the largest contact radius of an initial guess [mm]."""
@@ -99,36 +92,32 @@ class Scene:
         total = None if load is None else load / self.cell**2
         # summits whose gaps may close have cells too
         half_width = self._reach(d, guess.last.load, 1.0 + MARGIN_SHARE, 0.01 * d.max())
-        patches: list[Patch] = []
-        parts: list[FloatArray] = []
-        pressure, covered = np.zeros(0), False
         for _ in range(MAX_GROWTHS):
-            if not covered:
-                old, patches = patches, self._patches(half_width)
-                operator = self._influence(patches)
-                gap = np.concatenate([p.gap.ravel() for p in patches])
-                pressure = _moved(old, parts, patches) if old else self._expected(d, patches, gap)
+            patches = self._patches(half_width)
+            operator = self._influence(patches)
+            gap = np.concatenate([p.gap.ravel() for p in patches])
+            pressure = self._expected(d, patches, gap)
             if total is not None:
-                pressure = pressure * (total / pressure.sum())
+                pressure *= total / pressure.sum()
             # half of the tolerance, as the final indentation may be smaller than the expected one
-            tolerance = 0.5 * TOLERANCE * indentation
-            minimum = minimise(operator, gap, pressure, multiplier, total, tolerance, MAX_ITERATIONS)
-            pressure = minimum.pressure
-            parts = [part for group in operator.split(pressure) for part in group]
+            minimum = Program(operator, gap, total, 0.5 * TOLERANCE * indentation).minimum(
+                pressure, multiplier
+            )
+            parts = [part for group in operator.split(minimum.pressure) for part in group]
             contacts = measure(patches, parts, self.summits)
             radius = np.minimum(np.sqrt(contacts.area / math.pi), self.summits.widest())
-            indentation = (
-                float(self.law.indentation(self.cell * radius, self.summits.of_law).max()) / self.cell
-            )
-            larger = self._enlarged(half_width, patches, parts, contacts, minimum)
+            deepest = self.law.indentation(self.cell * radius, self.summits.of_law).max()
+            indentation, multiplier = float(deepest) / self.cell, minimum.multiplier
+            d = multiplier * self.cell - self.surface.gap - self.coupling @ (self.cell**2 * contacts.load)
+            larger = self._enlarged(half_width, patches, parts, d, self.cell**2 * contacts.load)
             covered = bool((larger == half_width).all())
             if covered and minimum.error <= TOLERANCE * indentation:
                 break
             half_width = larger
         self.require_extent(contacts)
-        zero, face = np.zeros(gap.size), pressure > 0.0
+        zero, face = np.zeros(gap.size), minimum.pressure > 0.0
         # the relative error of the stiffness is the square of that of the equations
-        rise, _, _ = on_face(operator, face, zero, zero - 1.0, 0.0, False, 1e-3, MAX_ITERATIONS)
+        rise, _, _ = Program(operator, zero, None, 2e-3).on_face(face, zero, zero - 1.0, 0.0, 0.0, 1000)
         return Solution(minimum, contacts, patches, covered, indentation, float(rise.sum()))
 
     def _reach(self, d: FloatArray, load: FloatArray, factor: float, margin: float) -> FloatArray:
@@ -193,31 +182,16 @@ class Scene:
         half_width: FloatArray,
         patches: list[Patch],
         pressure: list[FloatArray],
-        contacts: Contacts,
-        minimum: Minimum,
+        d: FloatArray,
+        load: FloatArray,
     ) -> FloatArray:
         """Return half widths (n,), increased where a contact reaches the edge or a summit lacks cells."""
-        result = half_width.copy()
+        result = np.where(half_width == 0.0, self._reach(d, load, 1.0, 0.0), half_width)
         for region, p in zip(patches, pressure, strict=True):
             rim = p > 0.0
             rim[1:-1, 1:-1] = False
             cells, owner = np.argwhere(rim) + region.corner, region.owner[rim]
-            reach = np.abs(cells - self.summits.position[owner]).max(axis=1)
-            for i in np.unique(owner):
-                # if a summit lies within the cells of others, its contact belongs to their patch
-                result[i] = GROWTH * max(half_width[i], reach[owner == i].max()) + MARGIN_CELLS
-        load = self.cell**2 * contacts.load
-        d = minimum.multiplier * self.cell - self.surface.gap - self.coupling @ load
-        new = np.where(half_width == 0.0, self._reach(d, load, 1.0, 0.0), 0.0)
-        return np.asarray(np.maximum(result, new))
-
-
-def _moved(old: list[Patch], pressure: list[FloatArray], new: list[Patch]) -> FloatArray:
-    """Return the pressure on new patches of the same grid; zero in new cells."""
-    parts = [np.zeros(region.gap.shape) for region in new]
-    for source, p in zip(old, pressure, strict=True):
-        cells = np.argwhere(p > 0.0) + source.corner
-        for region, part in zip(new, parts, strict=True):
-            here = ((cells >= region.corner) & (cells < region.corner + part.shape)).all(axis=1)
-            part[tuple((cells[here] - region.corner).T)] = p[tuple((cells[here] - source.corner).T)]
-    return np.concatenate([part.ravel() for part in parts])
+            # if a summit lies within the cells of others, its contact belongs to their patch
+            reach = np.maximum(half_width[owner], np.abs(cells - self.summits.position[owner]).max(axis=1))
+            np.maximum.at(result, owner, 1.25 * reach + MARGIN_CELLS)
+        return result

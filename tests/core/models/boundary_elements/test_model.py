@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -124,7 +125,7 @@ def test_memory_is_that_of_the_machine_or_a_guess(monkeypatch):
 
 
 def test_stopping_early_raises_with_the_state(monkeypatch):
-    monkeypatch.setattr(solve, "MAX_ITERATIONS", 1)
+    monkeypatch.setattr(solve, "Program", partial(solve.Program, max_iterations=1))
     monkeypatch.setattr(solve, "MAX_GROWTHS", 1)
     with pytest.raises(mf.NotConverged) as caught:
         mf.equilibrium(PAIR, COARSE, load=0.05)
