@@ -46,6 +46,7 @@ class Solution:
     covered: bool  # no contact reaches the edge of its patch, and no asperity without cells is in contact
     # largest indentation of isolated contacts with these areas; residuals are relative to it
     indentation: float
+    of_points: FloatArray  # indentation if all other loads act at points, (n,) [mm]
     stiffness: float  # derivative of the load by the approach, with fixed cells under pressure
 
 
@@ -118,7 +119,7 @@ class Scene:
         zero, face = np.zeros(gap.size), minimum.pressure > 0.0
         # the relative error of the stiffness is the square of that of the equations
         rise, _, _ = Program(operator, zero, None, 2e-3).on_face(face, zero, zero - 1.0, 0.0, 0.0, 1000)
-        return Solution(minimum, contacts, patches, covered, indentation, float(rise.sum()))
+        return Solution(minimum, contacts, patches, covered, indentation, d, float(rise.sum()))
 
     def _reach(self, d: FloatArray, load: FloatArray, factor: float, margin: float) -> FloatArray:
         """Return the extent of the cells around summits with indentations d, (n,) [cells]; 0 if not needed.

@@ -135,10 +135,10 @@ def test_stopping_early_raises_with_the_state(monkeypatch):
 def test_patches_give_what_one_grid_gives(monkeypatch):
     surface = mf.Surface.square_lattice([0.1, 0.11, 0.12, 0.1], (2, 2), 0.9, radius=RADIUS, material=MATERIAL)
     apart = mf.equilibrium(surface, COARSE, load=0.1)
-    assert "4 patches" in apart.notes[0].text
+    assert len(apart.field.shape) == 4
     monkeypatch.setattr(cells, "SLOWEST_RATE", math.inf)
     whole = mf.equilibrium(surface, COARSE, load=0.1)
-    assert "1 patches" in whole.notes[0].text
+    assert len(whole.field.shape) == 1
     np.testing.assert_allclose(apart.asperity_load, whole.asperity_load, rtol=1e-8)
     np.testing.assert_allclose(apart.asperity_area, whole.asperity_area, rtol=1e-8)
 
