@@ -17,7 +17,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any, TypeVar, cast
+from typing import Any
 
 import numpy as np
 import scipy
@@ -55,8 +55,6 @@ SAFETY = 1.25
 # surfaces this takes too long, and the interaction is estimated without adhesion.
 MOST_ADHESIVE = 100
 
-M = TypeVar("M", bound=Model)
-
 
 def model_error(surface: Surface, model: Model, curve: Curve, unloading: bool = False) -> ModelError:
     """Return the largest error of a model along a curve; nan with the reason if it cannot be estimated.
@@ -90,12 +88,12 @@ def model_error(surface: Surface, model: Model, curve: Curve, unloading: bool = 
     return compared(surface, reference, curve, unloading)
 
 
-def without_jumps(surface: Surface, model: M) -> M:
+def without_jumps(surface: Surface, model: Any) -> Any:
     """Return a model without adhesion if the contacts adhere and are too many; otherwise the model itself."""
     law = contact_of(model)
     if not law.adhesive or surface.count <= MOST_ADHESIVE:
         return model
-    return cast("M", replace(cast("Any", model), contact=law.without_adhesion))
+    return replace(model, contact=law.without_adhesion)
 
 
 def reference_of(surface: Surface, model: Model) -> Interacting:

@@ -14,7 +14,7 @@ from metafem import drawing
 from metafem._given import shown
 from metafem._validate import FloatArray, IntArray
 from metafem._values import Value, span
-from metafem.contact import Contact, Elastic, Hertz
+from metafem.contact import Contact
 from metafem.contact.elastic import PARABOLOID
 from metafem.errors import InvalidInput
 from metafem.models.boundary_elements.cells import Contacts, allowed
@@ -173,10 +173,9 @@ class BoundaryElements(WithoutGradients):
     merged, and a note states this.
 
     With fine cells the time for one load is about proportional to the number of cells, and thus increases
-    fourfold if the cell is halved: half a million cells in contact take seconds. The memory is 128 bytes for
-    each cell, 384 more for each cell of the largest neighbourhood (merged contacts have a common one), and
-    128 n^2 for n asperities, which is 13 GB for 10,000. An error is raised if a scene needs more memory than
-    the machine has.
+    fourfold if the cell is halved: half a million cells in contact take seconds. The memory is at most 320
+    bytes for each cell, and 128 n^2 for n asperities, which is 13 GB for 10,000. An error is raised if a
+    scene needs more memory than the machine has.
 
     Parameters
     ----------
@@ -235,7 +234,7 @@ class BoundaryElements(WithoutGradients):
         because the contacts are far smaller than their distances.
         """
         values, by_load = controlled(load, approach)
-        scene = scene_of(surface, self)
+        scene = Scene(surface, self.cell, self.substrate, self.contact)
         guesses = [scene.initial_guess(value, by_load) if value > 0.0 else None for value in values.tolist()]
         fine = [guess is not None and scene.largest(guess) >= COARSEST * self.cell for guess in guesses]
         light = fine.index(True) if True in fine else guesses.count(None)
@@ -260,12 +259,11 @@ class BoundaryElements(WithoutGradients):
         """Return the equilibrium at one load [mm^2] or approach [mm] as a curve."""
         solution, h = scene.solve(guess, value if by_load else None), scene.cell
         load, area = (h**2 * math.fsum(part) for part in (solution.contacts.load, solution.contacts.area))
-        residual = solution.minimum.error / solution.indentation if solution.covered else math.inf
-        if by_load:
-            residual = max(residual, abs(load - value) / value)
-        row = (h * solution.minimum.multiplier, load, area, h * solution.stiffness, residual)
-        last = partial(self._last, scene, solution)
-        return Curve(*np.array(row)[:, None], TOLERANCE, last, guess.notes, _cell_error(solution, scene))
+        residual = max(solution.residual, abs(load - value) / value if by_load else 0.0)
+        approach = h * solution.minimum.multiplier
+        row = np.array([approach, load, area, h * solution.stiffness, residual])[:, None]
+        last, error = partial(self._last, scene, solution), _cell_error(solution, scene)
+        return Curve(row[0], row[1], row[2], row[3], row[4], TOLERANCE, last, guess.notes, error)
 
     def _last(self, scene: Scene, solution: Solution) -> RescaledState:
         surface, h, found, patches = scene.surface, scene.cell, solution.minimum, solution.patches
@@ -306,10 +304,10 @@ def within(
     """
     values, by_load = controlled(load, approach)
     ends = values[values > 0.0][[0, -1]]
-    guessed = BoundaryElements(1.0, substrate, contact)  # [mm], before the contacts are known
-    scene = scene_of(surface, guessed)
+    scene = Scene(surface, 1.0, substrate, contact)  # [mm], before the contacts are known
     # ten cells per radius of the largest contact, also the minimum number
-    coarse = replace(guessed, cell=scene.largest(scene.initial_guess(ends[0], by_load)) / 10.0)
+    cell = scene.largest(scene.initial_guess(ends[0], by_load)) / 10.0
+    coarse = BoundaryElements(cell, substrate, contact)
     halved = replace(coarse, cell=0.5 * coarse.cell)
     given = (ends, None) if by_load else (None, ends)
     curves = [model.curve(surface, given[0], approach=given[1]) for model in (coarse, halved)]
@@ -320,14 +318,6 @@ def within(
     cell = 0.9 * halved.cell * (tolerance / found) ** (1.0 / rate)
     least = math.sqrt(float(curves[1].area.max()) / 5e5)
     return replace(coarse, cell=min(coarse.cell, max(cell, least)))
-
-
-def scene_of(surface: Surface, model: BoundaryElements) -> Scene:
-    """Return a surface with the law and the cells of a model."""
-    if surface.cell is not None:
-        raise InvalidInput("contacts in a periodic cell cannot be resolved; use metafem.Interacting()")
-    law = cast("Hertz | Elastic", model.contact.bound(surface))
-    return Scene(surface, model.cell, model.substrate, law)
 
 
 def _cell_error(solution: Solution, scene: Scene) -> ModelError:
@@ -352,22 +342,15 @@ def _notes(scene: Scene, contacts: Contacts) -> tuple[Note, ...]:
     notes, radius = [], np.sqrt(contacts.area / math.pi)
     coarse = (contacts.load > 0.0) & (radius < COARSEST)
     if contacts.deformed.any():
-        hertz = scene.law == PARABOLOID
+        hertz, merged = scene.law == PARABOLOID, len(contacts.merged)
         law = "a Hertzian ellipse" if hertz else f"{scene.law!r} on a surface of constant curvature"
-        notes.append(
-            information(
-                f"the pressure of {contacts.deformed.sum()} contacts is not that of {law}: their areas are "
-                "those within their edges, with an error of a few cells each and up to 1 %"
-            )
+        text = (
+            f"the pressure of {contacts.deformed.sum()} contacts is not that of {law}: their areas are those "
+            "within their edges, with an error of a few cells each and up to 1 %"
         )
-    if len(contacts.merged):
-        shown = ", ".join(f"{i} and {j}" for i, j in contacts.merged[:5].tolist())
-        notes.append(
-            information(
-                f"{len(contacts.merged)} pairs of contacts have merged, among them {shown}: their loads and "
-                "areas are split where the summits' caps cross"
-            )
-        )
+        if merged:
+            text += f"; {merged} pairs have merged, and their areas are split where the summits' caps cross"
+        notes.append(information(text))
     if coarse.any():
         share = contacts.load[coarse].sum() / contacts.load.sum()
         text = (
