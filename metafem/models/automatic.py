@@ -120,6 +120,10 @@ class Automatic(WithoutGradients):
         return self._stitched(surface, parts)
 
     @cached_property
+    def _uncoupled(self) -> Independent:
+        return Independent(self.contact)
+
+    @cached_property
     def _resolvable(self) -> bool:
         return resolvable(self.contact)
 
@@ -134,7 +138,7 @@ class Automatic(WithoutGradients):
 
     def _independent(self, surface: Surface, values: FloatArray, by_load: bool) -> Rung:
         """Return independent asperities on a sinking base."""
-        alone = Independent(self.contact).curve(surface, values).checked()
+        alone = self._uncoupled.curve(surface, values).checked()
         sunk, errors = independent_errors(surface, self.contact, self.substrate, alone)
         return "independent asperities", sunk, errors, DISPLACEMENTS
 
@@ -175,8 +179,10 @@ class Automatic(WithoutGradients):
 
     def _stitched(self, surface: Surface, parts: list[tuple[IntArray, Curve, Note]]) -> Curve:
         """Return one curve of several parts, with a note on the choice for each."""
-        unused = information("the surface's block is not used: the contacts are coupled through a half-space")
-        aside = (unused,) if surface.block is not None and self.substrate == HalfSpace() else ()
+        aside: tuple[Note, ...] = ()
+        if surface.block is not None and self.substrate == HalfSpace():
+            text = "the surface's block is not used: the contacts are coupled through a half-space"
+            aside = (information(text),)
         parts, curves = sorted(parts, key=lambda part: int(part[0][-1])), []
         for rows, curve, note in parts:
             where = ""
