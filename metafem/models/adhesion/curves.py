@@ -16,9 +16,8 @@ from metafem.models.adhesion.contacts import TOLERANCE, Scene, States
 from metafem.models.adhesion.path import loading, unloading
 from metafem.models.curve import Curve, RescaledState, Sensitivity
 from metafem.models.interacting.coupled import Coupled, refuse_wide
-from metafem.models.interacting.influence import coupling_between
+from metafem.models.interacting.influence import close_pairs, coupling_between
 from metafem.models.load_equation import LoadEquation
-from metafem.models.neighbours import close_pairs
 from metafem.notes import Note, information
 from metafem.surface import Surface
 
@@ -166,7 +165,7 @@ def _last(found: States) -> tuple[FloatArray, FloatArray, FloatArray]:
 def _refuse_merging(law: JKR, surface: Surface) -> None:
     """Raise InvalidInput if neighbouring contacts would merge at zero load."""
     reach = of_sizes(JKR.zero_load_radius, law, law.summits(surface))
-    first, second, distance = close_pairs(surface.position, surface.cell, 2.0 * float(reach.max()))
+    first, second, distance = close_pairs(surface, 2.0 * float(reach.max()))
     room = distance - reach[first] - reach[second]
     if room.size and room.min() <= 0.0:
         i, j = sorted((first[room.argmin()], second[room.argmin()]))
