@@ -11,8 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from metafem._kernels import law as hertz
+from metafem._kernels import law as tabulated
 from metafem._kernels.compiled import compiled, inlined
-from metafem._kernels.contact import hertz, tabulated
 from metafem._kernels.equations import ROWS, State, copy, linearise, spread, state_in
 from metafem._kernels.newton import ON_CURVE, TOLERANCE, Scratch, refresh, scratch_in, settle, solve
 from metafem._kernels.vectors import largest, total_of
@@ -92,7 +93,7 @@ def uniform_approach(gap, law, load):
     x = math.inf
     for i in range(gap.size):  # asperity i needs this approach to carry the load by itself: an upper bound
         if data.size == 0:
-            alone = hertz.indentation_at_load(radius[i], load)
+            alone = hertz.hertz_indentation(radius[i], load)
         else:
             alone = tabulated.indentation_at_load(data, which[i], scale[i], load)
         x = min(x, gap[i] + alone)

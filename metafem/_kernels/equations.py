@@ -12,7 +12,7 @@ derive from one energy, the Jacobian is symmetric. For Hertz's law w = 3/5 p d, 
 and the contact is shifted by -R g. Order 1 has k = g = 0.
 
 The unknown of a contact is its nominal indentation z: the indentation at which the law without extra
-curvature has the load p. If z < 0 the asperity is open, with the gap -z. `contact.tabulated` evaluates all
+curvature has the load p. If z < 0 the asperity is open, with the gap -z. `law` evaluates all
 laws except Hertz's.
 """
 
@@ -23,8 +23,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from metafem._kernels import law as hertz
+from metafem._kernels import law as tabulated
 from metafem._kernels.compiled import compiled, inlined
-from metafem._kernels.contact import hertz, tabulated
 from metafem._kernels.vectors import largest, total_of
 
 # Largest product of curvature and radius for which one step of Halley's method from the third-order series of
@@ -183,7 +184,7 @@ def press(law, order, state):
         at, z = which[i], state.z[i]
         if not z > 0.0:
             state.load[i] = state.square[i] = 0.0
-            state.lever_rate[i] = 2.0 * data[at, tabulated.LEVER_START] * scale[i]
+            state.lever_rate[i] = 2.0 * data[at, 2] * scale[i]
             continue
         state.outside[i] = 0.0 if tabulated.covers(data, at, scale[i], z) else 1.0
         if order == 1:
