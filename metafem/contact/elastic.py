@@ -12,7 +12,7 @@ import numpy as np
 from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.caps import Cap, Caps, Paraboloid, Power
-from metafem.caps.cap import Values
+from metafem.caps.shapes import Values
 from metafem.contact.law import ROUNDING, SUMMIT, Contact, root
 from metafem.errors import InvalidInput
 

@@ -99,7 +99,7 @@ def _one(law: Contact, radius: float) -> FloatArray:
     panels[:, : kernel.COEFFICIENTS * columns.shape[2]] = columns.transpose(0, 2, 1).reshape(len(columns), -1)
     before = kernel.HEADER + 4 * len(points)
     segments = [
-        (x[0], x[1] - x[0], len(x) - 1, before + kernel.PANEL * k)
+        (x[0], (x[-1] - x[0]) / (len(x) - 1), len(x) - 1, before + kernel.PANEL * k)
         for (x, _), k in zip(points, first[:-1], strict=True)
     ]
     straight = not math.isfinite(end) and np.abs(columns[-1, 2:]).max() < RESOLVED
