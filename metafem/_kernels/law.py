@@ -66,7 +66,7 @@ class Law(NamedTuple):
     data: np.ndarray  # tables; empty for Hertz's law
 
 
-def hertz_law(radius):
+def hertz_law(radius: np.ndarray) -> Law:
     """Return Hertz's law for radii (..., n) [mm]."""
     return Law(radius, np.full(radius.shape, -1), radius, np.empty((0, 0)))
 

@@ -129,8 +129,8 @@ class Profile(Value, Cap):
     @cached_property
     def integrals(self) -> tuple[BSpline, BSpline]:
         """Splines of ln F and ln G over ln a."""
-        # 64 radii in each of 30 factors of 2 below the extent, to its last bit. The spacing falls to a tenth in
-        # the last quarter, where splines are less accurate. Up to a/R = 0.9 of a sphere, D is within 1e-11.
+        # 64 radii in each of 30 factors of 2 below the extent, to its last bit. The spacing falls to a tenth
+        # in the last quarter, where splines are less accurate. D is within 1e-11 up to a/R = 0.9 of spheres.
         octave = np.arange(-64 * 30, 1) / 64
         a = self.reach * 2.0 ** (octave * octave / (octave - 0.25))
         x, (rho, w, weight) = np.log(a), self._nodes(a[:, None])
