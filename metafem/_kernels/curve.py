@@ -11,8 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from metafem._kernels import law as contact
 from metafem._kernels.compiled import compiled, inlined
-from metafem._kernels.contact import hertz, tabulated
 from metafem._kernels.equations import FOOTPRINT, INDENTATION, LOAD, SQUARE, Z, copy, linearise, spread
 from metafem._kernels.newton import (
     DIAGONAL,
@@ -70,9 +70,9 @@ def empty_memory(count: int) -> Memory:
 def load_and_rate(law, i, z):
     """Return the load of asperity i at a nominal indentation z > 0 and its derivative."""
     if law.data.size == 0:
-        a = hertz.contact_radius(law.radius[i], z)
-        return hertz.LOAD * a * z, hertz.STIFFNESS * a
-    return tabulated.load_and_rate(law.data, law.which[i], law.scale[i], z)
+        a = contact.contact_radius(law.radius[i], z)
+        return contact.LOAD * a * z, contact.STIFFNESS * a
+    return contact.load_and_rate(law.data, law.which[i], law.scale[i], z)
 
 
 @compiled
@@ -82,9 +82,9 @@ def uniform_approach(gap, law, load):
     x = math.inf
     for i in range(gap.size):  # asperity i needs this approach to carry the load by itself: an upper bound
         if data.size == 0:
-            alone = hertz.indentation_at_load(radius[i], load)
+            alone = contact.hertz_indentation(radius[i], load)
         else:
-            alone = tabulated.indentation_at_load(data, which[i], scale[i], load)
+            alone = contact.indentation_at_load(data, which[i], scale[i], load)
         x = min(x, gap[i] + alone)
     low, high = gap.min(), math.inf
     for _ in range(60):
@@ -200,7 +200,7 @@ def curves(field, order, law, self_term, gap, control, by_load, found, s, closed
     load_rate = np.zeros(n)
     for row in range(gap.shape[0]):
         points = 0
-        law_of_row = tabulated.part(law, row)
+        law_of_row = contact.part(law, row)
         for j in range(control.size):
             results.approach[row, j] = 0.0 if by_load else control[j]
             if control[j] <= 0.0:
