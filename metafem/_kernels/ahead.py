@@ -10,8 +10,8 @@ from numba import typeof
 
 from metafem._kernels import compiled
 from metafem._kernels.contact.tabulated import Law
-from metafem._kernels.curve import curves, empty_work
-from metafem._kernels.equations import Coupling
+from metafem._kernels.curve import curves
+from metafem._kernels.equations import Coupling, State
 
 
 def start() -> None:
@@ -26,7 +26,8 @@ def compile_curves() -> None:
     """Compile `curves` and all that it calls."""
     matrix, vector, index = np.empty((1, 1)), np.empty(1), np.empty((1, 1), np.int64)
     coupling, law = Coupling(matrix, matrix), Law(matrix, index, matrix, matrix)
-    given = coupling, 3, law, matrix, matrix, vector, True, np.empty((7, 1, 1)), empty_work(1, 3), matrix
+    work, found = State(1), np.empty((7, 1, 1))
+    given = coupling, 3, law, matrix, matrix, vector, True, found, work.block, work.closed, matrix, matrix
     curves.compile(tuple(map(typeof, given)))
 
 

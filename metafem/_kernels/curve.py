@@ -13,8 +13,19 @@ import numpy as np
 
 from metafem._kernels.compiled import compiled, inlined
 from metafem._kernels.contact import hertz, tabulated
-from metafem._kernels.equations import ROWS, State, copy, linearise, spread, state_in
-from metafem._kernels.newton import ON_CURVE, TOLERANCE, Scratch, refresh, scratch_in, settle, solve
+from metafem._kernels.equations import FOOTPRINT, INDENTATION, LOAD, SQUARE, Z, copy, linearise, spread
+from metafem._kernels.newton import (
+    DIAGONAL,
+    IMAGE,
+    KEPT,
+    ON_CURVE,
+    RHS,
+    STEP_LOADS,
+    TOLERANCE,
+    refresh,
+    settle,
+    solve,
+)
 from metafem._kernels.vectors import largest, total_of
 
 # Relative residual of the tangent. The stiffness is stationary at the tangent and has twice as many correct
@@ -53,27 +64,6 @@ class Memory(NamedTuple):
 def empty_memory(count: int) -> Memory:
     """Return an empty memory for `count` asperities."""
     return Memory(np.zeros(REMEMBERED), np.zeros((REMEMBERED, count)))
-
-
-class Work(NamedTuple):
-    """Arrays of one thread; they are few, because each takes time to pass to compiled code."""
-
-    block: np.ndarray  # state, scratch and memory, (rows, n)
-    matrix: np.ndarray  # (n, n); empty for order 1
-    closed: np.ndarray  # indices of the asperities in contact, (n,)
-
-
-def empty_work(count: int, order: int) -> Work:
-    """Return the arrays of one thread."""
-    size = 0 if order == 1 else count
-    rows = ROWS + len(Scratch._fields) - 1 + REMEMBERED
-    return Work(np.zeros((rows, count)), np.zeros((size, size)), np.zeros(count, np.int64))
-
-
-def state_of(work: Work) -> State:
-    """Return the state that a workspace holds."""
-    state: State = state_in.py_func(work.block, work.closed)
-    return state
 
 
 @inlined
@@ -167,23 +157,23 @@ def predict(memory, points, x, target, law, z):
 
 
 @inlined
-def tangent(field, order, self_term, state, count, warm, scratch):
-    """Return dP/dx [mm], or infinity if unstable, and leave dp/dP in scratch.loads: warm, the last one."""
-    matrix = refresh(field, order, self_term, state, count, scratch, False)
-    load_rate = scratch.loads
+def tangent(field, order, self_term, s, closed, count, warm, matrix):
+    """Return dP/dx [mm], or infinity if unstable, and leave dp/dP in s[STEP_LOADS]: warm, the last one."""
+    used = refresh(field, order, self_term, s, closed, count, matrix, False)
+    load_rate = s[STEP_LOADS]
     compliance = 0.0
     for i in range(load_rate.size):
-        load_rate[i] = load_rate[i] if state.z[i] > 0.0 else 0.0
-        scratch.rhs[i] = 0.0
+        load_rate[i] = load_rate[i] if s[Z, i] > 0.0 else 0.0
+        s[RHS, i] = 0.0
     for k in range(count):
-        compliance += 1.0 / abs(scratch.diagonal[state.closed[k]])
+        compliance += 1.0 / abs(s[DIAGONAL, closed[k]])
     total = total_of(load_rate)
     warm = warm and total > 0.5
     if warm:
         for i in range(load_rate.size):
             load_rate[i] /= total
-    _, good = solve(matrix, state.closed, count, 1.0, True, TANGENT / compliance, warm, scratch)
-    form = linearise(field, order, self_term, state, count, load_rate, scratch.image)
+    _, good = solve(used, s, closed, count, 1.0, True, TANGENT / compliance, warm)
+    form = linearise(field, order, self_term, s, closed, count, load_rate, s[IMAGE])
     return 1.0 / form if good and form > 0.0 else math.inf
 
 
@@ -197,16 +187,16 @@ def independent_start(gap, law, control, by_load, z):
 
 
 @compiled
-def curves(field, order, law, self_term, gap, control, by_load, found, work, all_z):
+def curves(field, order, law, self_term, gap, control, by_load, found, s, closed, matrix, all_z):
     """Fill `found` (7, m, k), the results of m surfaces, and `all_z` (k, n), z of the last one, unless empty.
 
-    self_term, gap and the arrays of the law are (m, n); control (k,) contains increasing loads or approaches.
-    The last equilibrium of each surface is solved to TOLERANCE, the others to ON_CURVE.
+    self_term, gap and the arrays of the law are (m, n); control (k,) has increasing loads or approaches. The
+    last equilibrium of each surface is solved to TOLERANCE, the others to ON_CURVE. s: block of `equations`;
+    matrix: (n, n), empty for order 1.
     """
     n = gap.shape[1]
     results = Results(found[0], found[1], found[2], found[3], found[4], found[5], found[6])
-    state, scratch = state_in(work.block, work.closed), scratch_in(work.block[ROWS:], work.matrix)
-    memory = Memory(np.zeros(REMEMBERED), work.block[-REMEMBERED:])
+    memory = Memory(np.zeros(REMEMBERED), s[KEPT : KEPT + REMEMBERED])
     load_rate = np.zeros(n)
     for row in range(gap.shape[0]):
         points = 0
@@ -215,69 +205,60 @@ def curves(field, order, law, self_term, gap, control, by_load, found, work, all
             results.approach[row, j] = 0.0 if by_load else control[j]
             if control[j] <= 0.0:
                 for i in range(n):
-                    state.z[i] = min(results.approach[row, j], 0.0) - gap[row, i]
-                    state.indentation[i] = state.z[i]
-                    state.load[i] = state.square[i] = state.footprint[i] = 0.0
+                    s[Z, i] = min(results.approach[row, j], 0.0) - gap[row, i]
+                    s[INDENTATION, i] = s[Z, i]
+                    s[LOAD, i] = s[SQUARE, i] = s[FOOTPRINT, i] = 0.0
                 if all_z.size > 0:
-                    copy(state.z, all_z[j])
+                    copy(s[Z], all_z[j])
                 continue
             target = control[j] if by_load else 0.0
             tolerance = ON_CURVE if j + 1 < control.size else TOLERANCE
             alone = points == 0
             while True:
                 if alone:
-                    start = independent_start(gap[row], law_of_row, control[j], by_load, state.z)
+                    start = independent_start(gap[row], law_of_row, control[j], by_load, s[Z])
                 else:
                     x = control[j]
                     if by_load:
                         ahead = (target - results.load[row, j - 1]) / results.stiffness[row, j - 1]
                         x = memory.approach[0] + ahead
-                    start = predict(memory, points, x, target, law_of_row, state.z)
+                    start = predict(memory, points, x, target, law_of_row, s[Z])
                 new, count, load, residual, steps = settle(
-                    field,
-                    order,
-                    law_of_row,
-                    self_term[row],
-                    gap[row],
-                    start,
-                    target,
-                    tolerance,
-                    alone,
-                    state,
-                    scratch,
-                )
+                    field, order, law_of_row, self_term[row], gap[row], start, target, tolerance, alone, s,
+                    closed, matrix,
+                )  # fmt: skip
                 results.steps[row, j] += steps
                 if residual <= tolerance or alone:
                     break
                 alone = True  # a prediction can fail if new contacts form
             if all_z.size > 0:
-                copy(state.z, all_z[j])
+                copy(s[Z], all_z[j])
             results.approach[row, j] = new
             results.load[row, j] = load
             results.residual[row, j] = residual
-            results.area[row, j], results.radius[row, j] = areas(order, law_of_row, state)
+            results.area[row, j], results.radius[row, j] = areas(order, law_of_row, s)
             if residual > tolerance or count == 0:
                 points = 0
                 continue
             if points > 0 and not new > memory.approach[0]:
                 points = 0
-            remember(memory, new, state.z)
-            copy(load_rate, scratch.loads)
-            stiffness = tangent(field, order, self_term[row], state, count, points > 0, scratch)
+            remember(memory, new, s[Z])
+            copy(load_rate, s[STEP_LOADS])
+            stiffness = tangent(field, order, self_term[row], s, closed, count, points > 0, matrix)
             results.stiffness[row, j] = stiffness
             if stiffness == math.inf:  # the equilibrium is not a minimum of the energy
                 results.residual[row, j] = 1.0
                 points = 0
                 continue
-            copy(scratch.loads, load_rate)
+            copy(s[STEP_LOADS], load_rate)
             points = min(REMEMBERED, points + 1)
 
 
 @inlined
-def areas(order, law, state):
+def areas(order, law, s):
     """Fill the areas; return their sum [mm^2], and the largest contact radius [mm]."""
     if order > 1 and law.data.size > 0:
-        spread(order, law, state)
+        spread(order, law, s)
     else:
-        copy(state.square, state.footprint)
-    return math.pi * total_of(state.footprint), math.sqrt(largest(state.square))
+        copy(s[SQUARE], s[FOOTPRINT])
+    return math.pi * total_of(s[FOOTPRINT]), math.sqrt(largest(s[SQUARE]))

@@ -12,8 +12,15 @@ derive from one energy, the Jacobian is symmetric. For Hertz's law w = 3/5 p d, 
 and the contact is shifted by -R g. Order 1 has k = g = 0.
 
 The unknown of a contact is its nominal indentation z: the indentation at which the law without extra
-curvature has the load p. If z < 0 the asperity is open, with the gap -z. `contact.tabulated` evaluates all
-laws except Hertz's.
+curvature has the load p. If z < 0 the asperity is open, with the gap -z. In the order of evaluation:
+
+- `press`: p, dp/dz, a and T from z, by Hertz's law here and by all other laws in `contact.tabulated`;
+- `respond`: u = G p, k and g, the fields of the loads, and -dT/dp |g|^2, by which a slope raises a contact;
+- `sharpen`: a, d and M under the extra curvature k, for Hertz's law with 1/R + k in place of 1/R;
+- `add_moments`: M/4 lap G and the field of the tilted contacts, added to u;
+- `measure`: the residuals d + u - e, and sum p - P if the load is given;
+- `assemble`, `linearise`: the derivatives d2W/dp2, without and with the terms of second order;
+- `spread`: the areas and their derivatives.
 """
 
 from __future__ import annotations
@@ -23,7 +30,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from metafem._kernels.compiled import compiled, inlined
+from metafem._kernels.compiled import compiled
 from metafem._kernels.contact import hertz, tabulated
 from metafem._kernels.vectors import largest, total_of
 
@@ -56,61 +63,55 @@ class Coupling(NamedTuple):
         return self.source.reshape(count, -1, count).swapaxes(0, 1)
 
 
-class State(NamedTuple):
-    """The contacts at nominal indentations z; arrays (n,)."""
-
-    z: np.ndarray  # nominal indentation [mm]
-    load: np.ndarray  # p [mm^2]
-    rate: np.ndarray  # dp/dz [mm]
-    square: np.ndarray  # a^2 [mm^2]
-    widening: np.ndarray  # da^2/dp [-], not filled for Hertz contacts
-    indentation: np.ndarray  # d [mm]
-    bend: np.ndarray  # dd/dz [-]; (1 + k R)^(1/3) for Hertz's law
-    moment: np.ndarray  # M/4 [mm^4]
-    lever: np.ndarray  # 2 T [mm^3]
-    lever_rate: np.ndarray  # 2 dT/dp [mm]
-    lever_bend: np.ndarray  # 2 d2T/dp2 [1/mm]
-    footprint: np.ndarray  # A/pi [mm^2], filled by `spread` as are its derivatives
-    by_load: np.ndarray  # derivative of A/pi with respect to p [-]
-    by_curvature: np.ndarray  # derivative of A/pi with respect to k [mm^3]
-    by_slope: np.ndarray  # derivative of A/pi with respect to |g|^2 [mm^2]
-    outside: np.ndarray  # 1 if z or the extra curvature is outside the range of the law, else 0
-    field: (
-        np.ndarray
-    )  # the four fields at the asperities, one after another (4 n,), of which these are parts:
-    displacement: np.ndarray  # u [mm]
-    curvature: np.ndarray  # 2 k, the sum of p lap G [1/mm]
-    slope_x: np.ndarray  # -g [-]
-    slope_y: np.ndarray
-    changes: np.ndarray  # the same four fields of changes of the loads (4 n,)
-    size: (
-        np.ndarray
-    )  # second moment over 4 [mm^4] and first moments [mm^3], or their changes, as sources of u
-    turn_x: np.ndarray
-    turn_y: np.ndarray
-    closed: np.ndarray  # indices of the asperities in contact
-
-
-# Number of rows of a block that hold a state.
-ROWS = 27
+# Rows of the block `s` (rows, n) that holds the contacts at nominal indentations z, and scratch of solvers.
+ROWS = (
+    "z",  # nominal indentation [mm]
+    "load",  # p [mm^2]
+    "rate",  # dp/dz [mm]
+    "square",  # a^2 [mm^2]
+    "widening",  # da^2/dp [-], not filled for Hertz contacts
+    "indentation",  # d [mm]
+    "bend",  # dd/dz [-]; (1 + k R)^(1/3) for Hertz's law
+    "moment",  # M/4 [mm^4]
+    "lever",  # 2 T [mm^3]
+    "lever_rate",  # 2 dT/dp [mm]
+    "lever_bend",  # 2 d2T/dp2 [1/mm]
+    "footprint",  # A/pi [mm^2], filled by `spread` as are its derivatives
+    "by_load",  # derivative of A/pi with respect to p [-]
+    "by_curvature",  # derivative of A/pi with respect to k [mm^3]
+    "by_slope",  # derivative of A/pi with respect to |g|^2 [mm^2]
+    "outside",  # 1 if z or the extra curvature is outside the range of the law, else 0
+    "displacement",  # u at the contact [mm]
+    "curvature",  # 2 k, the sum of p lap G [1/mm]
+    "slope_x",  # -g [-]
+    "slope_y",
+    "change",  # the same four fields of changes of the loads
+    *("change of curvature", "change of slope_x", "change of slope_y"),
+    "size",  # second moment over 4 [mm^4] and first moments [mm^3], or their changes, as sources of u
+    "turn_x",
+    "turn_y",
+    *(f"scratch {k}" for k in range(14)),
+)
+(
+    Z, LOAD, RATE, SQUARE, WIDENING, INDENTATION, BEND, MOMENT, LEVER, LEVER_RATE, LEVER_BEND, FOOTPRINT,
+    BY_LOAD, BY_CURVATURE, BY_SLOPE, OUTSIDE, DISPLACEMENT, CURVATURE, SLOPE_X, SLOPE_Y, CHANGE, _, _, _,
+    SIZE, TURN_X, TURN_Y, SCRATCH,
+) = range(28)  # fmt: skip
 
 
-@inlined
-def state_in(block, closed):
-    """Return the state in the first rows of a block (rows, n), with the indices `closed` (n,)."""
-    n = block.shape[1]
-    return State(
-        block[0], block[1], block[2], block[3], block[4], block[5], block[6], block[7], block[8], block[9],
-        block[10], block[11], block[12], block[13], block[14], block[15],
-        block[16:20].reshape(4 * n), block[16], block[17], block[18], block[19],
-        block[20:24].reshape(4 * n), block[24], block[25], block[26], closed,
-    )  # fmt: skip
+class State:
+    """The contacts at nominal indentations z, with each row of `ROWS` as an attribute (n,)."""
 
+    def __init__(self, count: int) -> None:
+        self.block = np.zeros((len(ROWS), count))
+        self.closed = np.zeros(count, np.int64)  # indices of the asperities in contact
 
-def empty_state(count: int) -> State:
-    """Return a zero state of `count` asperities."""
-    state: State = state_in.py_func(np.zeros((ROWS, count)), np.zeros(count, np.int64))
-    return state
+    def __getattr__(self, name: str) -> np.ndarray:
+        """Return a row of the block."""
+        if name not in ROWS:
+            raise AttributeError(name)
+        row: np.ndarray = self.block[ROWS.index(name)]
+        return row
 
 
 @compiled
@@ -159,147 +160,146 @@ def add_moments(source, closed, count, size, turn_x, turn_y, u):
         k += 2
 
 
-@inlined
-def press(law, order, state):
+@compiled
+def press(law, order, s, closed):
     """Fill the quantities that depend only on z; return the number of contacts."""
     radius, which, scale, data = law
     count = 0
-    for i in range(state.z.size):
-        state.indentation[i] = state.z[i]
-        state.bend[i] = 1.0
-        state.closed[count] = i  # overwritten by the next asperity unless this one is in contact
-        count += 1 if state.z[i] > 0.0 else 0
+    for i in range(s.shape[1]):
+        s[INDENTATION, i] = s[Z, i]
+        s[BEND, i] = 1.0
+        closed[count] = i  # overwritten by the next asperity unless this one is in contact
+        count += 1 if s[Z, i] > 0.0 else 0
     if data.size == 0:
-        for i in range(state.z.size):
-            d = state.z[i] if state.z[i] > 0.0 else 0.0
+        for i in range(s.shape[1]):
+            d = s[Z, i] if s[Z, i] > 0.0 else 0.0
             a = hertz.contact_radius(radius[i], d)
-            state.square[i] = radius[i] * d
-            state.rate[i] = hertz.STIFFNESS * a
-            state.load[i] = hertz.LOAD * a * d
-            state.lever[i] = state.load[i] * radius[i]
-            state.lever_rate[i] = radius[i]
+            s[SQUARE, i] = radius[i] * d
+            s[RATE, i] = hertz.STIFFNESS * a
+            s[LOAD, i] = hertz.LOAD * a * d
+            s[LEVER, i] = s[LOAD, i] * radius[i]
+            s[LEVER_RATE, i] = radius[i]
         return count
-    for i in range(state.z.size):
-        at, z = which[i], state.z[i]
+    for i in range(s.shape[1]):
+        at, z = which[i], s[Z, i]
         if not z > 0.0:
-            state.load[i] = state.square[i] = 0.0
-            state.lever_rate[i] = 2.0 * data[at, tabulated.LEVER_START] * scale[i]
+            s[LOAD, i] = s[SQUARE, i] = 0.0
+            s[LEVER_RATE, i] = 2.0 * data[at, tabulated.LEVER_START] * scale[i]
             continue
-        state.outside[i] = 0.0 if tabulated.covers(data, at, scale[i], z) else 1.0
+        s[OUTSIDE, i] = 0.0 if tabulated.covers(data, at, scale[i], z) else 1.0
         if order == 1:
-            state.load[i], state.rate[i], state.square[i], state.widening[i] = tabulated.pressed(
-                data, at, scale[i], z
-            )
+            s[LOAD, i], s[RATE, i], s[SQUARE, i], s[WIDENING, i] = tabulated.pressed(data, at, scale[i], z)
         else:
             (
-                state.load[i], state.rate[i], state.square[i], state.widening[i],
-                state.lever[i], state.lever_rate[i], state.lever_bend[i],
+                s[LOAD, i], s[RATE, i], s[SQUARE, i], s[WIDENING, i],
+                s[LEVER, i], s[LEVER_RATE, i], s[LEVER_BEND, i],
             ) = tabulated.tilted(data, at, scale[i], z)  # fmt: skip
     return count
 
 
-@inlined
-def sharpen(law, state, count):
+@compiled
+def sharpen(law, s, closed, count):
     """Fill the quantities that depend on the curvature of the neighbours' field."""
     radius, which, scale, data = law
     if data.size == 0:
         far = 0
-        for i in range(state.z.size):
-            extra = 0.5 * radius[i] * state.curvature[i]
+        for i in range(s.shape[1]):
+            extra = 0.5 * radius[i] * s[CURVATURE, i]
             cube = 1.0 + extra
             y = 1.0 + extra * (1.0 / 3.0 + extra * (extra * (5.0 / 81.0) - 1.0 / 9.0))
             y3 = y * y * y
-            closed = state.z[i] > 0.0
-            state.bend[i] = y * (y3 + 2.0 * cube) / (2.0 * y3 + cube) if closed else 1.0
-            state.outside[i] = 1.0 if closed and not cube > tabulated.LEAST_CURVATURE else 0.0
-            far += 1 if closed and abs(extra) > NEAR_ONE else 0
+            touching = s[Z, i] > 0.0
+            s[BEND, i] = y * (y3 + 2.0 * cube) / (2.0 * y3 + cube) if touching else 1.0
+            s[OUTSIDE, i] = 1.0 if touching and not cube > tabulated.LEAST_CURVATURE else 0.0
+            far += 1 if touching and abs(extra) > NEAR_ONE else 0
         if far > 0:
             for k in range(count):
-                i = state.closed[k]
-                cube = 1.0 + 0.5 * radius[i] * state.curvature[i]
-                state.bend[i] = np.cbrt(max(cube, tabulated.LEAST_CURVATURE))
-        for i in range(state.z.size):
-            bend = state.bend[i]
-            state.indentation[i] = state.z[i] * bend
-            state.square[i] /= bend * bend
-            state.moment[i] = 0.1 * state.load[i] * state.square[i]
+                i = closed[k]
+                cube = 1.0 + 0.5 * radius[i] * s[CURVATURE, i]
+                s[BEND, i] = np.cbrt(max(cube, tabulated.LEAST_CURVATURE))
+        for i in range(s.shape[1]):
+            bend = s[BEND, i]
+            s[INDENTATION, i] = s[Z, i] * bend
+            s[SQUARE, i] /= bend * bend
+            s[MOMENT, i] = 0.1 * s[LOAD, i] * s[SQUARE, i]
         return
     for k in range(count):
-        i = state.closed[k]
+        i = closed[k]
         wide, depth, bend, widening, moment, inside = tabulated.bent(
-            data, which[i], scale[i], state.load[i], state.square[i], state.widening[i],
-            0.5 * state.curvature[i],
+            data, which[i], scale[i], s[LOAD, i], s[SQUARE, i], s[WIDENING, i],
+            0.5 * s[CURVATURE, i],
         )  # fmt: skip
-        state.square[i], state.indentation[i], state.bend[i] = wide, depth, bend
-        state.widening[i], state.moment[i] = widening, moment
+        s[SQUARE, i], s[INDENTATION, i], s[BEND, i] = wide, depth, bend
+        s[WIDENING, i], s[MOMENT, i] = widening, moment
         if not inside:
-            state.outside[i] = 1.0
+            s[OUTSIDE, i] = 1.0
 
 
 @compiled
-def spread(order, law, state):
+def spread(order, law, s):
     """Fill the areas of the contacts and their derivatives; only results and sensitivities need them."""
     radius, which, scale, data = law
     plain = data.size == 0
-    for i in range(state.z.size):
-        square = state.square[i]
-        state.footprint[i] = state.by_load[i] = state.by_curvature[i] = state.by_slope[i] = 0.0
+    for i in range(s.shape[1]):
+        square = s[SQUARE, i]
+        s[FOOTPRINT, i] = s[BY_LOAD, i] = s[BY_CURVATURE, i] = s[BY_SLOPE, i] = 0.0
         if not square > 0.0:
             continue
-        state.footprint[i] = square
+        s[FOOTPRINT, i] = square
         # for Hertz's law da^2/dp = R/(2 sqrt(R z) b^2), with b = dd/dz
-        wider = radius[i] / (state.rate[i] * state.bend[i] * state.bend[i]) if plain else state.widening[i]
+        wider = radius[i] / (s[RATE, i] * s[BEND, i] * s[BEND, i]) if plain else s[WIDENING, i]
         if order > 1 and not plain:
-            slope = state.slope_x[i] * state.slope_x[i] + state.slope_y[i] * state.slope_y[i]
+            slope = s[SLOPE_X, i] * s[SLOPE_X, i] + s[SLOPE_Y, i] * s[SLOPE_Y, i]
             (
-                state.footprint[i], state.by_load[i], state.by_curvature[i], state.by_slope[i]
+                s[FOOTPRINT, i], s[BY_LOAD, i], s[BY_CURVATURE, i], s[BY_SLOPE, i]
             ) = tabulated.on_slope(data, which[i], scale[i], square, wider, slope)  # fmt: skip
             continue
-        state.by_load[i] = wider
+        s[BY_LOAD, i] = wider
         if order > 1:
-            state.by_curvature[i] = -4.0 / 3.0 * square * math.sqrt(square) * wider
+            s[BY_CURVATURE, i] = -4.0 / 3.0 * square * math.sqrt(square) * wider
 
 
-@inlined
-def respond(field, order, law, self_term, state):
+@compiled
+def respond(field, order, law, self_term, s, closed):
     """Fill all quantities of a state from its nominal indentations z; return the number of contacts."""
-    load, closed, u = state.load, state.closed, state.displacement
+    load, u = s[LOAD], s[DISPLACEMENT]
     n = load.size
-    count = press(law, order, state)
-    for i in range(state.field.size):
-        state.field[i] = 0.0
+    fields = s[DISPLACEMENT : SLOPE_Y + 1].reshape(4 * n)
+    count = press(law, order, s, closed)
+    for i in range(4 * n):
+        fields[i] = 0.0
     if order == 1:
         add_rows(field.displaced, closed, count, load, u)
         for i in range(n):
             u[i] += self_term[i] * load[i]
         return count
-    add_rows(field.displaced, closed, count, load, state.field)
-    gx, gy = state.slope_x, state.slope_y
+    add_rows(field.displaced, closed, count, load, fields)
+    gx, gy = s[SLOPE_X], s[SLOPE_Y]
     for i in range(n):
-        u[i] += self_term[i] * load[i] - 0.5 * state.lever_rate[i] * (gx[i] * gx[i] + gy[i] * gy[i])
-    sharpen(law, state, count)
+        u[i] += self_term[i] * load[i] - 0.5 * s[LEVER_RATE, i] * (gx[i] * gx[i] + gy[i] * gy[i])
+    sharpen(law, s, closed, count)
     for i in range(n):
-        state.size[i] = state.moment[i]
-        state.turn_x[i] = state.lever[i] * gx[i]
-        state.turn_y[i] = state.lever[i] * gy[i]
-    add_moments(field.source, closed, count, state.size, state.turn_x, state.turn_y, u)
+        s[SIZE, i] = s[MOMENT, i]
+        s[TURN_X, i] = s[LEVER, i] * gx[i]
+        s[TURN_Y, i] = s[LEVER, i] * gy[i]
+    add_moments(field.source, closed, count, s[SIZE], s[TURN_X], s[TURN_Y], u)
     return count
 
 
-@inlined
-def assemble(field, state, count, matrix):
+@compiled
+def assemble(field, s, closed, count, matrix):
     """Fill the rows of dF/dp of the contacts, without the diagonal terms of the law and of `self_term`.
 
     Terms quadratic in the order-3 corrections are omitted here; the residual includes them.
     """
-    n = state.z.size
-    third, tilt_x, tilt_y = state.size, state.turn_x, state.turn_y
+    n = s.shape[1]
+    third, tilt_x, tilt_y = s[SIZE], s[TURN_X], s[TURN_Y]
     for i in range(n):
-        third[i] = state.square[i] / 6.0
-        tilt_x[i] = state.lever_rate[i] * state.slope_x[i]
-        tilt_y[i] = state.lever_rate[i] * state.slope_y[i]
+        third[i] = s[SQUARE, i] / 6.0
+        tilt_x[i] = s[LEVER_RATE, i] * s[SLOPE_X, i]
+        tilt_y[i] = s[LEVER_RATE, i] * s[SLOPE_Y, i]
     for k in range(count):
-        j = state.closed[k]
+        j = closed[k]
         bend, x, y = third[j], tilt_x[j], tilt_y[j]
         row, own, other = matrix[j], field.source[j], field.displaced[j]
         for i in range(n):
@@ -311,77 +311,77 @@ def assemble(field, state, count, matrix):
             )
 
 
-@inlined
-def linearise(field, order, self_term, state, count, y, image):
+@compiled
+def linearise(field, order, self_term, s, closed, count, y, image):
     """Return y.(d2W/dp2) y with all terms for changes y of the loads; y is zero for open asperities.
 
-    For the contacts, fill (d2W/dp2) y without the fields of the changes of the moments, which `state` then
-    has.
+    For the contacts, fill (d2W/dp2) y without the fields of the changes of the moments, which the block
+    then has.
     """
     n = y.size
-    changes = state.changes[: n if order == 1 else 4 * n]
+    changes = s[CHANGE:SIZE].reshape(4 * n)[: n if order == 1 else 4 * n]
     for i in range(changes.size):
         changes[i] = 0.0
-    add_rows(field.displaced, state.closed, count, y, changes)
+    add_rows(field.displaced, closed, count, y, changes)
     total = 0.0
     for k in range(count):
-        i = state.closed[k]
-        own = changes[i] + (state.bend[i] / state.rate[i] + self_term[i]) * y[i]
+        i = closed[k]
+        own = changes[i] + (s[BEND, i] / s[RATE, i] + self_term[i]) * y[i]
         if order > 1:
             lap, gx, gy = changes[n + i], changes[2 * n + i], changes[3 * n + i]
-            x, square = state.slope_x[i], state.square[i]
-            third, tilt = square / 6.0, state.lever_rate[i]
+            x, square = s[SLOPE_X, i], s[SQUARE, i]
+            third, tilt = square / 6.0, s[LEVER_RATE, i]
             # dd/dk = a^2/3 and dM/dk = -16/45 a^5 at fixed load, for every elastic law
-            state.size[i] = third * y[i] - 2.0 / 45.0 * square * square * math.sqrt(square) * lap
-            state.turn_x[i] = tilt * y[i] * x + state.lever[i] * gx
-            state.turn_y[i] = tilt * y[i] * state.slope_y[i] + state.lever[i] * gy
-            steep = x * x + state.slope_y[i] * state.slope_y[i]
-            own += third * lap - tilt * (x * gx + state.slope_y[i] * gy)
-            own -= 0.5 * state.lever_bend[i] * steep * y[i]
-            total += lap * state.size[i] - (gx * state.turn_x[i] + gy * state.turn_y[i])
+            s[SIZE, i] = third * y[i] - 2.0 / 45.0 * square * square * math.sqrt(square) * lap
+            s[TURN_X, i] = tilt * y[i] * x + s[LEVER, i] * gx
+            s[TURN_Y, i] = tilt * y[i] * s[SLOPE_Y, i] + s[LEVER, i] * gy
+            steep = x * x + s[SLOPE_Y, i] * s[SLOPE_Y, i]
+            own += third * lap - tilt * (x * gx + s[SLOPE_Y, i] * gy)
+            own -= 0.5 * s[LEVER_BEND, i] * steep * y[i]
+            total += lap * s[SIZE, i] - (gx * s[TURN_X, i] + gy * s[TURN_Y, i])
         image[i] = own
         total += y[i] * own
     return total
 
 
-@inlined
-def energy(order, law, gap, approach, state, count):
+@compiled
+def energy(order, law, gap, approach, s, closed, count):
     """Return the complementary energy W [mm^3] of a state."""
     total = 0.0
     plain = law.data.size == 0
     for k in range(count):
-        i = state.closed[k]
-        p, extra = state.load[i], 0.5 * state.curvature[i] if order > 1 else 0.0
+        i = closed[k]
+        p, extra = s[LOAD, i], 0.5 * s[CURVATURE, i] if order > 1 else 0.0
         if plain:
-            total += 0.6 * p * state.indentation[i]
+            total += 0.6 * p * s[INDENTATION, i]
         else:
             total += tabulated.complementary(
-                law.data, law.which[i], law.scale[i], order, state.z[i], state.square[i], extra
+                law.data, law.which[i], law.scale[i], order, s[Z, i], s[SQUARE, i], extra
             )
-        total += p * (0.5 * state.displacement[i] - (approach - gap[i]))
+        total += p * (0.5 * s[DISPLACEMENT, i] - (approach - gap[i]))
         if order > 1:
-            slope = state.slope_x[i] ** 2 + state.slope_y[i] ** 2
-            total += 0.25 * p * state.lever_rate[i] * slope - extra * state.moment[i]
+            slope = s[SLOPE_X, i] ** 2 + s[SLOPE_Y, i] ** 2
+            total += 0.25 * p * s[LEVER_RATE, i] * slope - extra * s[MOMENT, i]
     return total
 
 
-@inlined
-def measure(gap, approach, target, state, count):
+@compiled
+def measure(gap, approach, target, s, count):
     """Return the residual of the equations [-] and the load [mm^2].
 
     The residual is the largest |d + u - e| of a contact, or the largest overlap of an open asperity with the
     plane, divided by the largest d. If `target` is positive, the residual is at least the relative error of
     the load.
     """
-    errors = state.size
+    errors = s[SIZE]
     for i in range(gap.size):
-        error = state.indentation[i] + state.displacement[i] - (approach - gap[i])
-        closed = state.z[i] > 0.0
-        errors[i] = abs(error) if closed else max(state.z[i] - error, 0.0)
-        errors[i] += math.inf if closed and state.outside[i] > 0.0 else 0.0
-    worst, load = largest(errors), total_of(state.load)
+        error = s[INDENTATION, i] + s[DISPLACEMENT, i] - (approach - gap[i])
+        touching = s[Z, i] > 0.0
+        errors[i] = abs(error) if touching else max(s[Z, i] - error, 0.0)
+        errors[i] += math.inf if touching and s[OUTSIDE, i] > 0.0 else 0.0
+    worst, load = largest(errors), total_of(s[LOAD])
     nothing = 1.0 if worst > 0.0 else 0.0  # no contact, but open summits overlap the plane
-    residual = nothing if count == 0 else worst / largest(state.indentation)
+    residual = nothing if count == 0 else worst / largest(s[INDENTATION])
     if target > 0.0:
         residual = max(residual, abs(load - target) / target)
     return (residual if math.isfinite(total_of(errors)) else math.inf), load

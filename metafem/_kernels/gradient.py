@@ -16,8 +16,23 @@ import math
 import numpy as np
 
 from metafem._kernels.compiled import compiled
-from metafem._kernels.equations import ROWS, add_moments, copy, linearise, respond, spread, state_in
-from metafem._kernels.newton import INNER, refresh, scratch_in, solve
+from metafem._kernels.equations import (
+    BY_CURVATURE,
+    BY_LOAD,
+    BY_SLOPE,
+    SIZE,
+    SLOPE_X,
+    SLOPE_Y,
+    TURN_X,
+    TURN_Y,
+    Z,
+    add_moments,
+    copy,
+    linearise,
+    respond,
+    spread,
+)
+from metafem._kernels.newton import IMAGE, INNER, RHS, STEP_LOADS, refresh, solve
 from metafem._kernels.vectors import largest
 
 # Largest change of the gradient by the last correction, relative to the gradient, and maximum number of
@@ -27,50 +42,47 @@ MAX_CORRECTIONS = 30
 
 
 @compiled
-def area_gradients(field, order, law, self_term, indentation, work, gradient):
+def area_gradients(field, order, law, self_term, indentation, s, closed, matrix, gradient):
     """Fill dA0/dh (k, n) for equilibria with nominal indentations (k, n); nan if one is not a stable one."""
     n = indentation.shape[1]
-    state, scratch = state_in(work.block, work.closed), scratch_in(work.block[ROWS:], work.matrix)
     by_load, size = np.empty(n), np.empty(n)
     for row in range(indentation.shape[0]):
         found = gradient[row]
-        copy(indentation[row], state.z)
-        count = respond(field, order, law, self_term, state)
-        spread(order, law, state)
+        copy(indentation[row], s[Z])
+        count = respond(field, order, law, self_term, s, closed)
+        spread(order, law, s)
         for i in range(n):
             found[i] = 0.0
-            by_load[i] = math.pi * state.by_load[i]
+            by_load[i] = math.pi * s[BY_LOAD, i]
         if count == 0:
             continue
         if order > 1:
             for i in range(n):
-                state.size[i] = 0.5 * math.pi * state.by_curvature[i]
-                state.turn_x[i] = -2.0 * math.pi * state.by_slope[i] * state.slope_x[i]
-                state.turn_y[i] = -2.0 * math.pi * state.by_slope[i] * state.slope_y[i]
-            add_moments(field.source, state.closed, count, state.size, state.turn_x, state.turn_y, by_load)
-        matrix = refresh(field, order, self_term, state, count, scratch, True)
+                s[SIZE, i] = 0.5 * math.pi * s[BY_CURVATURE, i]
+                s[TURN_X, i] = -2.0 * math.pi * s[BY_SLOPE, i] * s[SLOPE_X, i]
+                s[TURN_Y, i] = -2.0 * math.pi * s[BY_SLOPE, i] * s[SLOPE_Y, i]
+            add_moments(field.source, closed, count, s[SIZE], s[TURN_X], s[TURN_Y], by_load)
+        used = refresh(field, order, self_term, s, closed, count, matrix, True)
         done = False
         for _ in range(MAX_CORRECTIONS):
             for i in range(n):
-                scratch.image[i] = 0.0
-            linearise(field, order, self_term, state, count, found, scratch.image)
+                s[IMAGE, i] = 0.0
+            linearise(field, order, self_term, s, closed, count, found, s[IMAGE])
             if order > 1:
-                add_moments(
-                    field.source, state.closed, count, state.size, state.turn_x, state.turn_y, scratch.image
-                )
+                add_moments(field.source, closed, count, s[SIZE], s[TURN_X], s[TURN_Y], s[IMAGE])
             mean = 0.0
             for i in range(n):
-                scratch.rhs[i] = by_load[i] - scratch.image[i] if state.z[i] > 0.0 else 0.0
-                mean += scratch.rhs[i] / count
+                s[RHS, i] = by_load[i] - s[IMAGE, i] if s[Z, i] > 0.0 else 0.0
+                mean += s[RHS, i] / count
             for i in range(n):  # without the mean, a part of x, which would cost digits
-                scratch.rhs[i] -= mean if state.z[i] > 0.0 else 0.0
-                size[i] = abs(scratch.rhs[i])
-            _, good = solve(matrix, state.closed, count, 0.0, True, INNER * largest(size), False, scratch)
+                s[RHS, i] -= mean if s[Z, i] > 0.0 else 0.0
+                size[i] = abs(s[RHS, i])
+            _, good = solve(used, s, closed, count, 0.0, True, INNER * largest(size), False)
             if not good:
                 break
             for i in range(n):
-                found[i] += scratch.loads[i]
-                size[i] = abs(scratch.loads[i])
+                found[i] += s[STEP_LOADS, i]
+                size[i] = abs(s[STEP_LOADS, i])
             change = largest(size)
             for i in range(n):
                 size[i] = abs(found[i])

@@ -10,12 +10,25 @@ approach.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
-
-import numpy as np
 
 from metafem._kernels.compiled import compiled, inlined
-from metafem._kernels.equations import add_rows, assemble, copy, energy, measure, respond
+from metafem._kernels.equations import (
+    BEND,
+    DISPLACEMENT,
+    INDENTATION,
+    LEVER_BEND,
+    RATE,
+    SCRATCH,
+    SLOPE_X,
+    SLOPE_Y,
+    Z,
+    add_rows,
+    assemble,
+    copy,
+    energy,
+    measure,
+    respond,
+)
 from metafem._kernels.vectors import dot, largest, total_of
 
 # Largest residual of a solution at which a state is returned, and at the other points of a curve: one step
@@ -50,46 +63,28 @@ ARMIJO = 1e-4
 MAX_BRACKET = 100
 
 
-class Scratch(NamedTuple):
-    """Scratch arrays of one thread, (n,) unless stated."""
-
-    matrix: np.ndarray  # (n, n); empty for order 1
-    ready: np.ndarray  # 1 if a row of the matrix is filled, else 0
-    loads: np.ndarray  # step of the loads
-    step: np.ndarray  # step of z
-    rhs: np.ndarray
-    diagonal: np.ndarray
-    start: np.ndarray  # z before the step
-    safe: np.ndarray  # z before a search
-    rest: np.ndarray  # residual of the linear system, of open asperities too
-    inverse: np.ndarray  # preconditioner, 0 for open asperities
-    ahead: np.ndarray  # search direction
-    image: np.ndarray  # of the search direction
-
-
-@inlined
-def scratch_in(block, matrix):
-    """Return the scratch arrays in the first rows of a block (rows, n)."""
-    return Scratch(
-        matrix, block[0], block[1], block[2], block[3], block[4], block[5], block[6], block[7], block[8],
-        block[9], block[10],
-    )  # fmt: skip
+# Rows of the block for the solver: whether a row of the matrix is filled, the steps of loads and z, the
+# right-hand side and the diagonal of A, z before a step and before a search, the residual of the linear
+# system, the preconditioner (0 for open asperities), the search direction and its image.
+READY, STEP_LOADS, STEP, RHS, DIAGONAL, START_Z, SAFE, REST, INVERSE, AHEAD, IMAGE, KEPT = range(
+    SCRATCH, SCRATCH + 12
+)
 
 
 @compiled
-def solve(matrix, closed, count, total, free, leave, warm, scratch):
-    """Fill y = scratch.loads, the changes of the loads; return the change of the approach, and success.
+def solve(matrix, s, closed, count, total, free, leave, warm):
+    """Fill y = s[STEP_LOADS], the changes of the loads; return the change of the approach, and success.
 
-    matrix: rows of A for the contacts, without `scratch.diagonal`; A must be positive. free: whether the sum
+    matrix: rows of A for the contacts, without `s[DIAGONAL]`; A must be positive. free: whether the sum
     of y is `total`; otherwise the approach does not change. warm: whether y is a guess with this sum.
-    Afterwards ``scratch.rest = scratch.rhs - A y`` for all asperities; with the change of the approach, its
+    Afterwards ``s[REST] = s[RHS] - A y`` for all asperities; with the change of the approach, its
     mean square over the contacts, weighted by the preconditioner, is within that of `leave`.
     """
-    rest, inverse, ahead, image = scratch.rest, scratch.inverse, scratch.ahead, scratch.image
-    diagonal, y, n = scratch.diagonal, scratch.loads, scratch.loads.size
+    rest, inverse, ahead, image = s[REST], s[INVERSE], s[AHEAD], s[IMAGE]
+    diagonal, y, n = s[DIAGONAL], s[STEP_LOADS], s[STEP_LOADS].size
     for i in range(n):
         image[i] = ahead[i] = 0.0
-        rest[i] = scratch.rhs[i]
+        rest[i] = s[RHS, i]
     least = math.inf
     for k in range(count):
         i = closed[k]
@@ -140,39 +135,39 @@ def apply(matrix, diagonal, closed, count, y, image):
     add_rows(matrix, closed, count, y, image)
 
 
-@inlined
-def refresh(field, order, self_term, state, count, scratch, always):
+@compiled
+def refresh(field, order, self_term, s, closed, count, matrix, always):
     """Fill the diagonal, and the matrix if it is always needed or a row is missing; return the matrix."""
     for i in range(self_term.size):
-        own = self_term[i] + state.bend[i] / state.rate[i]
-        scratch.diagonal[i] = own if state.z[i] > 0.0 else 0.0
+        own = self_term[i] + s[BEND, i] / s[RATE, i]
+        s[DIAGONAL, i] = own if s[Z, i] > 0.0 else 0.0
     if order == 1:
         return field.source
     for i in range(self_term.size):
-        slope = state.slope_x[i] * state.slope_x[i] + state.slope_y[i] * state.slope_y[i]
-        scratch.diagonal[i] -= 0.5 * state.lever_bend[i] * slope if state.z[i] > 0.0 else 0.0
+        slope = s[SLOPE_X, i] * s[SLOPE_X, i] + s[SLOPE_Y, i] * s[SLOPE_Y, i]
+        s[DIAGONAL, i] -= 0.5 * s[LEVER_BEND, i] * slope if s[Z, i] > 0.0 else 0.0
     missing = 0
     for k in range(count):
-        missing += 1 if scratch.ready[state.closed[k]] == 0.0 else 0
+        missing += 1 if s[READY, closed[k]] == 0.0 else 0
     if always or missing > 0:
-        assemble(field, state, count, scratch.matrix)
+        assemble(field, s, closed, count, matrix)
         for i in range(self_term.size):
-            scratch.ready[i] = 1.0 if state.z[i] > 0.0 else 0.0
-    return scratch.matrix
+            s[READY, i] = 1.0 if s[Z, i] > 0.0 else 0.0
+    return matrix
 
 
 @inlined
-def rates(state, shift, scratch, out):
+def rates(s, shift, out):
     """Fill the change of z of all asperities (n,) that belongs to the last solution of the linear system."""
     for i in range(out.size):
-        change = scratch.rest[i] + shift
-        bent = (change + state.bend[i] / state.rate[i] * scratch.loads[i]) / state.bend[i]
-        out[i] = bent if state.z[i] > 0.0 else change
+        change = s[REST, i] + shift
+        bent = (change + s[BEND, i] / s[RATE, i] * s[STEP_LOADS, i]) / s[BEND, i]
+        out[i] = bent if s[Z, i] > 0.0 else change
 
 
-@inlined
-def newton(field, order, law, self_term, gap, approach, target, tolerance, state, scratch):
-    """Solve for an equilibrium at the approach or, if `target` > 0, at this load, starting from state.z.
+@compiled
+def newton(field, order, law, self_term, gap, approach, target, tolerance, s, closed, matrix):
+    """Solve for an equilibrium at the approach or, if `target` > 0, at this load, starting from s[Z].
 
     A step is halved until the energy or the residual decreases enough; at a fixed load only the residual is
     used, because intermediate points do not have this load. Return the approach, the number of contacts, the
@@ -185,9 +180,9 @@ def newton(field, order, law, self_term, gap, approach, target, tolerance, state
     steps = cuts = 0
     always = lifted = False
     while True:
-        count = respond(field, order, law, self_term, state)
-        new, load = measure(gap, x, target, state, count)
-        now = 0.0 if free else energy(order, law, gap, x, state, count)
+        count = respond(field, order, law, self_term, s, closed)
+        new, load = measure(gap, x, target, s, count)
+        now = 0.0 if free else energy(order, law, gap, x, s, closed, count)
         stalled = False
         if length > 0.0:
             falls = not free and now < before and now <= before + ARMIJO * length * slope
@@ -195,7 +190,7 @@ def newton(field, order, law, self_term, gap, approach, target, tolerance, state
                 cuts += 1
                 length *= 0.5
                 for i in range(gap.size):
-                    state.z[i] = scratch.start[i] + length * scratch.step[i]
+                    s[Z, i] = s[START_Z, i] + length * s[STEP, i]
                 x = origin + length * shift
                 continue
             # the matrix is reused while each full step gains two digits
@@ -207,35 +202,35 @@ def newton(field, order, law, self_term, gap, approach, target, tolerance, state
         if count == 0:  # no contact to linearise: close all asperities that overlap the plane
             lifted, length = True, 0.0
             for i in range(gap.size):
-                state.z[i] = x - gap[i]
+                s[Z, i] = x - gap[i]
             continue
         steps += 1
-        matrix = refresh(field, order, self_term, state, count, scratch, always)
+        used = refresh(field, order, self_term, s, closed, count, matrix, always)
         for i in range(gap.size):
-            scratch.rhs[i] = (x - gap[i]) - state.indentation[i] - state.displacement[i]
-        leave = largest(state.indentation) * max(INNER * min(residual, 1.0), 0.3 * goal)
-        shift, good = solve(matrix, state.closed, count, target - load, free, leave, False, scratch)
+            s[RHS, i] = (x - gap[i]) - s[INDENTATION, i] - s[DISPLACEMENT, i]
+        leave = largest(s[INDENTATION]) * max(INNER * min(residual, 1.0), 0.3 * goal)
+        shift, good = solve(used, s, closed, count, target - load, free, leave, False)
         if order == 1 and not (good or free):  # a non-convex energy of order 3 has no minimum
-            shift, good = downhill(self_term, matrix, state, count, leave, scratch)
+            shift, good = downhill(self_term, used, s, closed, count, leave)
         if not good:
             residual = max(residual, 1.0)
             break
-        rates(state, shift, scratch, scratch.step)
-        slope = -dot(scratch.rhs, scratch.loads)
+        rates(s, shift, s[STEP])
+        slope = -dot(s[RHS], s[STEP_LOADS])
         before, origin, length, cuts, lifted = now, x, 1.0, 0, False
         x += shift
         for i in range(gap.size):
-            scratch.start[i] = state.z[i]
-            state.z[i] += scratch.step[i]
+            s[START_Z, i] = s[Z, i]
+            s[Z, i] += s[STEP, i]
     for i in range(gap.size):  # set z of open asperities to minus their gap, as predictions need
-        if state.z[i] <= 0.0:
-            state.z[i] = min(x - gap[i] - state.displacement[i], 0.0)
-            state.indentation[i] = state.z[i]
+        if s[Z, i] <= 0.0:
+            s[Z, i] = min(x - gap[i] - s[DISPLACEMENT, i], 0.0)
+            s[INDENTATION, i] = s[Z, i]
     return x, count, load, residual, steps
 
 
 @inlined
-def downhill(self_term, matrix, state, count, leave, scratch):
+def downhill(self_term, matrix, s, closed, count, leave):
     """Solve for a step at fixed approach, with softer contacts that make the matrix positive definite.
 
     Return the change of the approach, 0, and whether the step was found.
@@ -243,24 +238,24 @@ def downhill(self_term, matrix, state, count, leave, scratch):
     raised = 1.0
     shift, good = 0.0, False
     for k in range(count):
-        if scratch.diagonal[state.closed[k]] <= 0.0:  # possible on a thin layer: no minimum exists
+        if s[DIAGONAL, closed[k]] <= 0.0:  # possible on a thin layer: no minimum exists
             return shift, good
     for _ in range(MOST_SOFTENINGS):
         raised *= SOFTER
         for k in range(count):
-            i = state.closed[k]
-            scratch.diagonal[i] = self_term[i] + SOFTER * (scratch.diagonal[i] - self_term[i])
-        shift, good = solve(matrix, state.closed, count, 0.0, False, leave, False, scratch)
+            i = closed[k]
+            s[DIAGONAL, i] = self_term[i] + SOFTER * (s[DIAGONAL, i] - self_term[i])
+        shift, good = solve(matrix, s, closed, count, 0.0, False, leave, False)
         if good:
             break
     for k in range(count):
-        i = state.closed[k]
-        scratch.diagonal[i] = self_term[i] + (scratch.diagonal[i] - self_term[i]) / raised
+        i = closed[k]
+        s[DIAGONAL, i] = self_term[i] + (s[DIAGONAL, i] - self_term[i]) / raised
     return shift, good
 
 
-@inlined
-def settle(field, order, law, self_term, gap, approach, target, tolerance, rough, state, scratch):
+@compiled
+def settle(field, order, law, self_term, gap, approach, target, tolerance, rough, s, closed, matrix):
     """Solve by Newton's method at the load `target` or, if this is 0, at the approach.
 
     If `rough`, the first steps are those of order 1, which are cheaper. If Newton's method does not converge
@@ -268,37 +263,37 @@ def settle(field, order, law, self_term, gap, approach, target, tolerance, rough
     approach and the energy at fixed approach is convex. Bisection continues until Newton's method converges
     at the load. Return the same values as `newton`.
     """
-    copy(state.z, scratch.safe)
+    copy(s[Z], s[SAFE])
     low, high = 0.0, math.inf
     x = following = approach
     goal = target
     steps = 0
     first = rough and order > 1
     for _ in range(2 * MAX_BRACKET + 2):
+        stage, limit = (1, START) if first else (order, tolerance)
         end, count, load, residual, more = newton(
-            field, 1 if first else order, law, self_term, gap, x, goal, START if first else tolerance, state,
-            scratch,
-        )  # fmt: skip
+            field, stage, law, self_term, gap, x, goal, limit, s, closed, matrix
+        )
         steps += more
         if first:
             first = False
             if residual <= START:
                 x = following = end
-                copy(state.z, scratch.safe)
+                copy(s[Z], s[SAFE])
             else:
-                copy(scratch.safe, state.z)
+                copy(s[SAFE], s[Z])
             continue
         if target == 0.0 or (goal > 0.0) == (residual <= tolerance):
             break  # converged at the load, or failed at the approach
         if goal > 0.0:
-            copy(scratch.safe, state.z)
+            copy(s[SAFE], s[Z])
             x, goal = following, 0.0
         else:
             if load < target:
                 low = x
             else:
                 high = x
-            copy(state.z, scratch.safe)
+            copy(s[Z], s[SAFE])
             following = 2.0 * max(low, x) if high == math.inf else 0.5 * (low + high)
             goal = target
     return end, count, load, residual, steps

@@ -124,10 +124,8 @@ class Radial(ABC):
             If a distance is not positive and finite.
         """
         r = np.asarray(distance, dtype=np.float64)
-        refuse_if(
-            not ((r > 0.0) & (r < math.inf)).all(),
-            f"distance = {distance!r:.80} must be finite and greater than 0",
-        )
+        if not ((r > 0.0) & (r < math.inf)).all():
+            raise InvalidInput(f"distance = {distance!r:.80} must be finite and greater than 0")
         value, first, second = self.regular_derivatives(r)
         point = 1.0 / (math.pi * r)
         if not derivatives:

@@ -40,14 +40,9 @@ TOLERANCE = ON_CURVE
 
 # Largest numbers of asperities that are solved with dense matrices over all pairs. The first number applies
 # to lattices with order 3, the second to all other scenes. Times per load of a curve of order 3 on a layer,
-# with dense matrices and with FFTs on the lattice: .9 and 3 ms for 400 asperities, 4.1 and 4 ms for 625, 10
-# and 5 ms for 900. For 2000 asperities the matrices of order 3 need 0.5 GB.
+# with dense matrices and with FFTs on the lattice: .3 and 3 ms for 400 asperities, 4 and 4 ms for 625, 10 and
+# 5 ms for 900. For 2000 asperities the matrices of order 3 need 0.3 GB.
 LATTICE_LIMIT, DENSE_LIMIT = 400, 2000
-
-# FFTs on a lattice with few asperities take as long as dense matrices if it has 1/PAIRS_PER_SITE sites for
-# each pair of asperities: on 100 x 100 sites, 8.4 ms with dense matrices of 900 asperities, 27 ms with those
-# of 1400, and 15 ms with FFTs.
-PAIRS_PER_SITE = 150
 
 # Number of pairs of asperities, times loads, below which a second thread saves no time: about a millisecond.
 PAIRS_PER_THREAD = 200_000
@@ -86,11 +81,10 @@ class ElasticCoupling(Coupled):
             return None
         if count > DENSE_LIMIT:
             return substrate
-        if self.surface.cell is not None:
-            return None if find_grid(self.surface.position, self.surface.cell) is None else substrate
-        lattice = None if self.order == 1 else find_lattice(self.surface.position)
-        fast = lattice is not None and PAIRS_PER_SITE * math.prod(lattice.shape) <= count**2
-        return substrate if fast else None
+        position, cell = self.surface.position, self.surface.cell
+        if cell is not None:
+            return substrate if find_grid(position, cell) else None
+        return substrate if self.order == 3 and find_lattice(position) else None
 
     def path(self, values: FloatArray, by_load: bool, unloading: bool) -> Curve:
         """Return equilibria at increasing loads or approaches (k,)."""
@@ -182,14 +176,14 @@ class ElasticCoupling(Coupled):
         states = {}
 
         def run(rows: slice, loads: slice) -> None:
-            work = kernel.empty_work(surface.count, self.order)
+            state = State(surface.count)
             part = np.zeros_like(found[:, rows, loads], order="C")  # a view would compile the kernel again
             kernel.curves(
                 coupling, self.order, rows_of(law, rows), self_term[rows], gap[rows], control[loads], by_load,
-                part, work, indentation[loads],
+                part, state.block, state.closed, self._matrix(), indentation[loads],
             )  # fmt: skip
             found[:, rows, loads] = part
-            states[rows.stop, loads.stop] = kernel.state_of(work)
+            states[rows.stop, loads.stop] = state
 
         whole, pairs = (len(gap), len(control)), gap.size * surface.count * len(control)
         if len(gap) == 1:
@@ -204,13 +198,20 @@ class ElasticCoupling(Coupled):
             system = coupling, self.order, rows_of(law, -1), self_term[-1]
 
             def run(part: slice) -> None:
-                work = kernel.empty_work(surface.count, self.order)
-                area_gradients(*system, indentation[part], work, found[part])
+                state = State(surface.count)
+                area_gradients(
+                    *system, indentation[part], state.block, state.closed, self._matrix(), found[part]
+                )
 
             run_rows(run, len(found), len(found) * surface.count**2, PAIRS_PER_THREAD)
             return found
 
         return Solution(results, height[-1], states[whole], TOLERANCE, gradients)
+
+    def _matrix(self) -> FloatArray:
+        """Return the matrix of one thread for Newton's method; order 1 needs none."""
+        size = 0 if self.order == 1 else self.surface.count
+        return np.zeros((size, size))
 
     def _refuse_deep(self, law: Law, state: State) -> None:
         """Raise InvalidInput if an indentation exceeds the range of the law."""

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from metafem._kernels.contact.tabulated import Law
 from metafem._kernels.curve import REMEMBERED, Results, empty_memory, predict, remember, uniform_approach
-from metafem._kernels.equations import State, empty_state, press, sharpen, spread
+from metafem._kernels.equations import State, press, sharpen, spread
 from metafem._kernels.vectors import exact_sum
 from metafem._validate import FloatArray
 from metafem.errors import NotConverged
@@ -95,9 +95,9 @@ class ContactEquations:
 
     def respond(self, z: FloatArray, approach: float, target: float) -> Iterate:
         """Return the contacts at nominal indentations z (n,) [mm], with their residual."""
-        state = empty_state(len(z))
+        state = State(len(z))
         state.z[:] = z
-        count = press(self.law, self.order, state)
+        count = press(self.law, self.order, state.block, state.closed)
         load, u = state.load, state.displacement
         outside = False
         if self.order == 1:
@@ -105,7 +105,7 @@ class ContactEquations:
         else:
             curvature, x, y = self.sums.field(load)
             state.curvature[:], state.slope_x[:], state.slope_y[:] = curvature, x, y
-            sharpen(self.law, state, count)
+            sharpen(self.law, state.block, state.closed, count)
             outside = bool(state.outside.any())
             u[:] = self.sums.displacement(load, state.moment, -state.lever * x, -state.lever * y)
             u += self.self_term * load - 0.5 * state.lever_rate * (x**2 + y**2)
@@ -173,7 +173,7 @@ class ContactEquations:
         `metafem._kernels.gradient`.
         """
         found, none = at.state, np.zeros_like(self.gap)
-        spread(self.order, self.law, found)
+        spread(self.order, self.law, found.block)
         widened = found.by_load
         if self.order == 3:
             slopes = (2.0 * found.by_slope * slope for slope in (found.slope_x, found.slope_y))
@@ -245,12 +245,12 @@ class ContactEquations:
         indentation: (k, n) [mm]; filled with nominal indentations unless empty.
         """
         gap, law = self.gap, self.law
-        last = empty_state(len(gap))
+        last = State(len(gap))
         x, points, memory, share = 0.0, 0, empty_memory(len(gap)), np.zeros_like(gap)
         for j, value in enumerate(each("load", control.tolist())):
             results.approach[j] = 0.0 if by_load else value
             if value <= 0.0:
-                last = empty_state(len(gap))
+                last = State(len(gap))
                 last.z[:] = last.indentation[:] = min(float(results.approach[j]), 0.0) - gap
             else:
                 target, at = float(value) if by_load else 0.0, None
@@ -264,7 +264,7 @@ class ContactEquations:
                     at, new = self.newton(start - gap, start, target)
                 last, further, x = at.state, new > x, new
                 residual = max(at.residual, self.sums.error(last.load) / float(last.indentation.max()))
-                spread(self.order, law, last)
+                spread(self.order, law, last.block)
                 points = 0 if residual > TOLERANCE else min(REMEMBERED, points + 1) if further else 1
                 if points:
                     remember(memory, x, last.z)

@@ -246,10 +246,10 @@ def test_the_equations_over_sums_are_those_of_the_kernel(law):
     for order in (1, 3):
         surface, z = scene(), np.array([0.02, 0.03, -0.01, 0.025, 0.03, 0.015])
         field, self_term = coupling_between(surface, mf.BondedLayer().for_surface(surface), order)
-        table, state = tables(law, surface.radius), kernel.empty_state(6)
+        table, state = tables(law, surface.radius), kernel.State(6)
         state.z[:] = z
-        count = kernel.respond(field, order, table, self_term, state)
-        residual, load = kernel.measure(surface.gap, 0.06, 0.1, state, count)
+        count = kernel.respond(field, order, table, self_term, state.block, state.closed)
+        residual, load = kernel.measure(surface.gap, 0.06, 0.1, state.block, count)
         equations = ContactEquations(DenseSums(field), order, table, self_term, surface.gap, None)
         found = equations.respond(z, 0.06, 0.1)
         names = (
@@ -268,8 +268,9 @@ def test_the_equations_over_sums_are_those_of_the_kernel(law):
         change[closed] = np.random.default_rng(0).random(count)
         image = equations.jacobian(found, change, exact=True)
         product = np.zeros(6)
-        form = kernel.linearise(field, order, self_term, state, count, change, product)
+        form = kernel.linearise(field, order, self_term, state.block, state.closed, count, change, product)
         if order == 3:
-            kernel.add_moments(field.source, state.closed, count, *state[-4:-1], product)
+            moments = state.size, state.turn_x, state.turn_y
+            kernel.add_moments(field.source, state.closed, count, *moments, product)
         assert_allclose(image[closed], product[closed], rtol=1e-12)
         assert form == pytest.approx(change @ image, rel=1e-12)
