@@ -159,10 +159,9 @@ class Automatic(WithoutGradients):
         return f"order {model.order}", curve, errors, RADII
 
     def _resolved(self, surface: Surface, values: FloatArray, by_load: bool) -> Rung:
-        """Return resolved contacts, whose cells are chosen once for all loads."""
+        """Return resolved contacts, with the same cells at all loads."""
         control, substrate = _control(values, by_load), cast("Radial", self.substrate)
-        model = within(self.tolerance, surface, **control, substrate=substrate, contact=self.contact)
-        curve = model.curve(surface, **control)
+        model, curve = within(self.tolerance, surface, **control, substrate=substrate, contact=self.contact)
         errors = np.full(len(values), math.nan if curve.error is None else curve.error)
         return f"resolved contacts with cells of {model.cell:.3g} mm", curve, errors, "the number of cells"
 

@@ -121,7 +121,7 @@ class LoadEquation:
     def _refuse_beyond(self, approach: FloatArray, gap: FloatArray, table: Law) -> None:
         """Raise InvalidInput if contacts are deeper than the law describes."""
         most = deepest(table)
-        if table.data.size and (approach - gap > most).any():
+        if table.data.size and (approach > (gap + most) * (1.0 + TOLERANCE)).any():
             raise InvalidInput(
                 f"the contacts need an approach of {approach.max():.4g} mm, and {self.law!r} describes all "
                 f"contacts up to {(gap + most).min():.4g} mm; use lighter loads or a law with a larger range"

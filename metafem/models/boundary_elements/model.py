@@ -295,12 +295,13 @@ def within(
     approach: FloatArray | None = None,
     substrate: Radial,
     contact: Contact = PARABOLOID,
-) -> BoundaryElements:
+) -> tuple[BoundaryElements, Curve]:
     """Return the model whose stated error of A0 at these loads or approaches is within a tolerance.
 
-    The contacts are resolved by coarse cells and by half of them, at the first and at the last value. The
-    stated errors tell the side of the cells. With more than 500,000 in contact, which take about
-    ten seconds on two cores, the error remains above the tolerance, as the state says.
+    Its curve is also returned. The contacts are resolved by coarse cells and by half of them, at the first and
+    at the last value. The stated errors tell the side of the cells. It is chosen again if more contacts are
+    found deformed or merged by these cells. With more than 500,000 in contact, which take about ten seconds on
+    two cores, the error remains above the tolerance, as the state says.
     """
     values, by_load = controlled(load, approach)
     ends = values[values > 0.0][[0, -1]]
@@ -317,7 +318,13 @@ def within(
     # contacts may change their shape, which a tenth allows for
     cell = 0.9 * halved.cell * (tolerance / found) ** (1.0 / rate)
     least = math.sqrt(float(curves[1].area.max()) / 5e5)
-    return replace(coarse, cell=min(coarse.cell, max(cell, least)))
+    model = replace(coarse, cell=min(coarse.cell, max(cell, least)))
+    curve = model.curve(surface, load, approach=approach)
+    error = float(curve.error or 0.0)
+    if error > tolerance and model.cell > least:
+        model = replace(model, cell=max(0.9 * model.cell * (tolerance / error) ** (1.0 / rate), least))
+        curve = model.curve(surface, load, approach=approach)
+    return model, curve
 
 
 def _cell_error(solution: Solution, scene: Scene) -> ModelError:

@@ -142,8 +142,9 @@ MERGED = [
 @pytest.mark.parametrize(("place", "load", "area"), MERGED)
 def test_merged_contacts_are_within_the_tolerance(place, load, area):
     surface = mf.Surface(place, np.full(len(place), 0.1), 0.526, mf.Material(1.0))
-    state = mf.equilibrium(surface, mf.Automatic(1e-3), load=load)
+    state = mf.equilibrium(surface, mf.Automatic(3e-3), load=load)
     assert "order 3 has no solution" in state.notes[0].text
+    assert state.model_error <= 3e-3
     assert state.area == pytest.approx(area, rel=1e-3)
 
 

@@ -131,7 +131,9 @@ class Contract:
             if model in AUTOMATIC:
                 assert law.area[k] == pytest.approx(state.area, rel=2 * model.tolerance)
             else:
-                assert law.area[k] == pytest.approx(state.area, rel=rounding(model))
+                # all loads but the last are solved to 1e-8
+                rtol = rounding(model) if k == 8 else 1e-7
+                assert law.area[k] == pytest.approx(state.area, rel=rtol)
                 assert law.stiffness[k] == pytest.approx(state.stiffness, rel=1e-6)
 
     def test_areas_of_many_surfaces_are_those_of_their_curves(self, model):
@@ -144,7 +146,9 @@ class Contract:
             for row in range(2):
                 changed = {name: values[row] for name, values in varied.items()}
                 alone = surface.replaced(height=height[row], **changed)
-                assert_allclose(areas[row], model.curve(alone, load).area, rtol=1e-12)
+                expected = model.curve(alone, load).area
+                assert_allclose(areas[row], expected, rtol=1e-7)
+                assert_allclose(areas[row, -1], expected[-1], rtol=1e-12)
 
     def test_order_rotation_and_translation_change_nothing(self, model):
         """The grid of the cells moves with the surface; far away, the rounding of the moved input remains."""
@@ -209,7 +213,7 @@ class Contract:
         design = mf.design(point, template, model, mf.Limits(0.12))
         law = mf.friction_law(design.surface, model, load=1.36 * point.rescaled_load)
         misfit = abs(law.rescaled_friction[0] / point.rescaled_friction[0] - 1)
-        assert design.misfit == pytest.approx(misfit, abs=1e-11)
+        assert design.misfit == pytest.approx(misfit, abs=1e-7)
         assert misfit < 1e-9
         assert design.status is DesignStatus.EXACT
         if model.couples:  # the design does more than repeat that of independent asperities

@@ -35,18 +35,18 @@ def test_loads_and_areas_are_those_of_the_twin(law):
             heights = HEIGHT if law == mf.Hertz() else np.array([0.1, 0.101, 0.1, 0.102, 0.101, 0.1])
             surface = scene(height=heights, **block)
             model, twin = mf.Interacting(order, substrate, law), Twin(surface, law, order, substrate)
-            curve = model.curve(surface, LOADS)
-            assert curve.converged
-            for k, load in enumerate(LOADS):
+            for load in LOADS:  # one at a time, as only the last load of a curve is solved to 1e-12
+                curve = model.curve(surface, np.array([load]))
+                assert curve.converged
                 approach, p, area, residual = twin.solve(load=load)
                 assert residual <= 1e-12
                 # the offset of T is of the order of the moment of the flattest contact
                 rtol = 1e-10 if order == 1 or law != mf.Elastic(mf.Power(4)) else 1e-5
-                assert curve.approach[k] == pytest.approx(approach, rel=rtol)
-                assert curve.area[k] == pytest.approx(area.sum(), rel=rtol)
-            assert_allclose(curve.last.load, p, rtol=10 * rtol)
-            again = model.curve(surface, approach=curve.approach)
-            assert_allclose(again.load, LOADS, rtol=1e-11)
+                assert curve.approach[0] == pytest.approx(approach, rel=rtol)
+                assert curve.area[0] == pytest.approx(area.sum(), rel=rtol)
+                assert_allclose(curve.last.load, p, rtol=10 * rtol)
+                again = model.curve(surface, approach=curve.approach)
+                assert_allclose(again.load, load, rtol=1e-11)
 
 
 def test_a_power_of_two_is_hertz():
