@@ -298,10 +298,10 @@ def within(
 ) -> tuple[BoundaryElements, Curve]:
     """Return the model whose stated error of A0 at these loads or approaches is within a tolerance.
 
-    Its curve is also returned. The contacts are resolved by coarse cells and by half of them, at the first and
-    at the last value. The stated errors tell the side of the cells. It is chosen again if more contacts are
-    found deformed or merged by these cells. With more than 500,000 in contact, which take about ten seconds on
-    two cores, the error remains above the tolerance, as the state says.
+    Its curve is also returned. The contacts are resolved by coarse cells and by half of them, at the first
+    and at the last value. The stated errors tell the side of the cells. It is chosen again if more contacts
+    are found deformed or merged by these cells. With more than 500,000 in contact, which take about ten
+    seconds on two cores, the error remains above the tolerance, as the state says.
     """
     values, by_load = controlled(load, approach)
     ends = values[values > 0.0][[0, -1]]
