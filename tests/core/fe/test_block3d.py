@@ -11,13 +11,13 @@ from hypothesis import strategies as st
 from skfem.helpers import ddot, div, sym_grad
 
 import metafem as mf
+from metafem import reference
 from metafem.fe import Block3D
 from metafem.fe import block3d as module
 from metafem.fe.block3d import _solution
 from metafem.fe.influence import MOST_CELLS, graded_line, quarter_lines
 from metafem.fe.point_load import displacement, traction
 from metafem.fe.quarter import Quarter
-from metafem.reference import single_contacts
 
 BLOCK = mf.Block(20.0, 20.0, 7.2)
 
@@ -148,7 +148,7 @@ def test_derivatives_are_those_of_the_influence(coarse):
 
 def test_block_lies_between_layer_and_half_space(coarse):
     r = math.dist(SITES[0], SITES[1])
-    assert single_contacts.layer_influence(r, 7.2, 0.5) < coarse.matrix[0, 1] < 1.0 / (math.pi * r)
+    assert reference.layer_influence(r, 7.2, 0.5) < coarse.matrix[0, 1] < 1.0 / (math.pi * r)
 
 
 def test_result_is_read_back(coarse, monkeypatch):

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.reference import single_contacts as exact
+from metafem import reference as exact
 
 R = 0.526
 
