@@ -10,8 +10,7 @@ from metafem import reference
 from metafem._caches import cache_folder
 from metafem.fe import Block3D
 from metafem.fe import block3d as module
-from metafem.fe.influence import graded_line
-from metafem.fe.quarter import Quarter
+from metafem.fe.quarter import Quarter, graded_line
 from tests.core.fe.test_block3d import BLOCK, COARSE, SITES, own_cache, scene, solved
 from tests.models.scenes import PLACE
 from tests.models.scenes import scene as unequal
