@@ -197,8 +197,8 @@ def _graded(
 
     The distances of the points from the fine end grow by a factor of 6 up to `edge`: steep grading is
     possible there, because a square root is smooth in the logarithm of the distance and the innermost
-    elements contribute little. Beyond it they grow by a factor of 2, but by no more than `largest`; with degree 6 the
-    fields then have an error of at most 1e-4.
+    elements contribute little. Beyond it they grow by a factor of 2, but by no more than `largest`; with
+    degree 6 the fields then have an error of at most 1e-4.
     """
     distance = [smallest]
     while distance[-1] < abs(coarse_end - fine_end):
