@@ -29,15 +29,6 @@ __all__ = ["Block", "Friction", "Material", "PeriodicCell", "Surface"]
 # Largest tilt [rad]. At larger tilts the direction of the heights is far from normal to the plane.
 STEEPEST = 0.25 * math.pi
 
-# Largest number of asperities that a notebook shows individually.
-MOST_DRAWN = 4000
-
-# Distance of two sites in a periodic cell, divided by its shorter side, below which they coincide.
-SAME_SITE = 1e-9
-
-# Largest number of sites; more sites need gigabytes of memory.
-MOST_SITES = 10**8
-
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class Surface(Value):
@@ -161,10 +152,8 @@ class Surface(Value):
             raise InvalidInput(f"shape = {shape!r} must be (rows, columns)") from None
         rows = check.integer("shape[0]", rows, at_least=1)
         columns = check.integer("shape[1]", columns, at_least=1)
-        refuse_if(
-            rows * columns > MOST_SITES,
-            f"shape = {shape!r} has {rows * columns:.3g} sites; at most {MOST_SITES:.0g} are allowed",
-        )
+        many = f"shape = {shape!r} has {rows * columns:.3g} sites; at most 1e+08 are allowed"
+        refuse_if(rows * columns > 1e8, many)  # more sites need gigabytes of memory
         step = check.number("pitch", pitch, above=0.0)
         radii = _radii(radius, rows * columns)
         for size in (radii.min(), radii.max()):
@@ -184,7 +173,7 @@ class Surface(Value):
 
     def _repr_html_(self) -> str:
         """Return the HTML representation for notebooks."""
-        if self.count <= MOST_DRAWN:
+        if self.count <= 4000:  # more are not seen individually
             return card.card("Surface", self._facts(), self.plot)
         heights = MICROMETRES * self.height, "summit height [µm]"
         return card.card("Surface", self._facts(), lambda ax: card.distribution(ax, *heights))
@@ -343,7 +332,7 @@ def _refuse_misfit(position: FloatArray, radius: FloatArray, cell: PeriodicCell)
         distance, other = scipy.spatial.cKDTree(place, boxsize=sides).query(place, k=2)
         i = int(distance[:, 1].argmin())
         refuse_if(
-            bool(distance[i, 1] <= SAME_SITE * sides.min()),
+            bool(distance[i, 1] <= 1e-9 * sides.min()),
             f"position[{i}] and position[{other[i][other[i] != i][0]}] coincide in another period of the "
             f"cell, {cell.width:g} x {cell.length:g} mm; remove one of them",
         )

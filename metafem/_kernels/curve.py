@@ -18,7 +18,6 @@ from metafem._kernels.newton import (
     DIAGONAL,
     IMAGE,
     KEPT,
-    MANY,
     ON_CURVE,
     RHS,
     STEP_LOADS,
@@ -191,9 +190,9 @@ def independent_start(gap, law, control, by_load, z):
 def curves(field, order, law, self_term, gap, control, by_load, found, s, closed, matrix, all_z):
     """Fill `found` (7, m, k), the results of m surfaces, and `all_z` (k, n), z of the last one, unless empty.
 
-    self_term, gap and the arrays of the law are (m, n); control (k,) has increasing loads or approaches. If
-    there are more than MANY, only the last equilibrium is solved to TOLERANCE, the others to ON_CURVE. s:
-    block of `equations`; matrix: (n, n), empty for order 1.
+    self_term, gap and the arrays of the law are (m, n); control (k,) has increasing loads or approaches. The
+    last equilibrium of a surface is solved to TOLERANCE, the others to ON_CURVE. s: block of `equations`;
+    matrix: (n, n), empty for order 1.
     """
     n = gap.shape[1]
     results = Results(found[0], found[1], found[2], found[3], found[4], found[5], found[6])
@@ -213,7 +212,7 @@ def curves(field, order, law, self_term, gap, control, by_load, found, s, closed
                     copy(s[Z], all_z[j])
                 continue
             target = control[j] if by_load else 0.0
-            tolerance = ON_CURVE if j + 1 < control.size and control.size > MANY else TOLERANCE
+            tolerance = ON_CURVE if j + 1 < control.size else TOLERANCE
             alone = points == 0
             while True:
                 if alone:

@@ -17,20 +17,8 @@ from metafem._kernels import law as contact
 from metafem._kernels.compiled import compiled
 from metafem._kernels.vectors import add
 
-# Maximum number of steps; each doubles the number of correct digits or halves the bracket.
-MAX_STEPS = 200
-
 # Relative error of the load at which the iteration ends: the rounding of the logarithms in the tables.
 ROUNDING = 32.0 * np.finfo(np.float64).eps
-
-# Relative error of the load below which an error that does not decrease is due to rounding.
-SETTLED = 1e-9
-
-# Relative error of the load above which steps are those of a power law; below it both are equally good.
-FAR = 0.01
-
-# Number of contacts whose sum is computed by vector instructions, before compensated sums of these sums.
-BLOCK = 64
 
 
 @partial(compiled, any_order=True)
@@ -65,8 +53,9 @@ def tabulated_block(law, gap, start, stop, base, depth):
 def sums(law, gap, last, depth):
     """Return P/E* [mm^2], dP/dx [mm] and A0 [mm^2] of the asperities up to `last`."""
     load = slope = area = load_rest = slope_rest = area_rest = 0.0
-    for start in range(0, last + 1, BLOCK):
-        stop = min(start + BLOCK, last + 1)
+    # sums of 64 contacts by vector instructions, and compensated sums of these sums
+    for start in range(0, last + 1, 64):
+        stop = min(start + 64, last + 1)
         if law.data.size:
             p, rate, own = tabulated_block(law, gap, start, stop, gap[last], depth)
         else:
@@ -122,15 +111,16 @@ def curves(law, gap, load, approach, carried, area, slope):
                 if p == 0.0:
                     last, depth = shallowest(gaps, high)
                     p, s, a = sums(own, gaps, last, depth)
-                for _ in range(MAX_STEPS):
+                for _ in range(200):  # each doubles the number of correct digits or halves the bracket
                     error, x = load[j] - p, gaps[last] + depth
-                    stalled = abs(error) >= before and before <= SETTLED * load[j]
+                    # a small error that does not decrease is due to rounding
+                    stalled = abs(error) >= before and before <= 1e-9 * load[j]
                     if stalled or abs(error) <= ROUNDING * load[j]:
                         break
                     before = abs(error)
                     low, high = (x, high) if error > 0.0 else (low, x)
                     step = error / s
-                    if before > FAR * load[j]:  # Newton's step for logarithms, exact for a power law
+                    if before > 0.01 * load[j]:  # Newton's step for logarithms, exact for a power law
                         step = x * ((load[j] / p) ** (p / (x * s)) - 1.0)
                     last, depth = stepped(gaps, last, depth, step, low, high)
                     p, s, a = sums(own, gaps, last, depth)

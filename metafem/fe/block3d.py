@@ -21,9 +21,6 @@ from metafem.progress import doing, message
 from metafem.substrate.radial import agreed
 from metafem.surface import Block, Surface
 
-# Error estimate, in units of 1/(pi t), above which there is a warning: 1 % of the effect of the base.
-ERROR_LIMIT = 1e-2
-
 
 class BlockInfluence(NamedTuple):
     """Influence between the sites of a block, with error estimates."""
@@ -135,7 +132,7 @@ class Block3D:
         bound = self.for_surface(surface)
         result = _solution(bound, surface.position.tobytes())
         assert bound.block is not None
-        limit = ERROR_LIMIT / (math.pi * bound.block.thickness)
+        limit = 0.01 / (math.pi * bound.block.thickness)  # 1 % of the effect of the base
         if result.error_estimate > limit:
             warnings.warn(
                 f"the block's influence has an estimated error of {result.error_estimate:.1e} /mm, above "
@@ -161,7 +158,7 @@ def _solution(bound: Block3D, position: bytes) -> BlockInfluence:
             return BlockInfluence(**{name: value[()] for name, value in stored.items()})
     except (OSError, ValueError, EOFError, BadZipFile):  # absent or damaged
         pass
-    from metafem.fe.influence import site_influence  # scikit-fem is loaded only if a solution is needed
+    from metafem.fe.quarter import site_influence  # scikit-fem is loaded only if a solution is needed
 
     assert bound.block is not None
     assert bound.poisson_ratio is not None

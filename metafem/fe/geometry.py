@@ -18,18 +18,8 @@ from metafem._validate import FloatArray
 from metafem.caps.shapes import foot_radius
 from metafem.errors import refuse_if
 
-# Imaginary step h of the derivatives: f(x + i h) = f(x) + i h f'(x) has no cancellation.
-STEP = 1e-30
-
-# Vertices in mu of the mesh of the oblate-spheroidal plane. The fields decay as exp(-mu), which elements of
-# length 2 to 4 resolve far away. The end at mu = 30 is 5e12 contact radii away and is fixed.
-HALF_SPACE_MU = (0.0, 1.0, 2.0, 3.0, 4.0, 6.0, 9.0, 12.0, 15.0, 18.0, 22.0, 26.0, 30.0)
-
-# Ratios of the distances of neighbouring lines from an edge: EDGE_RATIO up to a tenth of the radius, and
-# RATIO farther away. Steep grading is possible at the edge, because a square root is smooth in the logarithm
-# of the distance and the innermost elements contribute little. Beyond a tenth of the radius, the fields have
-# an error of at most 1e-4 with degree 6.
-EDGE_RATIO, RATIO, EDGE_REACH = 6.0, 2.0, 0.1
+# Width of the steeply graded zone at an edge, over the radius of the edge.
+EDGE_REACH = 0.1
 
 
 @dataclass(frozen=True)
@@ -42,8 +32,9 @@ class Flat:
 
     def jacobian(self, plane: FloatArray) -> FloatArray:
         """Return the derivatives of (r, z) by the plane's coordinates, (2, 2, ...), exact to rounding."""
-        step = STEP * np.eye(2).reshape((2, 2) + (1,) * (plane.ndim - 1))
-        return np.stack([self.point(plane + 1j * each).imag / STEP for each in step], axis=1)
+        h = 1e-30  # f(x + i h) = f(x) + i h f'(x) has no cancellation
+        step = h * np.eye(2).reshape((2, 2) + (1,) * (plane.ndim - 1))
+        return np.stack([self.point(plane + 1j * each).imag / h for each in step], axis=1)
 
     def surface(self, r: FloatArray) -> FloatArray:
         """Return the plane coordinates (2, n) of the surface points at the radii r [mm]."""
@@ -141,13 +132,16 @@ def half_space_mesh(contact_edge: float) -> MeshQuad:
     the edge are phi^2/2. In phi the fields of a contact are low harmonics, so two more intervals are enough.
     """
     phi = np.array([0.0, math.sqrt(2.0 * contact_edge), 0.25 * math.pi, 0.5 * math.pi])
-    mesh = MeshQuad.init_tensor(phi, np.array(HALF_SPACE_MU))
+    # the fields decay as exp(-mu), which elements of length 2 to 4 resolve far away; the end at mu = 30 is
+    # 5e12 contact radii away and is fixed
+    mu = np.array([0.0, 1.0, 2.0, 3.0, 4.0, 6.0, 9.0, 12.0, 15.0, 18.0, 22.0, 26.0, 30.0])
+    mesh = MeshQuad.init_tensor(phi, mu)
     return mesh.with_boundaries(
         {
             "contact": lambda x: x[1] == 0.0,
             "free": lambda x: x[0] == 0.0,
             "axis": lambda x: x[0] == phi[-1],
-            "base": lambda x: x[1] == HALF_SPACE_MU[-1],
+            "base": lambda x: x[1] == mu[-1],
         }
     )
 
@@ -201,13 +195,15 @@ def _graded(
 ) -> FloatArray:
     """Return points from the fine end to the coarse end; the first interval is at most `smallest`.
 
-    The distances of the points from the fine end grow by EDGE_RATIO up to `edge`. Beyond it they grow by
-    RATIO, but by no more than `largest`.
+    The distances of the points from the fine end grow by a factor of 6 up to `edge`: steep grading is
+    possible there, because a square root is smooth in the logarithm of the distance and the innermost
+    elements contribute little. Beyond it they grow by a factor of 2, but by no more than `largest`; with
+    degree 6 the fields then have an error of at most 1e-4.
     """
     distance = [smallest]
     while distance[-1] < abs(coarse_end - fine_end):
         x = distance[-1]
-        distance.append(x * EDGE_RATIO if x < edge else min(x * RATIO, x + largest))
+        distance.append(6.0 * x if x < edge else min(2.0 * x, x + largest))
     points = fine_end + (coarse_end - fine_end) * np.append(0.0, distance) / distance[-1]
     points[-1] = coarse_end
     return points

@@ -14,16 +14,10 @@ from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.caps.shapes import sphere_profile
 from metafem.errors import refuse_if
-from metafem.fe.elements import Body
+from metafem.fe.elements import Body, solve
 from metafem.fe.geometry import Cap, Flat, Oblate, checked_cap, graded_mesh, half_space_mesh
-from metafem.fe.linear_solve import solve
 
 Profile = Callable[[FloatArray], FloatArray]
-
-# Radius at which the mesh of an unbounded layer ends, in thicknesses. The field decays as exp(-0.739 r/t) for
-# nu = 0.5 (0.739 is the root of cos y = y) and faster for smaller nu, so the end changes the field at the
-# contact by less than 1e-7.
-LAYER_EXTENT = 12.0
 
 # Degree and size of the elements at the edge, over the contact radius, of the returned solution and of a
 # second solution for the error estimate. The error of the indentation is proportional to the size.
@@ -241,6 +235,8 @@ def _body(
         "block_radius and cell_radius exclude each other: a body has one side",
     )
     name, stated = ("block_radius", block_radius) if cell_radius is None else ("cell_radius", cell_radius)
-    side = check.number(name, LAYER_EXTENT * t if stated is None else stated, above=0.0)
+    # the mesh of an unbounded layer ends at 12 t: the field decays at least as exp(-0.739 r/t), the rate for
+    # nu = 0.5 (0.739 = cos 0.739), so the end changes the field at the contact by less than 1e-7
+    side = check.number(name, 12.0 * t if stated is None else stated, above=0.0)
     refuse_if(a >= side, f"contact_radius = {a:g} must be smaller than {name} = {side:g}")
     return Flat() if height is None else checked_cap(a, radius, height, t, name, side), side

@@ -3,7 +3,7 @@
 The densities are functions of the height h above the foot of the distribution [mm]. Their integrals are
 expressed by the regularised lower incomplete gamma function gamma(s, x), without cancellation. They equal
 equations S2 to S8 of Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234.
-`metafem.reference.height_densities` contains the equations as printed.
+`metafem.reference` contains the equations as printed.
 
 For any contact law A(d), P(d) without adhesion, the friction law of an exponential density is straight except
 near its ends. ``A0`` and ``p`` are integrals of ``exp(-h/lambda)`` times A(h - delta) and P(h - delta), and

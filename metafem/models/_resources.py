@@ -14,9 +14,6 @@ from metafem.errors import InvalidInput
 # Number of threads of a solver and of its Fourier transforms. Times in comments were measured on two cores.
 THREADS = 2
 
-# Memory that is assumed if the system does not report its memory: that of a common laptop [bytes].
-DEFAULT_MEMORY = 8 * 2**30
-
 
 def run_rows(run: Callable[[slice], None], rows: int, work: int, work_per_thread: int) -> None:
     """Call `run` with slices that cover all rows, in two threads if there is enough work.
@@ -38,7 +35,7 @@ def memory() -> int:
     try:
         return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
     except (AttributeError, ValueError, OSError):
-        return DEFAULT_MEMORY
+        return 8 * 2**30  # a common laptop
 
 
 def require_memory(needed: float, what: str) -> None:

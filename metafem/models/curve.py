@@ -21,8 +21,6 @@ from metafem.surface import Surface
 # Names of the arrays of a curve, each with one entry per equilibrium.
 ARRAYS = ("approach", "load", "area", "stiffness", "residual")
 
-NONE: FloatArray = np.zeros(0)
-
 
 class Status(Enum):
     """Whether a solution converged; the value of a member is its message."""
@@ -64,11 +62,12 @@ class ModelError(float):
     solved: bool
 
     def __new__(
-        cls, value: float, source: str = "", load: Any = NONE, change: Any = NONE, solved: bool = True
+        cls, value: float, source: str = "", load: Any = (), change: Any = (), solved: bool = True
     ) -> Self:
         """Return the number `value` with its attributes."""
         error = super().__new__(cls, value)
-        error.source, error.load, error.change, error.solved = source, load, change, solved
+        error.source, error.solved = source, solved
+        error.load, error.change = np.asarray(load, dtype=float), np.asarray(change, dtype=float)
         return error
 
 

@@ -24,9 +24,6 @@ from metafem.surface import Surface
 # Largest relative error of the load, recomputed from the solution; that of the tables is 1e-13.
 TOLERANCE = 1e-12
 
-# With fewer equilibria than this, the solution takes less time than starting a second thread.
-POINTS_PER_THREAD = 2_000
-
 
 @dataclass(frozen=True)
 class LoadEquation:
@@ -101,7 +98,8 @@ class LoadEquation:
             )
             base[rows] = np.take_along_axis(gap[rows], last[:, None], 1)[:, 0]
 
-        run_rows(run, len(gap), results[0].size, POINTS_PER_THREAD)
+        # fewer than 2000 equilibria take less time than starting a second thread
+        run_rows(run, len(gap), results[0].size, 2_000)
         self._refuse_beyond(results[0][:, -1:], gap, table)
         return results, base, depth
 

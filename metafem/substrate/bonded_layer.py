@@ -22,10 +22,6 @@ from metafem.surface import Surface
 # Upper limit of the integrals. Beyond it 1 - M, which decreases at most as x^2 exp(-2x), is below 1e-19.
 LAST_WAVENUMBER = 25.0
 
-# Number of panels and of Gauss points per panel. A panel is shorter than three periods of J0 at the end of
-# the table.
-PANELS, PANEL_POINTS = 72, 16
-
 # End of the table in s = r/t. There G is below 1e-13 of its value on a half-space. Its decay is slowest at
 # nu = 1/2, where it is exp(-0.739 s); 0.739 = cos 0.739 is the first pole of M.
 TABLE_END = 48.0
@@ -78,26 +74,10 @@ class BondedLayer(Radial):
         refuse_if(thickness is None, "BondedLayer() needs the surface's block, or the argument thickness")
         return replace(self, thickness=thickness, poisson_ratio=ratio)
 
-    @property
-    def self_influence(self) -> float:
-        """Regular part of G at r = 0, ``-1/(pi t) int (1 - M) dx`` [1/mm]."""
-        thickness, ratio = self._values()
-        return float(-_quadrature(ratio)[1].sum() / (math.pi * thickness))
-
-    @property
-    def self_curvature(self) -> float:
-        """Second derivative of the regular part at r = 0, ``1/(2 pi t^3) int (1 - M) x^2 dx`` [1/mm^3]."""
-        thickness, ratio = self._values()
-        x, weight = _quadrature(ratio)
-        return float(weight @ x**2 / (2.0 * math.pi * thickness**3))
-
     def regular_derivatives(self, distance: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return the regular parts of G [1/mm], G' [1/mm^2] and G'' [1/mm^3] at distances r >= 0 [mm]."""
         thickness, ratio = self._values()
-        flat = np.ravel(distance)
-        parts = kernel.empty_results(flat.size)
-        kernel.fill_regular(flat, thickness, _table(ratio), *parts)
-        value, first, second = (part.reshape(np.shape(distance)) for part in parts)
+        value, first, second = kernel.regular(distance, thickness, _table(ratio))
         return value, first, second
 
     @property
@@ -147,10 +127,11 @@ def _deficit(wavenumber: FloatArray, poisson_ratio: float) -> FloatArray:
 @lru_cache
 def _quadrature(poisson_ratio: float) -> tuple[FloatArray, FloatArray]:
     """Return nodes x and weights w for which sum w f(x) is the integral of (1 - M) f."""
-    node, weight = np.polynomial.legendre.leggauss(PANEL_POINTS)
-    half = 0.5 * LAST_WAVENUMBER / PANELS
-    x = (half * (2.0 * np.arange(PANELS)[:, None] + 1.0 + node)).ravel()
-    return x, half * np.tile(weight, PANELS) * _deficit(x, poisson_ratio)
+    node, weight = np.polynomial.legendre.leggauss(16)
+    panels = 72  # each is shorter than three periods of J0 at the end of the table
+    half = 0.5 * LAST_WAVENUMBER / panels
+    x = (half * (2.0 * np.arange(panels)[:, None] + 1.0 + node)).ravel()
+    return x, half * np.tile(weight, panels) * _deficit(x, poisson_ratio)
 
 
 @lru_cache
@@ -163,6 +144,4 @@ def _table(poisson_ratio: float) -> FloatArray:
         zero, one = j0(phase), j1(phase)
         return -(zero @ weight), one @ (weight * x), (zero - one / phase) @ (weight * x**2)
 
-    table = kernel.tabulated(regular, TABLE_END)
-    table.flags.writeable = False
-    return table
+    return kernel.tabulated(regular, TABLE_END)

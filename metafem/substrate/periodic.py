@@ -26,9 +26,6 @@ from scipy.special import erfc
 from metafem._validate import FloatArray
 from metafem.material import PeriodicCell
 
-# Argument u beyond which erfc(u) is zero to rounding: erfc(6) is 2e-17.
-LAST = 6.0
-
 # Number of points for which the sums are computed at once.
 BATCH = 2**14
 
@@ -56,6 +53,7 @@ def lattice_sum(
     splitting: factor of alpha, on which the sums do not depend; the default balances the two parts.
     """
     alpha = splitting * math.sqrt(math.pi / cell.area)
+    end = 6.0  # erfc(6) is 2e-17, zero to rounding
 
     def screened(r: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return erfc(alpha r)/(pi r) and its first two derivatives."""
@@ -65,9 +63,9 @@ def lattice_sum(
         return value, first, 2.0 * (alpha**2 * gauss - first / r)
 
     own = -2.0 * alpha / math.pi**1.5, 8.0 * alpha**3 / (3.0 * math.pi**1.5)
-    found = np.array(image_sum(cell, x, y, screened, LAST / alpha, own)).reshape(4, -1)
+    found = np.array(image_sum(cell, x, y, screened, end / alpha, own)).reshape(4, -1)
     found[0] -= 2.0 / (math.sqrt(math.pi) * alpha * cell.area)
-    last = max(2.0 * LAST * alpha, last_wavenumber)
+    last = max(2.0 * end * alpha, last_wavenumber)
     qx, qy = (
         2.0 * math.pi / side * np.arange(int(last * side / (2.0 * math.pi)) + 1.0)
         for side in (cell.width, cell.length)

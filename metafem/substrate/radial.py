@@ -65,14 +65,14 @@ class Radial(ABC):
         return self
 
     @property
-    @abstractmethod
     def self_influence(self) -> float:
-        """Regular part of G at r = 0 [1/mm]."""
+        """Regular part of G at r = 0 [1/mm]; zero for a half-space, whose response is in the contact law."""
+        return float(self.regular_derivatives(np.zeros(1))[0][0])
 
     @property
-    @abstractmethod
     def self_curvature(self) -> float:
         """Second derivative of the regular part of G at r = 0 [1/mm^3]."""
+        return float(self.regular_derivatives(np.zeros(1))[2][0])
 
     @abstractmethod
     def regular_derivatives(self, distance: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -148,8 +148,12 @@ class Radial(ABC):
         bound, (x, y) = self.for_surface(surface), surface.position.T
         dx, dy = x[:, None] - x, y[:, None] - y
         if surface.cell is not None:
-            upper = np.triu_indices(len(x))
-            return _symmetric(bound.periodic(surface.cell, dx[upper], dy[upper]), upper, dx)
+            i, j = np.triu_indices(len(x))
+            half, whole = bound.periodic(surface.cell, dx[i, j], dy[i, j]), np.empty((4, *dx.shape))
+            for full, part, sign in zip(whole, half, (1.0, -1.0, -1.0, 1.0), strict=True):
+                full[j, i], full[i, j] = sign * part, part  # the gradients are antisymmetric
+            matrix, slope_x, slope_y, laplacian = whole
+            return matrix, slope_x, slope_y, laplacian
         r = np.hypot(dx, dy)
         np.fill_diagonal(r, 1.0 if len(r) == 1 else r[0, 1])  # not used
         matrix, first, second = bound.influence(r, derivatives=True)
@@ -158,20 +162,6 @@ class Radial(ABC):
         laplacian = second + first
         np.fill_diagonal(laplacian, 2.0 * bound.self_curvature)
         return matrix, first * dx, first * dy, laplacian
-
-
-def _symmetric(
-    half: LatticeSum, upper: tuple[Any, Any], like: FloatArray
-) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Return the matrices (n, n) from their upper halves; the gradients change sign below the diagonal."""
-    i, j = upper
-    matrix, slope_x, slope_y, laplacian = (np.empty_like(like) for _ in half)
-    for whole, part, sign in zip(
-        (matrix, slope_x, slope_y, laplacian), half, (1.0, -1.0, -1.0, 1.0), strict=True
-    ):
-        whole[j, i] = sign * part
-        whole[i, j] = part
-    return matrix, slope_x, slope_y, laplacian
 
 
 @dataclass(frozen=True)
@@ -188,8 +178,6 @@ class HalfSpace(Radial):
     """
 
     name: ClassVar[str] = "half-space"
-    self_influence: ClassVar[float] = 0.0  # Hertz's law contains the response of the half-space
-    self_curvature: ClassVar[float] = 0.0
 
     def regular_derivatives(self, distance: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return three arrays of zeros: a half-space has no regular part."""

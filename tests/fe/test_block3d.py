@@ -6,12 +6,11 @@ import numpy as np
 import pytest
 
 import metafem as mf
+from metafem import reference
 from metafem._caches import cache_folder
 from metafem.fe import Block3D
 from metafem.fe import block3d as module
-from metafem.fe.influence import graded_line
-from metafem.fe.quarter import Quarter
-from metafem.reference import single_contacts
+from metafem.fe.quarter import Quarter, graded_line
 from tests.core.fe.test_block3d import BLOCK, COARSE, SITES, own_cache, scene, solved
 from tests.models.scenes import PLACE
 from tests.models.scenes import scene as unequal
@@ -66,7 +65,7 @@ def test_wide_block_is_the_layer():
     surface = scene(position, mf.Block(60.0, 60.0, 5.0), poisson_ratio)
     found = Block3D(cell=0.5, edge_cell=0.1).influence_matrix(surface)
     place = 5.0, poisson_ratio
-    expected = [single_contacts.layer_regular(0.0, *place), single_contacts.layer_influence(1.5, *place)]
+    expected = [reference.layer_regular(0.0, *place), reference.layer_influence(1.5, *place)]
     np.testing.assert_allclose([found[0, 0], found[0, 1]], expected, atol=COARSE_ERROR)
 
 

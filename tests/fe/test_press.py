@@ -7,12 +7,12 @@ import pytest
 from skfem import MeshQuad
 
 import metafem as mf
+from metafem import reference
+from metafem import reference as exact
 from metafem.contact import pedestal_compliance
 from metafem.fe.elements import Body
 from metafem.fe.geometry import Cap, Flat, graded_mesh
 from metafem.fe.prescribed_radius import pressed
-from metafem.reference import single_contacts
-from metafem.reference import single_contacts as exact
 from tests.core.fe.test_press import R, block, overestimates
 from validation.finite_elements import pedestal
 from validation.finite_elements.frozen_meshes import FOLDER
@@ -22,7 +22,7 @@ def test_graded_mesh_gives_hertz_on_a_deep_block():
     contact = mf.fe.press(1e-5, 1.0, thickness=1.0)
     load, indentation = exact.hertz(1e-5, 1.0)
     # the bonded base, 1e5 contact radii away, takes 7.5e-6 of the indentation
-    indentation += load * float(single_contacts.layer_regular(0.0, 1.0, 0.5))
+    indentation += load * float(reference.layer_regular(0.0, 1.0, 0.5))
     error = max(abs(contact.rescaled_load / load - 1.0), abs(contact.indentation / indentation - 1.0))
     assert error < 1e-5
     assert overestimates(contact, error)

@@ -2,7 +2,7 @@
 
 import pytest
 
-from metafem.reference import single_contacts as exact
+from metafem import reference as exact
 
 
 def test_lattice_sum_does_not_depend_on_where_it_ends(monkeypatch):

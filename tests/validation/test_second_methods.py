@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.reference.single_contacts import hertz
+from metafem.reference import hertz
 from validation import methods
 from validation.methods import contact_equations, periodic_sums, two_contacts
 from validation.methods.caps import Caps, areas

@@ -14,7 +14,7 @@ from metafem._validate import FloatArray
 from metafem.calibration import ContactCalibration, Sample, fit_compression
 from metafem.drawing import ACHIEVED, QUIET
 from metafem.fe.geometry import Cap
-from metafem.reference.single_contacts import hertz, sneddon_sphere
+from metafem.reference import hertz, sneddon_sphere
 from validation.check import Claim, Picture, Row, below, near, reported
 from validation.figures import panels
 from validation.finite_elements.checks import BLOCK_RADIUS, THICKNESS

@@ -8,10 +8,10 @@ from functools import partial
 import numpy as np
 
 import metafem as mf
+from metafem import reference
 from metafem.contact.plastic import ElasticPlastic
 from metafem.drawing import ACHIEVED, TARGET
-from metafem.reference import single_contacts
-from metafem.reference.single_contacts import jackson_green, kogut_etsion
+from metafem.reference import jackson_green, kogut_etsion
 from validation.check import Claim, Picture, Row, below, reported
 from validation.figures import panels
 from validation.sources import closed_form
@@ -40,7 +40,7 @@ JUMP = "published formulas just above the break over those just below, minus 1"
 BLENDED = (
     "law with blends over the published formulas, largest change at Poisson's ratios of 0.3, 0.4 and 0.5"
 )
-HERTZ = closed_form(single_contacts.hertz, "Hertz's law, to which the law tends")
+HERTZ = closed_form(reference.hertz, "Hertz's law, to which the law tends")
 
 
 def bound(law: mf.contact.Contact, ratio: float = 0.3) -> ElasticPlastic:
@@ -69,7 +69,7 @@ def relative(kind: type[ElasticPlastic], ratio: float) -> np.ndarray:
     depth = law.yield_indentation(RADIUS)
     a = law.contact_radius(INDENTATIONS * depth, RADIUS)
     yielding = np.sqrt(depth * RADIUS)
-    load, _ = single_contacts.hertz(float(yielding), RADIUS)
+    load, _ = reference.hertz(float(yielding), RADIUS)
     found = np.column_stack([law.load(a, RADIUS) / load, (a / yielding) ** 2])
     return found / [PUBLISHED[kind](float(w), ratio) for w in INDENTATIONS] - 1.0
 
@@ -100,9 +100,9 @@ def _formulas() -> Iterator[Row]:
 def _limits() -> Iterator[Row]:
     """Compare hard materials and a table of Hertz's law with Hertz's closed form."""
     a = np.geomspace(1e-3, 0.4, 100)
-    load, d = np.array([single_contacts.hertz(float(each), RADIUS) for each in a]).T
+    load, d = np.array([reference.hertz(float(each), RADIUS) for each in a]).T
     edge = np.linspace(0.0, 0.4, 21) ** 0.5 * RADIUS**0.5  # equal steps of the indentation
-    force, depth = np.array([single_contacts.hertz(float(each), RADIUS) for each in edge]).T
+    force, depth = np.array([reference.hertz(float(each), RADIUS) for each in edge]).T
     table = mf.TabulatedContact(depth, MODULUS * force, np.pi * edge**2)
     for law, name, limit in (
         (mf.KogutEtsion(1e6), "KogutEtsion of a hard material", 1e-9),

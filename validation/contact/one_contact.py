@@ -7,10 +7,10 @@ import math
 import numpy as np
 
 import metafem as mf
+from metafem import reference
 from metafem.calibration.compression.adhesive_line import adhesive_line
 from metafem.contact import Contact
-from metafem.reference import single_contacts
-from metafem.reference.single_contacts import sneddon_sphere
+from metafem.reference import sneddon_sphere
 from validation.check import Claim, Picture, Row, below, near
 from validation.figures import panels
 from validation.published import paper
@@ -32,18 +32,18 @@ CELLS, THICKNESS = 32, 4.0
 ROUNDING, NUMERICAL = 1e-12, 1e-8
 
 CLOSED = {
-    "paraboloid": (mf.Hertz(), lambda a: single_contacts.hertz(a, RADIUS), single_contacts.hertz),
+    "paraboloid": (mf.Hertz(), lambda a: reference.hertz(a, RADIUS), reference.hertz),
     "sphere": (mf.Elastic(mf.Sphere()), lambda a: sneddon_sphere(a, RADIUS), sneddon_sphere),
-    "power 1.5": (mf.Elastic(mf.Power(1.5)), lambda a: _power(a, 1.5), single_contacts.power_law),
-    "power 4": (mf.Elastic(mf.Power(4.0)), lambda a: _power(a, 4.0), single_contacts.power_law),
+    "power 1.5": (mf.Elastic(mf.Power(1.5)), lambda a: _power(a, 1.5), reference.power_law),
+    "power 4": (mf.Elastic(mf.Power(4.0)), lambda a: _power(a, 4.0), reference.power_law),
 }  # fmt: skip
 
 PUNCHES = known_input("identity: the pressure is that of flat punches s with loads 2 s dD(s)")
 RATES = known_input("identity: stiffness and growth of the area are derivatives of load and area")
 SHARP = known_input("identity: a paraboloid of curvature 1/R + k")
 MODULI = known_input("identity: E = 3 G and E* = 2 G/(1 − ν) = E/(1 − ν²) of an incompressible solid")
-ENDS = closed_form(single_contacts.jkr_contact_radius, "pull-off load −3/2 π w R, where the root is 0")
-JKR = closed_form(single_contacts.jkr_contact_radius, "radius of an adhesive contact over its load")
+ENDS = closed_form(reference.jkr_contact_radius, "pull-off load −3/2 π w R, where the root is 0")
+JKR = closed_form(reference.jkr_contact_radius, "radius of an adhesive contact over its load")
 
 
 def claim() -> Claim:
@@ -79,8 +79,8 @@ def _adhesive() -> list[Row]:
     law = mf.JKR(ENERGY).for_material(mf.Material(MODULUS))
     pull = 1.5 * math.pi * ENERGY / MODULUS * RADIUS
     load = pull * np.concatenate([-1.0 + np.geomspace(1e-6, 1.0, 20), np.geomspace(0.01, 1e4, 20)])
-    a = np.array([single_contacts.jkr_contact_radius(float(p), RADIUS, ENERGY / MODULUS) for p in load])
-    plain, depth = np.array([single_contacts.hertz(float(x), RADIUS) for x in a]).T
+    a = np.array([reference.jkr_contact_radius(float(p), RADIUS, ENERGY / MODULUS) for p in load])
+    plain, depth = np.array([reference.hertz(float(x), RADIUS) for x in a]).T
     lost = (plain - load) / (2.0 * a)
     one = np.array([[0.0, 0.0]])
     surface = mf.Surface(one, [0.1], RADIUS, mf.Material(MODULUS))
@@ -110,15 +110,15 @@ def _states() -> list[Row]:
     a, shear = 0.2, 0.34  # contact radius [mm], and shear modulus [MPa] of the paper's elastomer
     material = mf.Material.from_young(3.0 * shear, 0.5)  # E = 3 G
     exact = 2.0 * shear / (1.0 - 0.5)  # E* = 2 G/(1 - nu)
-    load, depth = single_contacts.hertz(a, RADIUS)
+    load, depth = reference.hertz(a, RADIUS)
     surface = mf.Surface(np.zeros((1, 2)), [0.2], RADIUS, material, block=mf.Block(20.0, 20.0, THICKNESS))
     state = mf.equilibrium(surface, load=exact * load)
     resolved = mf.equilibrium(surface, mf.BoundaryElements(a / CELLS), approach=depth)
     layer = mf.BondedLayer()
     both = mf.BoundaryElements(a / CELLS, layer), mf.Interacting(3, layer)
     area, law = (mf.equilibrium(surface, model, approach=depth).load for model in both)
-    form = closed_form(single_contacts.hertz, "load, area and stiffness 2 E* a")
-    cells = closed_form(single_contacts.hertz, "Hertz, within 0.4 over the square of the cells per radius")
+    form = closed_form(reference.hertz, "load, area and stiffness 2 E* a")
+    cells = closed_form(reference.hertz, "Hertz, within 0.4 over the square of the cells per radius")
     expansion = second_method(mf.Interacting, "order 3 with the self terms of the layer")
     bound = 0.4 / CELLS**2
     inverse = float(mf.Hertz().indentation_at_load(load, RADIUS))
@@ -138,7 +138,7 @@ def _states() -> list[Row]:
 
 
 def _power(a: float, exponent: float) -> tuple[float, float]:
-    return single_contacts.power_law(a, 0.5 * RADIUS ** (1.0 - exponent), exponent)
+    return reference.power_law(a, 0.5 * RADIUS ** (1.0 - exponent), exponent)
 
 
 def _rates(name: str, law: Contact) -> list[Row]:

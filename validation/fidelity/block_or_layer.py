@@ -12,7 +12,7 @@ from functools import cache
 import numpy as np
 
 import metafem as mf
-from metafem.reference import single_contacts
+from metafem import reference
 from validation.check import Claim, Picture, Row, below, reported
 from validation.figures import panels
 from validation.methods import contact_equations
@@ -80,7 +80,7 @@ def _influence() -> list[Row]:
     wide = surface.replaced(block=mf.Block(WIDE, WIDE, surface.block.thickness))
     error = np.abs(mf.fe.Block3D(**CELLS).influence_matrix(wide) - _matrix(surface, "layer")).max()
     block = mf.fe.Block3D().solution(surface)
-    hankel = closed_form(single_contacts.layer_influence, "Hankel integral of the bonded layer")
+    hankel = closed_form(reference.layer_influence, "Hankel integral of the bonded layer")
     return [
         below(f"block of {WIDE:g} mm, 64 sites: largest error of the influence [1/mm]",
               error, LAYER, hankel),

@@ -14,8 +14,8 @@ from metafem import _validate as check
 from metafem._validate import FloatArray, IntArray
 from metafem.caps.shapes import sphere_profile
 from metafem.errors import NotConverged, refuse_if
+from metafem.fe.elements import solve
 from metafem.fe.geometry import Cap, checked_cap, named
-from metafem.fe.linear_solve import solve
 
 # Radius of the region with equal cells, and radius of the mesh of the half-space, in contact radii.
 REACH, EXTENT = 1.1, 1e5

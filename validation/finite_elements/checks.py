@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
+from metafem import reference
 from metafem._validate import FloatArray
 from metafem.caps.shapes import sphere_profile
 from metafem.fe.elements import Body
 from metafem.fe.geometry import Cap, Oblate, graded_mesh, half_space_mesh
 from metafem.fe.prescribed_radius import HALF_SPACE, press, pressed
-from metafem.reference import single_contacts
 from validation.check import Check
 from validation.finite_elements.active_set import search_contact
 from validation.sources import Source, closed_form, known_input, second_method
@@ -31,18 +31,16 @@ CAP_CELLS = 1.0 / 20.3
 # Largest relative error of a contact on the half-space.
 LIMIT = 1e-6
 
-HERTZ = closed_form(single_contacts.hertz, "Hertz (1882), doi:10.1515/crll.1882.92.156")
-SNEDDON = closed_form(single_contacts.power_law, "Sneddon (1965), doi:10.1016/0020-7225(65)90019-4")
-SPHERE = closed_form(
-    single_contacts.sneddon_sphere, "sphere, Sneddon (1965), doi:10.1016/0020-7225(65)90019-4"
-)
+HERTZ = closed_form(reference.hertz, "Hertz (1882), doi:10.1515/crll.1882.92.156")
+SNEDDON = closed_form(reference.power_law, "Sneddon (1965), doi:10.1016/0020-7225(65)90019-4")
+SPHERE = closed_form(reference.sneddon_sphere, "sphere, Sneddon (1965), doi:10.1016/0020-7225(65)90019-4")
 INTEGRAL = "Hankel integral of the bonded layer, Johnson (1985), section 5.8, doi:10.1017/CBO9781139171731"
-HANKEL = closed_form(single_contacts.layer_influence, INTEGRAL)
+HANKEL = closed_form(reference.layer_influence, INTEGRAL)
 CURVATURE = closed_form(
-    single_contacts.layer_lattice_sums, f"1/R + P S/2 with the curvature S of the lattice sum; {INTEGRAL}"
+    reference.layer_lattice_sums, f"1/R + P S/2 with the curvature S of the lattice sum; {INTEGRAL}"
 )
-LATTICE = closed_form(single_contacts.layer_lattice_sums, f"lattice sum of the layer's influence; {INTEGRAL}")
-DINI = closed_form(single_contacts.layer_cell, "Dini series of a cylinder on a rigid base")
+LATTICE = closed_form(reference.layer_lattice_sums, f"lattice sum of the layer's influence; {INTEGRAL}")
+DINI = closed_form(reference.layer_cell, "Dini series of a cylinder on a rigid base")
 SEARCHED = second_method(search_contact, "active set of quadratic elements on its own mesh")
 COARSER = second_method(press, "the same with elements of a lower degree and larger at the edge")
 EXPONENTIAL = known_input("theory: the error falls by a constant factor with each degree")
@@ -67,12 +65,12 @@ def hertz_check(poisson_ratio: float = 0.5) -> list[Check]:
     """
     a = 0.2
     contact = press(a, RADIUS, poisson_ratio)
-    load, indentation = single_contacts.hertz(a, RADIUS)
+    load, indentation = reference.hertz(a, RADIUS)
     r = a * np.geomspace(1.001, 100.0, 20)
-    ratio = contact.displacement(r) / single_contacts.hertz_displacement(r, a, RADIUS)
+    ratio = contact.displacement(r) / reference.hertz_displacement(r, a, RADIUS)
     worst = float(ratio[np.argmax(np.abs(ratio - 1.0))])
     quartic = press(a, poisson_ratio=poisson_ratio, profile=lambda r: r**4)
-    power = single_contacts.power_law(a, 1.0, 4.0)[0]
+    power = reference.power_law(a, 1.0, 4.0)[0]
     spectrum, search = spectral_convergence(poisson_ratio), search_convergence(poisson_ratio)
     return [
         _near("load", contact.rescaled_load, load, LIMIT, HERTZ),
@@ -100,7 +98,7 @@ def cap_check() -> list[Check]:
         block: dict[str, Any] = {"height": height, "thickness": THICKNESS, "block_radius": BLOCK_RADIUS}
         contact = press(a, RADIUS, **block)
         searched = search_contact(contact.indentation, RADIUS, cell=CAP_CELLS * a, **block)
-        name, load = f"h = {height} mm, a = {a} mm", single_contacts.hertz(a, RADIUS)[0]
+        name, load = f"h = {height} mm, a = {a} mm", reference.hertz(a, RADIUS)[0]
         over = contact.rescaled_load / load, searched.rescaled_load / load
         checks += [
             _near(f"{name}: load over Hertz", *over, 1e-3, SEARCHED),
@@ -110,7 +108,7 @@ def cap_check() -> list[Check]:
         ]
     a = 0.5 * RADIUS
     sphere = press(a, profile=lambda r: sphere_profile(r, RADIUS))
-    load, indentation = single_contacts.sneddon_sphere(a, RADIUS)
+    load, indentation = reference.sneddon_sphere(a, RADIUS)
     name = "sphere on a half-space, a/R = 0.5"
     checks += [
         _near(f"{name}: load", sphere.rescaled_load, load, LIMIT, SPHERE),
@@ -127,9 +125,9 @@ def layer_check(poisson_ratio: float = 0.5) -> list[Check]:
     contact = press(a, RADIUS, poisson_ratio, thickness=THICKNESS)
     checks = []
     for r in (0.5, 1.0, 1.5, 3.0, 5.0, 6.0, 10.0):
-        displacement = float(single_contacts.hertz_displacement(np.array(r), a, RADIUS))
-        half_space = displacement / single_contacts.hertz(a, RADIUS)[0]
-        layer = half_space + float(single_contacts.layer_regular(r, THICKNESS, poisson_ratio))
+        displacement = float(reference.hertz_displacement(np.array(r), a, RADIUS))
+        half_space = displacement / reference.hertz(a, RADIUS)[0]
+        layer = half_space + float(reference.layer_regular(r, THICKNESS, poisson_ratio))
         computed = float(contact.displacement(r)) / contact.rescaled_load / half_space
         expected, passed = f"{layer / half_space:.6g} ± 0.0001", abs(computed - layer / half_space) <= 1e-4
         name = f"ν = {poisson_ratio}, r = {r} mm: layer over half-space"
@@ -140,15 +138,15 @@ def layer_check(poisson_ratio: float = 0.5) -> list[Check]:
 def cell_check() -> list[Check]:
     """Check a cell of the infinite lattice against the layer's lattice sum and the cylinder's Dini series."""
     side = PITCH / math.sqrt(math.pi)
-    total, curvature = single_contacts.layer_lattice_sums(PITCH, THICKNESS, 0.5)
+    total, curvature = reference.layer_lattice_sums(PITCH, THICKNESS, 0.5)
     checks = []
     for a in (0.12, 0.20, 0.28):
         contact = press(a, RADIUS, thickness=THICKNESS, cell_radius=side)
         # effective radius R_i: 1/R_i = 1/R + P S/2, P = 4 a^3/(3 R_i), S = curvature due to the neighbours
         sharpened = RADIUS * (1.0 - 2.0 / 3.0 * a**3 * curvature)
-        load, single = single_contacts.hertz(a, sharpened)
+        load, single = reference.hertz(a, sharpened)
         lattice = single + load * (total + 0.1 * a**2 * curvature)
-        series = single + load * single_contacts.layer_cell(a, side, THICKNESS, 0.5)
+        series = single + load * reference.layer_cell(a, side, THICKNESS, 0.5)
         checks += [
             _near(f"a = {a} mm: load", contact.rescaled_load, load, 5e-4, CURVATURE),
             _near(f"a = {a} mm: indentation, lattice sum", contact.indentation, lattice, 5e-3, LATTICE),

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from metafem import fe
-from metafem.reference import single_contacts as exact
+from metafem import reference as exact
 from validation.check import Claim, Picture
 from validation.figures import panels
 from validation.finite_elements.checks import PITCH, RADIUS, THICKNESS, cell_check

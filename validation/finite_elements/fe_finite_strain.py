@@ -8,9 +8,9 @@ import numpy as np
 
 import metafem as mf
 from metafem import fe
+from metafem import reference as exact
 from metafem.caps.shapes import sphere_profile
 from metafem.fe.geometry import Cap, graded_mesh
-from metafem.reference import single_contacts as exact
 from validation.check import Claim, Picture, Row, below, near, reported
 from validation.figures import panels
 from validation.finite_elements.active_set import search_contact

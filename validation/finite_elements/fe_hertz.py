@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from metafem import fe
-from metafem.reference import single_contacts
+from metafem import fe, reference
 from validation.check import Check, Claim, Picture, near
 from validation.figures import panels
 from validation.finite_elements.active_set import search_contact
@@ -37,7 +36,7 @@ def claim() -> Claim:
 def _compressible() -> Check:
     """Check the active set on a compressible half-space: Hertz's load over E* does not depend on ν."""
     found = search_contact(A**2 / R, R, OTHER, cell=CELL * A)
-    exact = single_contacts.hertz(A, R)[0]
+    exact = reference.hertz(A, R)[0]
     name = f"active set, ν = {OTHER:g}: load over Hertz"
     return near(name, found.rescaled_load / exact, 1.0, 3e-4, HERTZ)
 

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from metafem import fe
-from metafem.reference import single_contacts
+from metafem import fe, reference
 from validation.check import Claim, Picture
 from validation.figures import panels
 from validation.finite_elements.checks import RADIUS, THICKNESS, layer_check
@@ -37,7 +36,7 @@ def _figure(ax):
     )
     ax.plot(
         r,
-        np.pi * r * single_contacts.layer_influence(r, THICKNESS, 0.5),
+        np.pi * r * reference.layer_influence(r, THICKNESS, 0.5),
         "k-",
         lw=0.8,
         label="Hankel integral",

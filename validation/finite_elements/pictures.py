@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from metafem import reference as exact
 from metafem.drawing import new_figure
-from metafem.reference import single_contacts as exact
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -8,8 +8,7 @@ import numpy as np
 
 import metafem as mf
 from metafem.inversion import achievable_load_range
-from metafem.reference.height_densities import smallest_slope
-from metafem.reference.single_contacts import hertz
+from metafem.reference import hertz, smallest_slope
 from validation.check import LINE_REQUIRED, REQUIRED, Claim, Picture, Row, below
 from validation.figures import panels
 from validation.paper.surfaces import friction_of_slope, template

@@ -15,7 +15,7 @@ import numpy as np
 import metafem as mf
 from metafem._validate import FloatArray
 from metafem.drawing import QUIET
-from metafem.reference.single_contacts import hertz
+from metafem.reference import hertz
 from validation.check import REQUIRED, Claim, Picture, Row, above, below, near, reported
 from validation.figures import panels
 from validation.methods import independent

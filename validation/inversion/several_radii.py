@@ -7,8 +7,7 @@ from functools import cache
 import numpy as np
 
 import metafem as mf
-from metafem.reference.height_densities import slope, smallest_slope
-from metafem.reference.single_contacts import hertz
+from metafem.reference import hertz, slope, smallest_slope
 from validation.check import LINE_REQUIRED, REQUIRED, Claim, Picture, Row, above, below, near
 from validation.figures import panels
 from validation.inversion.later_targets import area_at, largest_exponent

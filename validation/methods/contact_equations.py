@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from metafem.reference import single_contacts
+from metafem import reference
 from validation.methods.caps import Caps, FloatArray, approach_at
 
 # Most steps of Newton's method, of which the loads of the paper need about six, the least part of a step, and
@@ -76,7 +76,7 @@ def influence(surface: Any, substrate: str) -> FloatArray:
         np.fill_diagonal(distance, np.inf)
         return np.asarray(1.0 / (np.pi * distance))
     different, index = np.unique(distance.round(9), return_inverse=True)
-    values = single_contacts.layer_regular(different, surface.block.thickness, surface.material.poisson_ratio)
+    values = reference.layer_regular(different, surface.block.thickness, surface.material.poisson_ratio)
     with np.errstate(divide="ignore"):
         values = values + np.where(different > 0.0, 1.0 / (np.pi * different), 0.0)
     return np.asarray(values[index].reshape(distance.shape))

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 import metafem as mf
+from metafem import reference
 from metafem.drawing import ACHIEVED, QUIET, TARGET
 from metafem.inversion.height_density import ExponentialDensity, slope_excess
-from metafem.reference import height_densities as reference
 from validation.check import Claim, Picture, near
 from validation.figures import panels
 from validation.paper.pictures import INKS

@@ -14,7 +14,7 @@ from scipy.optimize import brentq
 
 import metafem as mf
 from metafem.drawing import ACHIEVED, TARGET
-from metafem.reference.single_contacts import jkr_contact_radius
+from metafem.reference import jkr_contact_radius
 from validation.check import Claim, Difference, Picture, Row, near, reported
 from validation.figures import panels
 from validation.methods import independent

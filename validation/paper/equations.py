@@ -8,9 +8,9 @@ import numpy as np
 from scipy.special import gammainc
 
 import metafem as mf
+from metafem import reference
 from metafem.drawing import ACHIEVED, TARGET
 from metafem.inversion.height_density import ExponentialDensity
-from metafem.reference import height_densities as reference
 from validation.check import Check, Claim, Picture, below
 from validation.figures import panels
 from validation.methods.densities import mean_power

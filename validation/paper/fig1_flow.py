@@ -10,8 +10,8 @@ import numpy as np
 from scipy import stats
 
 import metafem as mf
+from metafem import reference
 from metafem.drawing import ACHIEVED, MEASURED, TARGET, circles
-from metafem.reference import height_densities
 from validation.check import Check, Claim, Picture, Result, above, below, near, reported
 from validation.figures import panels
 from validation.methods import independent
@@ -33,7 +33,7 @@ RESCALED = known_input("target of the flow, m = μ E*/(σB) as in the Fig. 4 cap
 SAMPLE = known_input("sites of the specification, a lattice of 8 × 8 as in the paper")
 LEVELS = known_input("steps of the specification, 6 µm as in the paper")
 MADE = known_input("three times 0.5 %, the bound that the paper states for the s.d. of the slope at 0.9 µm")
-DENSITY = closed_form(height_densities.slope, "eq. S3, slope of the exponential density")
+DENSITY = closed_form(reference.slope, "eq. S3, slope of the exponential density")
 FORCES = second_method(independent.areas, "σB times the areas of the heights, eq. S1, with numpy")
 LINE = second_method(stats.linregress, "Student's quantile times the standard error of the slope, with scipy")
 DRAWN = known_input("the draws that the check puts in, and the tilt x tan φ + y tan φ of the paper's SM")
@@ -71,7 +71,7 @@ def _target(found: Flow) -> list[Check | Result]:
     return [
         near("1 target: slope m of the rescaled law", _slope(found.design), slope, ROUNDING, RESCALED),
         near("2 inversion: slope of the density with the scale λ",
-             height_densities.slope(scale, RADIUS, height), slope, ROUNDING, DENSITY),
+             reference.slope(scale, RADIUS, height), slope, ROUNDING, DENSITY),
         reported("2 inversion: scale λ [µm]", 1e3 * scale, "mf.design"),
     ]  # fmt: skip
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from metafem.calibration import ContactCalibration, Sample, ShearCalibration, fit_compression, shear
 from metafem.drawing import ACHIEVED, MEASURED, QUIET, TARGET
-from metafem.reference.single_contacts import hertz
+from metafem.reference import hertz
 from validation.calibration.contact_calibration import results
 from validation.check import Claim, Difference, Picture, Row, near, reported
 from validation.figures import panels

@@ -15,8 +15,7 @@ from metafem.errors import InvalidInput, NotConverged, refuse_if
 from metafem.models.adhesion.contacts import TOLERANCE, Scene, States
 from metafem.models.adhesion.path import loaded, loading, unloading
 from metafem.models.curve import Curve, RescaledState, Sensitivity
-from metafem.models.interacting.coupled import Coupled, refuse_wide
-from metafem.models.interacting.influence import close_pairs, coupling_between
+from metafem.models.interacting.influence import Coupled, close_pairs, coupling_between, refuse_wide
 from metafem.models.load_equation import LoadEquation
 from metafem.notes import Note, information
 from metafem.surface import Surface

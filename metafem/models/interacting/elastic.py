@@ -27,8 +27,7 @@ from metafem.models.curve import (
     refuse_unloading,
     solved,
 )
-from metafem.models.interacting.coupled import Coupled, refuse_wide
-from metafem.models.interacting.influence import coupling_between
+from metafem.models.interacting.influence import Coupled, coupling_between, refuse_wide
 from metafem.models.interacting.newton_krylov import NOT_RECORDED, ContactEquations, large_scene
 from metafem.models.interacting.newton_krylov import TOLERANCE as FAST_TOLERANCE
 from metafem.models.interacting.sums import find_grid, find_lattice

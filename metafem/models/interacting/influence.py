@@ -1,4 +1,4 @@
-"""Influence of asperities on each other, cached for later calls with the same sites."""
+"""Coupled asperities, and their influence on each other, cached for later calls with the same sites."""
 
 from __future__ import annotations
 
@@ -6,24 +6,28 @@ import math
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass, field
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 import scipy
 
 from metafem._kernels.equations import Coupling
 from metafem._validate import FloatArray, IntArray
+from metafem.contact import Contact
+from metafem.contact.pedestal import TALLEST, pedestal_influence
 from metafem.errors import refuse_if
 from metafem.material import PeriodicCell
 from metafem.models._resources import require_memory
+from metafem.models.curve import RescaledState
 from metafem.models.interacting.scattered import fast_sums
-from metafem.models.interacting.sums import Sums, find_grid, require_series
+from metafem.models.interacting.sums import find_grid, require_series
+from metafem.notes import Note, information
 from metafem.substrate import Radial, Substrate
 from metafem.surface import Surface
 
-# Number of cached influences, and largest number of asperities for which the influence is cached. The seven
-# matrices of 256 sites take 3.5 MiB. Of larger scenes only the last one is cached, up to 1000 asperities: its
-# matrices take 53 MiB. Computing them takes as long as 10 loads of a curve.
-KEPT_FIELDS, MOST_KEPT, MOST_LAST = 8, 256, 1000
+# Largest numbers of asperities of which eight influences, and the last one, are cached. The seven matrices of
+# 256 sites take 3.5 MiB, those of 1000 sites 53 MiB; computing them takes as long as 10 loads of a curve.
+MOST_KEPT, MOST_LAST = 256, 1000
 
 # Largest number of asperities in a periodic cell; the sums for 2000 take seconds and 0.5 GB.
 MOST_PERIODIC = 2000
@@ -50,10 +54,30 @@ class Sites:
     cell: PeriodicCell | None
     surface: Surface = field(compare=False)
 
-    @classmethod
-    def of(cls, surface: Surface) -> Sites:
-        """Return the sites of a surface."""
-        return cls(surface.position.tobytes(), surface.cell, surface)
+
+def cached(
+    function: Callable[[Any, int, Surface], Any],
+    substrate: Substrate | None,
+    order: int,
+    surface: Surface,
+    several: float,
+    last: float = 0,
+) -> Any:
+    """Return function(substrate, order, surface), which does not depend on the heights, from a cache.
+
+    The cache has eight results for sites of at most `several` asperities, and one for at most `last`.
+    """
+    if surface.count > max(several, last) or not isinstance(substrate, Hashable):
+        return function(substrate, order, surface)
+    sites = Sites(surface.position.tobytes(), surface.cell, surface)
+    return (_several if surface.count <= several else _last)(function, substrate, order, sites)
+
+
+def _of_sites(function: Callable[..., Any], substrate: Any, order: int, sites: Sites) -> Any:
+    return function(substrate, order, sites.surface)
+
+
+_several, _last = lru_cache(8)(_of_sites), lru_cache(1)(_of_sites)
 
 
 def coupling_between(surface: Surface, bound: Substrate, order: int) -> tuple[Coupling, FloatArray]:
@@ -61,11 +85,10 @@ def coupling_between(surface: Surface, bound: Substrate, order: int) -> tuple[Co
 
     bound: the substrate with the thickness and the material of the surface.
     """
-    # a radial influence depends only on the sites
-    if isinstance(bound, Radial) and isinstance(bound, Hashable) and surface.count <= MOST_LAST:
-        cached = _kept if surface.count <= MOST_KEPT else _last
-        return cached(bound, order, Sites.of(surface))
-    return _computed(bound, order, surface)
+    if not isinstance(bound, Radial):
+        return _computed(bound, order, surface)
+    found: tuple[Coupling, FloatArray] = cached(_computed, bound, order, surface, MOST_KEPT, MOST_LAST)
+    return found
 
 
 def displacements(surface: Surface, bound: Substrate) -> Callable[[FloatArray], FloatArray]:
@@ -77,10 +100,7 @@ def displacements(surface: Surface, bound: Substrate) -> Callable[[FloatArray], 
     if surface.count <= MOST_KEPT or not isinstance(bound, Radial) or _scattered(surface):
         coupling, regular = coupling_between(surface, bound, 1)
         return lambda load: load @ coupling.source + regular * load
-    if surface.count > MOST_KEPT_SUMS or not isinstance(bound, Hashable):
-        sums = fast_sums(surface, bound, 1)
-    else:
-        sums = _kept_sums(bound, Sites.of(surface))
+    sums = cached(fast_sums, bound, 1, surface, MOST_KEPT_SUMS)
     own = sums.self_influence
     return lambda load: np.array([sums.displacement(row) for row in load]) + own * load
 
@@ -96,7 +116,8 @@ def neighbours(surface: Surface) -> tuple[FloatArray, IntArray, FloatArray]:
     There are `NEIGHBOURS`, for few asperities `MOST_KEPT` or all. With a cell they include sites of other
     periods, in particular those of the site itself.
     """
-    return (_kept_neighbours if surface.count <= MOST_KEPT_SUMS else _neighbours)(Sites.of(surface))
+    found: tuple[FloatArray, IntArray, FloatArray] = cached(_neighbours, None, 0, surface, MOST_KEPT_SUMS)
+    return found
 
 
 def close_pairs(surface: Surface, reach: float) -> tuple[IntArray, IntArray, FloatArray]:
@@ -116,8 +137,8 @@ def close_pairs(surface: Surface, reach: float) -> tuple[IntArray, IntArray, Flo
     return site[kept], other[kept], distance[kept]
 
 
-def _neighbours(sites: Sites) -> tuple[FloatArray, IntArray, FloatArray]:
-    position, cell = sites.surface.position, sites.cell
+def _neighbours(_substrate: None, _order: int, surface: Surface) -> tuple[FloatArray, IntArray, FloatArray]:
+    position, cell = surface.position, surface.cell
     images, some = position, 1 + (MOST_KEPT if len(position) <= MOST_KEPT else NEIGHBOURS)
     if cell is not None:
         # periods on each side, so that there are enough sites at the distances of the neighbours
@@ -130,25 +151,8 @@ def _neighbours(sites: Sites) -> tuple[FloatArray, IntArray, FloatArray]:
     return distance, other % len(position), position[:, None] - images[other]
 
 
-_kept_neighbours = lru_cache(maxsize=KEPT_FIELDS)(_neighbours)
-
-
-@lru_cache(maxsize=KEPT_FIELDS)
-def _kept(substrate: Radial, order: int, sites: Sites) -> tuple[Coupling, FloatArray]:
-    """Return the cached influence between sites; it does not depend on the heights."""
-    return _computed(substrate, order, sites.surface)
-
-
-@lru_cache(maxsize=1)
-def _last(substrate: Radial, order: int, sites: Sites) -> tuple[Coupling, FloatArray]:
-    """Return the cached influence between the sites of the last larger scene."""
-    return _computed(substrate, order, sites.surface)
-
-
-@lru_cache(maxsize=KEPT_FIELDS)
-def _kept_sums(substrate: Radial, sites: Sites) -> Sums:
-    """Return the cached sums over sites; they do not depend on the heights."""
-    return fast_sums(sites.surface, substrate, 1)
+def _nearest(_substrate: None, _order: int, surface: Surface) -> float:
+    return float(scipy.spatial.cKDTree(surface.position).query(surface.position, k=2)[0][:, 1].min())
 
 
 def _computed(substrate: Substrate, order: int, surface: Surface) -> tuple[Coupling, FloatArray]:
@@ -177,3 +181,65 @@ def _computed(substrate: Substrate, order: int, surface: Surface) -> tuple[Coupl
     if isinstance(substrate, Radial):
         return Coupling(source, source), regular
     return Coupling(source, np.concatenate([influence, laplacian.T, -x.T, -y.T], axis=1)), regular
+
+
+def refuse_wide(surface: Surface, contact_radius: float) -> None:
+    """Raise InvalidInput if a contact radius [mm] exceeds half of the shorter side of a periodic cell."""
+    if surface.cell is None:
+        return
+    side = min(surface.cell.width, surface.cell.length)
+    refuse_if(
+        2.0 * contact_radius > side,
+        f"a contact of radius {contact_radius:.4g} mm is wider than the periodic cell of {side:g} mm; use "
+        "lighter loads or a larger cell",
+    )
+
+
+@dataclass(frozen=True)
+class Coupled:
+    """Asperities of one surface with their contact law, substrate and order."""
+
+    model: Any  # to which the states refer
+    surface: Surface
+    law: Contact  # for unit E*
+    substrate: Substrate  # with the thickness and the material of the surface
+    order: int
+    pedestal: bool
+
+    def pedestals(self, height: FloatArray, radius: FloatArray) -> FloatArray | float:
+        """Return the displacement of each summit by the compliance of its cap, per unit of P/E* [1/mm]."""
+        return pedestal_influence(height, radius)[0] if self.pedestal else 0.0
+
+    def on_pedestals(self, gradient: FloatArray, height: FloatArray, load: FloatArray) -> FloatArray:
+        """Return dA0/dh (k, n) [mm] with the change of the caps' compliance, at loads (k, n) [mm^2]."""
+        if not self.pedestal:
+            return gradient
+        return gradient * (1.0 - pedestal_influence(height, self.surface.radius)[1] * load)
+
+    def state(
+        self,
+        height: FloatArray,
+        load: FloatArray,
+        area: FloatArray,
+        indentation: FloatArray,
+        notes: tuple[Note, ...] = (),
+    ) -> RescaledState:
+        """Return the state of asperities (n,)."""
+        # the foot of a cap sinks with its summit, while the adjacent base hardly sinks; the shift of a
+        # contact adds less than a micrometre to the base gap
+        base = height - indentation - self.pedestals(height, self.surface.radius) * load
+        tall = int((self.surface.height > TALLEST * self.surface.radius).sum())
+        if self.pedestal and tall:
+            text = f"{tall} summits are higher than {TALLEST:g} R; their pedestals are taken as that high"
+            name, most = (
+                "height of a summit over its radius",
+                float((self.surface.height / self.surface.radius).max()),
+            )
+            notes += (Note(text, quantity=name, value=most, bound=TALLEST, remedies=("radius",)),)
+        if self.surface.cell is not None and not hasattr(self.substrate, "thickness"):
+            text = (
+                "the separation is measured from the mean plane of the deformed periodic surface: the mean "
+                "displacement of a half-space diverges and is left out"
+            )
+            notes += (information(text),)
+        return RescaledState(load, area, indentation, float(base.min()), self.model, notes)

@@ -197,7 +197,7 @@ class Interacting:
         InvalidInput
             If heights or loads are outside their range, or the layer is thinner than a contact radius.
         NotConverged
-            If a residual exceeds 1e-12 (1e-8 at all but the last of more than 40 loads), or 1e-9 if fast
+            If a residual exceeds 1e-12 (1e-10 at all but the last load), or 1e-9 if fast
             sums are used: above 2000 asperities, and for order 3 on a lattice above 400. All results are
             attached.
 

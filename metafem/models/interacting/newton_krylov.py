@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Hashable
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,7 @@ from metafem._kernels.law import Law
 from metafem._kernels.vectors import exact_sum
 from metafem._validate import FloatArray
 from metafem.errors import NotConverged
-from metafem.models.interacting.influence import MOST_KEPT_SUMS, Sites
+from metafem.models.interacting.influence import MOST_KEPT_SUMS, cached
 from metafem.models.interacting.scattered import fast_sums
 from metafem.models.interacting.sums import Coarse, Sums
 from metafem.progress import each
@@ -27,13 +27,9 @@ from metafem.surface import Surface
 # errors of fast sums.
 TOLERANCE, GOAL = 1e-9, 3e-10
 
-# Maximum number of Newton steps (about 6 are needed from independent contacts), of halvings of a step, and of
-# conjugate-gradient steps (about 5). What is not converged has a residual above the tolerance, or raises.
-MAX_STEPS, MAX_CUTS, MAX_INNER = 60, 20, 300
-
-# Largest residuals of linear equations, relative to their solution: of the first step of Newton's method; of
-# the tangents of orders 1 and 3, whose stiffness has twice as many digits; and of sensitivities.
-LOOSEST, TANGENT, SENSITIVITY = 0.1, {1: 1e-4, 3: 3e-4}, 1e-9
+# Maximum number of conjugate-gradient steps (about 5 are needed). What is not converged has a residual above
+# the tolerance, or raises.
+MAX_INNER = 300
 
 # Empty array that is passed for results that are not recorded.
 NOT_RECORDED = np.empty((0, 0))
@@ -120,8 +116,8 @@ class ContactEquations:
     def newton(self, z: FloatArray, approach: float, target: float) -> tuple[Iterate, float]:
         """Return the equilibrium at an approach or, if `target` > 0, at this load, and its approach."""
         at = self.respond(z, approach, target)
-        forcing = LOOSEST
-        for taken in range(MAX_STEPS):
+        forcing = loosest = 0.1  # largest residuals of linear equations, relative to their solution
+        for taken in range(60):  # about 6 are needed from independent contacts
             if not at.closed.any():
                 at = self.respond(approach - self.gap, approach, target)
             if at.diagonal.min() < 0.0:  # ill-posed: the self term outweighs the contact law
@@ -135,7 +131,7 @@ class ContactEquations:
             loads, shift, rest, _ = self.solve(at, -at.error, start, target > 0.0, goal)
             step = np.where(at.closed, at.compliance * loads, rest + shift) / at.state.bend
             length = 1.0
-            for _ in range(MAX_CUTS):
+            for _ in range(20):
                 new = self.respond(at.state.z + length * step, approach + length * shift, target)
                 if new.residual <= (1.0 - 0.25 * length) * at.residual or new.residual <= GOAL:
                     break
@@ -144,7 +140,7 @@ class ContactEquations:
                 break
             # proportional to the square of the last reduction: choice 2 of Eisenstat and Walker, SIAM J. Sci.
             # Comput. 17, 16 (1996), doi:10.1137/0917003
-            forcing = min(LOOSEST, max(0.9 * (new.residual / at.residual) ** 2, 1e-3))
+            forcing = min(loosest, max(0.9 * (new.residual / at.residual) ** 2, 1e-3))
             at, approach = new, approach + length * shift
             at.steps = taken + 1
         return at, approach
@@ -160,7 +156,8 @@ class ContactEquations:
         # the energy of the error relative to that of the tangent is at most the square of the residual,
         # divided by the compliances of independent contacts in parallel and of the scene
         alone = 1.0 / float((1.0 / at.diagonal[at.closed]).sum())
-        goal = TANGENT[self.order] * math.sqrt(alone / float(at.uniform.sum()))
+        tolerance = 1e-4 if self.order == 1 else 3e-4  # the stiffness has twice as many digits
+        goal = tolerance * math.sqrt(alone / float(at.uniform.sum()))
         share, _, rest, good = self.solve(
             at, np.zeros_like(start), start / float(start.sum()), True, goal, exact=True
         )
@@ -179,7 +176,7 @@ class ContactEquations:
             slopes = (2.0 * found.by_slope * slope for slope in (found.slope_x, found.slope_y))
             widened = widened + self.sums.displacement(none, 0.5 * found.by_curvature, *slopes)
         by_load = np.where(at.closed, math.pi * widened, 0.0)
-        goal = SENSITIVITY * float(by_load.max())
+        goal = 1e-9 * float(by_load.max())
         change, _, _, good = self.solve(at, by_load, none, True, goal, exact=True)
         if not good:
             raise NotConverged(f"the derivatives of A0 are not converged after {MAX_INNER} steps")
@@ -287,14 +284,6 @@ class ContactEquations:
 
 
 def large_scene(surface: Surface, substrate: Radial, order: int) -> tuple[Sums, Coarse]:
-    """Return the fast sums and the coarse model for the sites of a surface; the last ones are cached.
-
-    They do not depend on the heights.
-    """
-    keep = surface.count <= MOST_KEPT_SUMS and isinstance(substrate, Hashable)
-    return (_last if keep else _last.__wrapped__)(Sites.of(surface), substrate, order)
-
-
-@lru_cache(maxsize=1)
-def _last(sites: Sites, substrate: Radial, order: int) -> tuple[Sums, Coarse]:
-    return fast_sums(sites.surface, substrate, order), Coarse(sites.surface.position, substrate)
+    """Return the fast sums of a surface, the last of which are cached, and its coarse model."""
+    sums = cached(fast_sums, substrate, order, surface, 0, MOST_KEPT_SUMS)
+    return sums, Coarse(surface.position, substrate)

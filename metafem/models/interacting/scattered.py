@@ -23,8 +23,7 @@ from scipy.sparse import csr_array, vstack
 from scipy.spatial import cKDTree
 from scipy.special import erfc
 
-from metafem._kernels import mesh
-from metafem._kernels.layer import WIDTH, empty_results, fill_regular, tabulated
+from metafem._kernels import layer
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 from metafem.models._resources import THREADS, require_memory
@@ -40,26 +39,18 @@ CLOUD, WINDOW, POINTS = 24.0, 2.45 * 12, 12
 # since the longer waves, whose errors matter most, are farther from their images.
 BAND = 0.7
 
-# Distance, in layer thicknesses, beyond which the influence of a layer is below 2e-11 of that of a half-space
-# for any Poisson's ratio, and number of grid steps per thickness: the Fourier components of the regular part
-# decrease as k t exp(-2 k t), to 1e-12 with 7 steps.
-LAYER_REACH, LAYER_STEPS = 35.0, 7.0
-
 # Number of grid steps beyond the scene within which the distance along each axis becomes constant, so that
 # the field on the periodic grid is smooth. The slope of the distance follows an error function with 1/12 of
 # these steps as its width. At both ends the remaining jump is 1e-17. At the end of the band, the Fourier
 # components are 1e-12.
-MARGIN, WIDTHS = 80, 12.0
+MARGIN = 80
 
 # Pieces of the table of the near influence: on 1/32 of the reach, polynomials of degree 9 represent
 # wavenumbers up to 30 over the reach with an error of 1e-13.
-END = 32 * WIDTH
+END = 32 * layer.WIDTH
 
 # Nodes and weights of a quadrature over the window, from -1 to 1.
 NODE, WEIGHT = np.polynomial.legendre.leggauss(80)
-
-# Number of rows that are summed exactly to check the sums, and of pairs that are listed at once.
-SAMPLE, PAIRS = 16, 2_000_000
 
 
 def window(x: FloatArray, shape: float) -> FloatArray:
@@ -85,7 +76,7 @@ def split_table() -> FloatArray:
         value = bell @ weight, first @ (NODE * weight), second @ (NODE**2 * weight)
         return tuple(-part / END**power for power, part in enumerate(value, start=1))
 
-    return tabulated(smooth, END)
+    return layer.tabulated(smooth, END)
 
 
 @dataclass(frozen=True)
@@ -94,21 +85,9 @@ class Near(Radial):
 
     reach: float
 
-    @property
-    def self_influence(self) -> float:
-        """Minus the smooth part at r = 0 [1/mm]."""
-        return float(self.regular_derivatives(np.zeros(1))[0][0])
-
-    @property
-    def self_curvature(self) -> float:
-        """Second derivative of minus the smooth part at r = 0 [1/mm^3]."""
-        return float(self.regular_derivatives(np.zeros(1))[2][0])
-
     def regular_derivatives(self, distance: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return minus the smooth parts of G [1/mm], G' [1/mm^2] and G'' [1/mm^3] at distances [mm]."""
-        parts = empty_results(np.size(distance))
-        fill_regular(np.ravel(distance), self.reach / END, split_table(), *parts)
-        value, first, second = (part.reshape(np.shape(distance)) for part in parts)
+        value, first, second = layer.regular(distance, self.reach / END, split_table())
         return value, first, second
 
 
@@ -119,7 +98,8 @@ class ScatteredSums(Sums):
         self.position, self.substrate = position, substrate
         self.self_influence = substrate.self_influence
         thickness = getattr(substrate, "thickness", math.inf)
-        far = LAYER_REACH * thickness
+        # beyond 35 t the influence of a layer is below 2e-11 of that of a half-space for any Poisson's ratio
+        far = 35.0 * thickness
         tree, some = cKDTree(position), position[:: max(1, len(position) // 100)]
         # the near pairs, and the grid with its transforms, take about the same memory and time; the spacing
         # is that of most neighbours, on which positions far away have no influence
@@ -129,8 +109,9 @@ class ScatteredSums(Sums):
         while pairs < cells and reach < far:
             reach = min(1.2 * reach, far)
             near = float(tree.query_ball_point(some, reach, return_length=True).mean())
-            # one step suffices if the layer is so thin that the grid is zero
-            step = min(BAND * math.pi * reach / CLOUD, thickness / LAYER_STEPS)
+            # seven steps per thickness, because the Fourier components of the regular part decrease as k t
+            # exp(-2 k t), then to 1e-12; one step suffices if the layer is so thin that the grid is zero
+            step = min(BAND * math.pi * reach / CLOUD, thickness / 7.0)
             self._lay(step if reach < far else float(np.ptp(position)))
             pairs, cells = 0.5 * per_pair * near * len(position), per_cell * math.prod(self.span)
         needed = pairs + cells + 300.0 * len(position)
@@ -140,7 +121,7 @@ class ScatteredSums(Sums):
         if reach == far:
             part = substrate
             way = f"pairs beyond {reach:.3g} mm were left out, where the layer is below 2e-11 of a half-space"
-        self.note = f"{len(position)} scattered positions: {way}; {SAMPLE} rows were checked exactly"
+        self.note = f"{len(position)} scattered positions: {way}; 16 rows were checked exactly"
         place = (position - self.origin)[:, ::-1] / self.step
         first = np.ceil(place - 0.5 * POINTS)
         away = (first - place)[..., None] + np.arange(POINTS)
@@ -148,7 +129,8 @@ class ScatteredSums(Sums):
         self.spectra = self._transforms(part, order)
         # the smooth parts at the source are subtracted; the curvature of the regular part is retained
         self.own = part.self_influence - self.self_influence, 2.0 * part.self_curvature
-        self.pairs = _upper_pairs(tree, part, reach, order, 1 + int(PAIRS / near))
+        # about two million pairs are listed at once
+        self.pairs = _upper_pairs(tree, part, reach, order, 1 + int(2e6 / near))
 
     def _lay(self, step: float) -> None:
         """Lay a grid of a step [mm] over the positions."""
@@ -182,7 +164,7 @@ class ScatteredSums(Sums):
     def _distances(self, half: int, span: int) -> FloatArray:
         """Return distances along half of a cyclic axis [mm], exact up to `span` steps, then constant."""
         x = np.arange(half + 1.0)
-        width, middle = MARGIN / WIDTHS, span + 0.5 * MARGIN
+        width, middle = MARGIN / 12.0, span + 0.5 * MARGIN
         y = (x - middle) / width
         # integral of erfc((x - middle)/width)/2 from 0: x itself far below the middle
         bent = middle + 0.5 * width * (y * erfc(y) - np.exp(-(y**2)) / math.sqrt(math.pi))
@@ -191,13 +173,13 @@ class ScatteredSums(Sums):
     def put(self, source: FloatArray) -> FloatArray:
         """Return the grid of sources (n,)."""
         field = np.zeros(self.span)
-        mesh.spread(self.first, self.weight, source, field)
+        layer.spread(self.first, self.weight, source, field)
         return field
 
     def take(self, field: FloatArray) -> FloatArray:
         """Return the values (n,) of a field on the padded grid."""
         result = np.empty(len(self.first))
-        mesh.gather(self.first, self.weight, field, result)
+        layer.gather(self.first, self.weight, field, result)
         return result
 
     def near(self, index: int, source: FloatArray) -> FloatArray:
@@ -209,7 +191,7 @@ class ScatteredSums(Sums):
     def error(self, load: FloatArray) -> float:
         """Return the largest error [mm] of G p at some of the loaded positions."""
         loaded = np.flatnonzero(load)
-        rows = loaded[:: max(1, len(loaded) // SAMPLE)]
+        rows = loaded[:: max(1, len(loaded) // 16)]
         found = self.displacement(load)[rows]
         for k, row in enumerate(rows):
             others = loaded[loaded != row]
@@ -237,7 +219,7 @@ def _upper_pairs(tree: cKDTree, near: Radial, reach: float, order: int, rows: in
     return [vstack(parts, format="csr") for parts in zip(*blocks, strict=True)]
 
 
-def fast_sums(surface: Surface, substrate: Radial, order: int) -> Sums:
+def fast_sums(substrate: Radial, order: int, surface: Surface) -> Sums:
     """Return the sums for a surface."""
     if surface.cell is not None:
         grid = find_grid(surface.position, surface.cell)

@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import metafem as mf
-from metafem.reference import single_contacts as published
+from metafem import reference as published
 
 RADIUS = 0.526
 MATERIALS = [mf.Material(1.36, nu) for nu in (0.0, 0.3, 0.5)]

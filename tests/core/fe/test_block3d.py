@@ -11,13 +11,11 @@ from hypothesis import strategies as st
 from skfem.helpers import ddot, div, sym_grad
 
 import metafem as mf
+from metafem import reference
 from metafem.fe import Block3D
 from metafem.fe import block3d as module
 from metafem.fe.block3d import _solution
-from metafem.fe.influence import MOST_CELLS, graded_line, quarter_lines
-from metafem.fe.point_load import displacement, traction
-from metafem.fe.quarter import Quarter
-from metafem.reference import single_contacts
+from metafem.fe.quarter import MOST_CELLS, Quarter, displacement, graded_line, quarter_lines, traction
 
 BLOCK = mf.Block(20.0, 20.0, 7.2)
 
@@ -148,14 +146,14 @@ def test_derivatives_are_those_of_the_influence(coarse):
 
 def test_block_lies_between_layer_and_half_space(coarse):
     r = math.dist(SITES[0], SITES[1])
-    assert single_contacts.layer_influence(r, 7.2, 0.5) < coarse.matrix[0, 1] < 1.0 / (math.pi * r)
+    assert reference.layer_influence(r, 7.2, 0.5) < coarse.matrix[0, 1] < 1.0 / (math.pi * r)
 
 
 def test_result_is_read_back(coarse, monkeypatch):
     substrate, surface = Block3D(**COARSE), scene(SITES)
     assert substrate.is_kept(surface)
     _solution.cache_clear()
-    monkeypatch.setattr("metafem.fe.influence.site_influence", None)
+    monkeypatch.setattr("metafem.fe.quarter.site_influence", None)
     for stored, computed in zip(substrate.solution(surface), coarse, strict=True):
         np.testing.assert_array_equal(stored, computed)
 
@@ -165,7 +163,7 @@ def stored(coarse, tmp_path, monkeypatch):
     """The cache with a new folder and a stand-in for the computation."""
     calls = []
     monkeypatch.setattr(module, "cache_folder", lambda: tmp_path)
-    monkeypatch.setattr("metafem.fe.influence.site_influence", lambda *_: calls.append(1) or coarse)
+    monkeypatch.setattr("metafem.fe.quarter.site_influence", lambda *_: calls.append(1) or coarse)
 
     def computed():
         _solution.cache_clear()
@@ -202,7 +200,7 @@ class _Useless:
 
 
 def test_failed_factorisation_raises(monkeypatch):
-    monkeypatch.setattr("metafem.fe.linear_solve.splu", lambda *_, **__: _Useless())
+    monkeypatch.setattr("metafem.fe.elements.splu", lambda *_, **__: _Useless())
     with pytest.raises(mf.NotConverged, match="residual"):
         Block3D(cell=1.0, edge_cell=0.5).influence_matrix(scene(SITES[:1]))
 

@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 from skfem import MeshQuad
 
-from metafem.fe.elements import Body
+from metafem.fe.elements import Body, solve
 from metafem.fe.geometry import Cap, Flat, Oblate, named
-from metafem.fe.linear_solve import solve
 
 
 def test_uniaxial_compression_is_exact():

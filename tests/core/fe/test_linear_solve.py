@@ -5,7 +5,7 @@ import pytest
 from scipy.sparse import csr_array
 
 import metafem as mf
-from metafem.fe.linear_solve import RESIDUAL, solve
+from metafem.fe.elements import RESIDUAL, solve
 
 NONE = np.array([], dtype=np.intp)
 

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 
 import metafem as mf
+from metafem import reference as printed
 from metafem.contact.law import contacts
 from metafem.inversion.height_density import (
     ExponentialDensity,
@@ -18,7 +19,6 @@ from metafem.inversion.height_density import (
     slope_excess,
     uniform_slope,
 )
-from metafem.reference import height_densities as printed
 
 TOP, RADIUS = 0.12, 0.526
 

@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import quad
 from scipy.special import j0
 
-from metafem.reference import single_contacts as exact
+from metafem import reference as exact
 
 
 def test_power_law_of_two_is_hertz():

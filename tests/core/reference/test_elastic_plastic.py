@@ -2,7 +2,7 @@
 
 import pytest
 
-from metafem.reference.single_contacts import jackson_green, kogut_etsion
+from metafem.reference import jackson_green, kogut_etsion
 
 
 def test_below_yield_the_contact_is_hertz():

@@ -2,7 +2,7 @@
 
 import pytest
 
-from metafem.reference import height_densities as printed
+from metafem import reference as printed
 
 RADIUS, TOP = 0.526, 0.120
 

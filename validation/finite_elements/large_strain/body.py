@@ -14,8 +14,7 @@ from skfem import ElementQuadP
 
 from metafem._validate import FloatArray, IntArray
 from metafem.errors import NotConverged
-from metafem.fe.elements import Body, assembled
-from metafem.fe.linear_solve import solve
+from metafem.fe.elements import Body, assembled, solve
 from metafem.fe.prescribed_radius import Profile
 from validation.finite_elements.active_set import THRESHOLD
 from validation.finite_elements.large_strain import neo_hookean

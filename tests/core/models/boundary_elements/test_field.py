@@ -5,7 +5,7 @@ import pytest
 
 import metafem as mf
 from metafem import drawing
-from metafem.reference import single_contacts as exact
+from metafem import reference as exact
 from tests.models.scenes import single_contact
 
 MATERIAL = mf.Material(1.36)

@@ -121,7 +121,7 @@ def test_memory_is_that_of_the_machine_or_a_guess(monkeypatch):
 
     assert _resources.memory() > 2**28
     monkeypatch.setattr(_resources.os, "sysconf", unknown)
-    assert _resources.memory() == _resources.DEFAULT_MEMORY
+    assert _resources.memory() == 2**33
 
 
 def test_stopping_early_raises_with_the_state(monkeypatch):

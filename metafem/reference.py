@@ -1,13 +1,17 @@
-"""Closed-form solutions for one frictionless contact, and for the displacement of a layer around it.
+"""Closed-form solutions for comparison with computed results; no solver uses them.
 
-The composite modulus is 1. The formulas for elastic-plastic contacts are those published, including their
-jumps: indentation w* = w/w_c, load P/P_c and area A/A_c are relative to those of a Hertz contact at first
-yield. The displacement of a layer is computed by quadrature of its Hankel integral.
+- One frictionless contact, and the displacement of a layer around it. The composite modulus is 1. The
+  formulas for elastic-plastic contacts are those published, including their jumps: indentation w* = w/w_c,
+  load P/P_c and area A/A_c are relative to those of a Hertz contact at first yield. The displacement of a
+  layer is computed by quadrature of its Hankel integral.
+- Equations S3 to S8 as printed by Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234. For
+  small arguments they lose digits by cancellation; `metafem.inversion.height_density` evaluates them without.
 """
 
 from __future__ import annotations
 
 import math
+from math import erf, exp, pi, sqrt
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,16 +19,9 @@ from scipy.special import j0, jn_zeros
 
 from metafem._validate import FloatArray
 
-# Upper limit of the integrals, beyond which 1 - M is below 1e-38. With 12 Gauss points in each of 250 panels,
-# J0(x r/t) is integrated to rounding up to r = 30 t, where a panel contains about one period of J0.
-LAST, PANELS, POINTS = 50.0, 250, 12
-
 # Lattice sums end at this number of thicknesses, where the displacement of the layer has decayed to about
 # 1e-8: for nu = 0.5 it decays as exp(-0.739 r/t).
 LATTICE_EXTENT = 24.0
-
-# Number of terms of the Dini series; the last terms are 1e-11 of the sum.
-TERMS = 100_000
 
 
 def hertz(contact_radius: float, radius: float) -> tuple[float, float]:
@@ -183,7 +180,7 @@ def layer_cell(contact_radius: float, cell_radius: float, thickness: float, pois
     radial displacement and no shear. The displacement is a Dini series over the zeros of J1(k b):
     ``2/(pi b^2) sum M(k t) F(k a)/(k J0(k b)^2)``, F(x) = 3 (sin x - x cos x)/x^3.
     """
-    zeros = jn_zeros(1, TERMS)
+    zeros = jn_zeros(1, 100_000)  # the last terms are 1e-11 of the sum
     k = zeros / cell_radius
     x = k * contact_radius
     source = 3.0 * (np.sin(x) - x * np.cos(x)) / x**3
@@ -192,9 +189,74 @@ def layer_cell(contact_radius: float, cell_radius: float, thickness: float, pois
 
 
 def _layer_integral(r: FloatArray, thickness: float, poisson_ratio: float, power: int) -> FloatArray:
-    y, w = np.polynomial.legendre.leggauss(POINTS)
-    step = LAST / PANELS
-    x = (step * (np.arange(PANELS)[:, None] + 0.5 * (y + 1.0))).ravel()
-    weight = np.tile(0.5 * step * w, PANELS) * (layer_multiplier(x, poisson_ratio) - 1.0) * x**power
+    # up to x = 50, beyond which 1 - M is below 1e-38, in 250 panels, one of which contains about a period of
+    # J0 at r = 30 t
+    y, w = np.polynomial.legendre.leggauss(12)
+    x = (0.2 * (np.arange(250)[:, None] + 0.5 * (y + 1.0))).ravel()
+    weight = np.tile(0.1 * w, 250) * (layer_multiplier(x, poisson_ratio) - 1.0) * x**power
     waves = j0(np.multiply.outer(r / thickness, x))
     return np.asarray(waves @ weight / (math.pi * thickness))
+
+
+def k(x: float) -> float:
+    """Return the function k(x) of equation S5 [-]."""
+    return erf(sqrt(x)) - 2.0 / sqrt(pi) * sqrt(x) * exp(-x)  # eq. S5
+
+
+def g(x: float) -> float:
+    """Return the function g(x) of equation S4 [-]."""
+    return (1.0 - exp(-x)) / k(x)  # eq. S4
+
+
+def slope(scale: float, radius: float, max_height: float) -> float:
+    """Return the asymptotic slope m [-] of equations S3 and S7."""
+    return sqrt(pi * radius / scale) * g(max_height / scale)  # eq. S3
+
+
+def smallest_slope(radius: float, max_height: float) -> float:
+    """Return the slope m = ``3 pi/4 sqrt(R/h_m)`` [-] of a uniform density, the limit for large lambda."""
+    return 0.75 * pi * sqrt(radius / max_height)
+
+
+def slope_series(x: float) -> float:
+    """Return the relative excess of m over `smallest_slope`, ``x/10 + 13 x^2/1050`` [-], for small x.
+
+    It follows from the series of ``1 - exp(-x)`` and of k(x) in equation S4, with x = h_m/lambda. The next
+    term is of order x^3.
+    """
+    return x / 10.0 + 13.0 * x**2 / 1050.0
+
+
+def intercept(scale: float, radius: float, max_height: float, count: int) -> float:
+    """Return the intercept alpha of the asymptote [mm^2]."""
+    x = max_height / scale
+    gamma = x * exp(-x) / (1.0 - exp(-x)) * (4.0 / (3.0 * sqrt(pi)) * sqrt(x) * g(x) - 1.0)
+    return pi * count * radius * scale * gamma
+
+
+def branch_factors(scale: float, max_height: float, crossover: float, weight: float) -> tuple[float, float]:
+    """Return the factors alpha_1 and alpha_2 [1/mm] of equation S8."""
+    second = weight / (scale * (1.0 - exp(-max_height / scale)))
+    rest = 1.0 - scale * second * (exp(-crossover / scale) - exp(-max_height / scale))
+    return rest / (scale * (1.0 - exp(-crossover / scale))), second
+
+
+def second_slope(scale: float, radius: float, max_height: float, crossover: float, weight: float) -> float:
+    """Return the asymptotic slope m_2 [-] of the second branch, first line of equation S8."""
+    first, second = branch_factors(scale, max_height, crossover, weight)
+    top, middle = exp(-max_height / scale), exp(-crossover / scale)
+    above = first - second * top - (first - second) * middle
+    below = (first - second) * k(crossover / scale) + second * k(max_height / scale)
+    return sqrt(pi * radius / scale) * above / below  # eq. S8, m_2
+
+
+def crossover_load(
+    scale: float, radius: float, max_height: float, crossover: float, weight: float, count: int
+) -> float:
+    """Return the load P_c/E* [mm^2] when the plane reaches the crossover height, second line of eq. S8."""
+    _, second = branch_factors(scale, max_height, crossover, weight)
+    depth = max_height - crossover
+    inner = 0.75 * sqrt(pi * scale) * scale**2 * exp(-crossover / scale) * erf(sqrt(depth / scale))
+    outer = scale * exp(-max_height / scale) * 0.5 * sqrt(depth)
+    outer *= 2.0 * crossover - 3.0 * scale - 2.0 * max_height
+    return 4.0 / 3.0 * count * sqrt(radius) * second * (inner + outer)  # eq. S8, P_c/E*

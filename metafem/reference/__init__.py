@@ -1,1 +1,0 @@
-"""Closed-form solutions for comparison with computed results; no solver uses them."""
