@@ -16,7 +16,7 @@ from metafem import drawing
 from metafem._validate import FloatArray
 from metafem._values import MICROMETRES, Value, span
 from metafem.caps import SPHERE, Cap
-from metafem.caps.cap import caps_of
+from metafem.caps.shapes import caps_of
 from metafem.drawing import card
 from metafem.errors import InvalidInput, refuse_if
 from metafem.material import Block, Friction, Material, PeriodicCell

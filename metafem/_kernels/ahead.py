@@ -9,9 +9,9 @@ import numpy as np
 from numba import typeof
 
 from metafem._kernels import compiled
-from metafem._kernels.contact.tabulated import Law
 from metafem._kernels.curve import curves
 from metafem._kernels.equations import Coupling, State
+from metafem._kernels.law import hertz_law
 
 
 def start() -> None:
@@ -24,8 +24,8 @@ def start() -> None:
 
 def compile_curves() -> None:
     """Compile `curves` and all that it calls."""
-    matrix, vector, index = np.empty((1, 1)), np.empty(1), np.empty((1, 1), np.int64)
-    coupling, law = Coupling(matrix, matrix), Law(matrix, index, matrix, matrix)
+    matrix, vector = np.empty((1, 1)), np.empty(1)
+    coupling, law = Coupling(matrix, matrix), hertz_law(matrix)
     work, found = State(1), np.empty((7, 1, 1))
     given = coupling, 3, law, matrix, matrix, vector, True, found, work.block, work.closed, matrix, matrix
     curves.compile(tuple(map(typeof, given)))

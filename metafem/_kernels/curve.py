@@ -11,13 +11,14 @@ from typing import NamedTuple
 
 import numpy as np
 
+from metafem._kernels import law as contact
 from metafem._kernels.compiled import compiled, inlined
-from metafem._kernels.contact import hertz, tabulated
 from metafem._kernels.equations import FOOTPRINT, INDENTATION, LOAD, SQUARE, Z, copy, linearise, spread
 from metafem._kernels.newton import (
     DIAGONAL,
     IMAGE,
     KEPT,
+    MANY,
     ON_CURVE,
     RHS,
     STEP_LOADS,
@@ -70,9 +71,9 @@ def empty_memory(count: int) -> Memory:
 def load_and_rate(law, i, z):
     """Return the load of asperity i at a nominal indentation z > 0 and its derivative."""
     if law.data.size == 0:
-        a = hertz.contact_radius(law.radius[i], z)
-        return hertz.LOAD * a * z, hertz.STIFFNESS * a
-    return tabulated.load_and_rate(law.data, law.which[i], law.scale[i], z)
+        a = contact.contact_radius(law.radius[i], z)
+        return contact.LOAD * a * z, contact.STIFFNESS * a
+    return contact.load_and_rate(law.data, law.which[i], law.scale[i], z)
 
 
 @compiled
@@ -82,9 +83,9 @@ def uniform_approach(gap, law, load):
     x = math.inf
     for i in range(gap.size):  # asperity i needs this approach to carry the load by itself: an upper bound
         if data.size == 0:
-            alone = hertz.indentation_at_load(radius[i], load)
+            alone = contact.hertz_indentation(radius[i], load)
         else:
-            alone = tabulated.indentation_at_load(data, which[i], scale[i], load)
+            alone = contact.indentation_at_load(data, which[i], scale[i], load)
         x = min(x, gap[i] + alone)
     low, high = gap.min(), math.inf
     for _ in range(60):
@@ -190,9 +191,9 @@ def independent_start(gap, law, control, by_load, z):
 def curves(field, order, law, self_term, gap, control, by_load, found, s, closed, matrix, all_z):
     """Fill `found` (7, m, k), the results of m surfaces, and `all_z` (k, n), z of the last one, unless empty.
 
-    self_term, gap and the arrays of the law are (m, n); control (k,) has increasing loads or approaches. The
-    last equilibrium of each surface is solved to TOLERANCE, the others to ON_CURVE. s: block of `equations`;
-    matrix: (n, n), empty for order 1.
+    self_term, gap and the arrays of the law are (m, n); control (k,) has increasing loads or approaches. If
+    there are more than MANY, only the last equilibrium is solved to TOLERANCE, the others to ON_CURVE. s:
+    block of `equations`; matrix: (n, n), empty for order 1.
     """
     n = gap.shape[1]
     results = Results(found[0], found[1], found[2], found[3], found[4], found[5], found[6])
@@ -200,7 +201,7 @@ def curves(field, order, law, self_term, gap, control, by_load, found, s, closed
     load_rate = np.zeros(n)
     for row in range(gap.shape[0]):
         points = 0
-        law_of_row = tabulated.part(law, row)
+        law_of_row = contact.part(law, row)
         for j in range(control.size):
             results.approach[row, j] = 0.0 if by_load else control[j]
             if control[j] <= 0.0:
@@ -212,7 +213,7 @@ def curves(field, order, law, self_term, gap, control, by_load, found, s, closed
                     copy(s[Z], all_z[j])
                 continue
             target = control[j] if by_load else 0.0
-            tolerance = ON_CURVE if j + 1 < control.size else TOLERANCE
+            tolerance = ON_CURVE if j + 1 < control.size and control.size > MANY else TOLERANCE
             alone = points == 0
             while True:
                 if alone:

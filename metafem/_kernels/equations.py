@@ -14,7 +14,7 @@ and the contact is shifted by -R g. Order 1 has k = g = 0.
 The unknown of a contact is its nominal indentation z: the indentation at which the law without extra
 curvature has the load p. If z < 0 the asperity is open, with the gap -z. In the order of evaluation:
 
-- `press`: p, dp/dz, a and T from z, by Hertz's law here and by all other laws in `contact.tabulated`;
+- `press`: p, dp/dz, a and T from z, by Hertz's law here and by all other laws in `law`;
 - `respond`: u = G p, k and g, the fields of the loads, and -dT/dp |g|^2, by which a slope raises a contact;
 - `sharpen`: a, d and M under the extra curvature k, for Hertz's law with 1/R + k in place of 1/R;
 - `add_moments`: M/4 lap G and the field of the tilted contacts, added to u;
@@ -30,8 +30,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from metafem._kernels import law as contact
 from metafem._kernels.compiled import compiled
-from metafem._kernels.contact import hertz, tabulated
 from metafem._kernels.vectors import largest, total_of
 
 # Largest product of curvature and radius for which one step of Halley's method from the third-order series of
@@ -173,10 +173,10 @@ def press(law, order, s, closed):
     if data.size == 0:
         for i in range(s.shape[1]):
             d = s[Z, i] if s[Z, i] > 0.0 else 0.0
-            a = hertz.contact_radius(radius[i], d)
+            a = contact.contact_radius(radius[i], d)
             s[SQUARE, i] = radius[i] * d
-            s[RATE, i] = hertz.STIFFNESS * a
-            s[LOAD, i] = hertz.LOAD * a * d
+            s[RATE, i] = contact.STIFFNESS * a
+            s[LOAD, i] = contact.LOAD * a * d
             s[LEVER, i] = s[LOAD, i] * radius[i]
             s[LEVER_RATE, i] = radius[i]
         return count
@@ -184,16 +184,16 @@ def press(law, order, s, closed):
         at, z = which[i], s[Z, i]
         if not z > 0.0:
             s[LOAD, i] = s[SQUARE, i] = 0.0
-            s[LEVER_RATE, i] = 2.0 * data[at, tabulated.LEVER_START] * scale[i]
+            s[LEVER_RATE, i] = 2.0 * data[at, 2] * scale[i]
             continue
-        s[OUTSIDE, i] = 0.0 if tabulated.covers(data, at, scale[i], z) else 1.0
+        s[OUTSIDE, i] = 0.0 if contact.covers(data, at, scale[i], z) else 1.0
         if order == 1:
-            s[LOAD, i], s[RATE, i], s[SQUARE, i], s[WIDENING, i] = tabulated.pressed(data, at, scale[i], z)
+            s[LOAD, i], s[RATE, i], s[SQUARE, i], s[WIDENING, i] = contact.pressed(data, at, scale[i], z)
         else:
             (
                 s[LOAD, i], s[RATE, i], s[SQUARE, i], s[WIDENING, i],
                 s[LEVER, i], s[LEVER_RATE, i], s[LEVER_BEND, i],
-            ) = tabulated.tilted(data, at, scale[i], z)  # fmt: skip
+            ) = contact.tilted(data, at, scale[i], z)  # fmt: skip
     return count
 
 
@@ -210,13 +210,13 @@ def sharpen(law, s, closed, count):
             y3 = y * y * y
             touching = s[Z, i] > 0.0
             s[BEND, i] = y * (y3 + 2.0 * cube) / (2.0 * y3 + cube) if touching else 1.0
-            s[OUTSIDE, i] = 1.0 if touching and not cube > tabulated.LEAST_CURVATURE else 0.0
+            s[OUTSIDE, i] = 1.0 if touching and not cube > contact.LEAST_CURVATURE else 0.0
             far += 1 if touching and abs(extra) > NEAR_ONE else 0
         if far > 0:
             for k in range(count):
                 i = closed[k]
                 cube = 1.0 + 0.5 * radius[i] * s[CURVATURE, i]
-                s[BEND, i] = np.cbrt(max(cube, tabulated.LEAST_CURVATURE))
+                s[BEND, i] = np.cbrt(max(cube, contact.LEAST_CURVATURE))
         for i in range(s.shape[1]):
             bend = s[BEND, i]
             s[INDENTATION, i] = s[Z, i] * bend
@@ -225,7 +225,7 @@ def sharpen(law, s, closed, count):
         return
     for k in range(count):
         i = closed[k]
-        wide, depth, bend, widening, moment, inside = tabulated.bent(
+        wide, depth, bend, widening, moment, inside = contact.bent(
             data, which[i], scale[i], s[LOAD, i], s[SQUARE, i], s[WIDENING, i],
             0.5 * s[CURVATURE, i],
         )  # fmt: skip
@@ -252,7 +252,7 @@ def spread(order, law, s):
             slope = s[SLOPE_X, i] * s[SLOPE_X, i] + s[SLOPE_Y, i] * s[SLOPE_Y, i]
             (
                 s[FOOTPRINT, i], s[BY_LOAD, i], s[BY_CURVATURE, i], s[BY_SLOPE, i]
-            ) = tabulated.on_slope(data, which[i], scale[i], square, wider, slope)  # fmt: skip
+            ) = contact.on_slope(data, which[i], scale[i], square, wider, slope)  # fmt: skip
             continue
         s[BY_LOAD, i] = wider
         if order > 1:
@@ -355,7 +355,7 @@ def energy(order, law, gap, approach, s, closed, count):
         if plain:
             total += 0.6 * p * s[INDENTATION, i]
         else:
-            total += tabulated.complementary(
+            total += contact.complementary(
                 law.data, law.which[i], law.scale[i], order, s[Z, i], s[SQUARE, i], extra
             )
         total += p * (0.5 * s[DISPLACEMENT, i] - (approach - gap[i]))

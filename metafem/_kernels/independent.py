@@ -13,8 +13,8 @@ from functools import partial
 
 import numpy as np
 
+from metafem._kernels import law as contact
 from metafem._kernels.compiled import compiled
-from metafem._kernels.contact import hertz, tabulated
 from metafem._kernels.vectors import add
 
 # Maximum number of steps; each doubles the number of correct digits or halves the bracket.
@@ -44,7 +44,7 @@ def hertz_block(radius, gap, start, stop, base, depth):
         load += a * d
         slope += a
         area += square
-    return hertz.LOAD * load, hertz.STIFFNESS * slope, math.pi * area
+    return contact.LOAD * load, contact.STIFFNESS * slope, math.pi * area
 
 
 @compiled
@@ -54,7 +54,7 @@ def tabulated_block(law, gap, start, stop, base, depth):
     for i in range(start, stop):
         d = depth + (base - gap[i])
         if d > 0.0:
-            p, rate, square, _ = tabulated.pressed(law.data, law.which[i], law.scale[i], d)
+            p, rate, square, _ = contact.pressed(law.data, law.which[i], law.scale[i], d)
             load += p
             slope += rate
             area += square
@@ -88,8 +88,8 @@ def shallowest(gap, approach):
 def alone(law, load):
     """Return an upper bound of the approach [mm]: the tallest asperity carries the load by itself."""
     if law.data.size:  # the factor allows for the rounding of the tables
-        return tabulated.indentation_at_load(law.data, law.which[0], law.scale[0], load) * (1.0 + 1e-9)
-    return hertz.indentation_at_load(law.radius[0], load)
+        return contact.indentation_at_load(law.data, law.which[0], law.scale[0], load) * (1.0 + 1e-9)
+    return contact.hertz_indentation(law.radius[0], load)
 
 
 @compiled
@@ -113,7 +113,7 @@ def curves(law, gap, load, approach, carried, area, slope):
     """
     lasts, depths = np.zeros(gap.shape[0], dtype=np.int64), np.zeros(gap.shape[0])
     for row in range(gap.shape[0]):
-        own, gaps = tabulated.part(law, row), gap[row]
+        own, gaps = contact.part(law, row), gap[row]
         last, depth = 0, 0.0
         p = s = a = 0.0
         for j in range(load.size):
@@ -157,12 +157,12 @@ def rates(law, indentation, load, stiffness, area, area_slope):
             d = indentation[j, i]
             p = rate = square = widening = 0.0
             if d > 0.0 and law.data.size:
-                p, rate, square, by_load = tabulated.pressed(law.data, law.which[i], law.scale[i], d)
+                p, rate, square, by_load = contact.pressed(law.data, law.which[i], law.scale[i], d)
                 widening = by_load * rate
             elif d > 0.0:
                 widening = law.radius[i]
                 square = widening * d
-                rate = hertz.STIFFNESS * math.sqrt(square)
-                p = hertz.LOAD / hertz.STIFFNESS * rate * d
+                rate = contact.STIFFNESS * math.sqrt(square)
+                p = contact.LOAD / contact.STIFFNESS * rate * d
             load[j, i], stiffness[j, i] = p, rate
             area[j, i], area_slope[j, i] = math.pi * square, math.pi * widening

@@ -31,10 +31,9 @@ from metafem._kernels.equations import (
 )
 from metafem._kernels.vectors import dot, largest, total_of
 
-# Largest residual of a solution at which a state is returned, and at the other points of a curve: one step
+# Largest residual of a solution, and of all but the last ones along a curve of more than MANY loads: one step
 # from the prediction usually reaches the latter, because the matrix omits 1e-4 of its terms.
-TOLERANCE = 1e-12
-ON_CURVE = 1e-8
+TOLERANCE, ON_CURVE, MANY = 1e-12, 1e-8, 40
 
 # Residual of order 1 from which order 3 starts: their solutions differ by a percent.
 START = 1e-2

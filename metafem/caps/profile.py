@@ -14,32 +14,11 @@ from metafem import _validate as check
 from metafem._given import shown
 from metafem._validate import FloatArray
 from metafem._values import Value
-from metafem.caps.cap import Cap
-from metafem.caps.shapes import NO_CURVATURE
+from metafem.caps.shapes import NO_CURVATURE, Cap
 from metafem.errors import InvalidInput, refuse_if
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline, PchipInterpolator
-
-# Contact radii at which the integrals of a profile are computed: 64 in each of 30 factors of 2 below the
-# extent. With quintic splines between them D has a relative error of 1e-11 for a sphere up to a/R = 0.9, and
-# D' 3e-9.
-PER_OCTAVE, OCTAVES = 64, 30
-
-# Number of octaves below the extent within which the spacing falls to a tenth, because splines are less
-# accurate at their ends.
-END = 0.25
-
-# Number of nodes of the quadrature over a function. The variable of integration is the cube root of the
-# angle, in which fractional powers at the summit are smooth.
-NODES = 96
-
-# A function is smooth if splines through every other contact radius differ by less than this, relatively.
-SMOOTH = 1e-9
-
-# Distances from the axis, over the extent, at which the curvature 2 f/rho^2 of the summit of a function is
-# computed, and the largest relative difference of the two values for a summit with a curvature.
-NEAR_AXIS, SAME_CURVATURE = (2e-3, 1e-3), 1e-3
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -124,11 +103,11 @@ class Profile(Value, Cap):
 
     def summit_radius(self, radius: FloatArray) -> FloatArray:
         """Return 1/f''(0) [mm]; raise InvalidInput if f'' has no finite, positive limit at the summit."""
-        rho = np.array(NEAR_AXIS) * self.reach
+        rho = np.array([2e-3, 1e-3]) * self.reach  # near enough to the axis for 0.1 %, far enough for digits
         far, near = 2.0 * self.unit_profile(rho) / rho**2
         if not callable(self.profile):
             near = far = 2.0 * float(self.cubic(0.0, 1))
-        if not (near > 0.0 and abs(far / near - 1.0) < SAME_CURVATURE):
+        if not (near > 0.0 and abs(far / near - 1.0) < 1e-3):
             raise InvalidInput(NO_CURVATURE, key="cap", value=repr(self))
         return np.full_like(radius, 1.0 / near)
 
@@ -150,8 +129,10 @@ class Profile(Value, Cap):
     @cached_property
     def integrals(self) -> tuple[BSpline, BSpline]:
         """Splines of ln F and ln G over ln a."""
-        octave = np.arange(-PER_OCTAVE * OCTAVES, 1) / PER_OCTAVE
-        a = self.reach * 2.0 ** (octave * octave / (octave - END))  # ends at the extent, to the last bit
+        # 64 radii in each of 30 factors of 2 below the extent, to its last bit. The spacing falls to a tenth
+        # in the last quarter, where splines are less accurate. D is within 1e-11 up to a/R = 0.9 of spheres.
+        octave = np.arange(-64 * 30, 1) / 64
+        a = self.reach * 2.0 ** (octave * octave / (octave - 0.25))
         x, (rho, w, weight) = np.log(a), self._nodes(a[:, None])
         depth = self.unit_profile(rho)
         if callable(self.profile):
@@ -162,7 +143,8 @@ class Profile(Value, Cap):
         first, second = (scipy.interpolate.make_interp_spline(x, part, k=5) for part in y)
         coarse = scipy.interpolate.make_interp_spline(x[::2], y[0, ::2], k=5)
         refuse_if(
-            callable(self.profile) and (np.abs(coarse(x) - y[0]) > SMOOTH).any(),
+            # a smooth function differs by less from the spline through every other radius
+            callable(self.profile) and (np.abs(coarse(x) - y[0]) > 1e-9).any(),
             "profile: the function is not smooth up to the extent; use a smaller one, or give it as a table "
             "(rho, f)",
         )
@@ -176,7 +158,8 @@ class Profile(Value, Cap):
     def _nodes(self, a: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return rho, w and weights (m, nodes) of the quadrature over w at contact radii (m, 1) [mm]."""
         if callable(self.profile):
-            node, weight = np.polynomial.legendre.leggauss(NODES)
+            # fractional powers at the summit are smooth in the cube root of the angle
+            node, weight = np.polynomial.legendre.leggauss(96)
             cube = 0.5 * (node + 1.0)
             angle = 0.5 * np.pi * cube**3
             return a * np.sin(angle), a * np.cos(angle), a * np.sin(angle) * 0.75 * np.pi * cube**2 * weight

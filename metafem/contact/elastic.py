@@ -12,7 +12,7 @@ import numpy as np
 from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.caps import Cap, Caps, Paraboloid, Power
-from metafem.caps.cap import Values
+from metafem.caps.shapes import Values
 from metafem.contact.law import ROUNDING, SUMMIT, Contact, root
 from metafem.errors import InvalidInput
 
@@ -20,8 +20,97 @@ if TYPE_CHECKING:
     from metafem.surface import Surface
 
 
+class CapContact(Contact):
+    """Frictionless, non-adhesive elastic contact of caps, from their integrals D, P and M.
+
+    See `metafem.caps.Cap`. With the curvature k due to the displacement by other contacts,
+    ``d = D(a) + k a^2``, ``A = pi a^2``, ``P/E* = P(a) + 4/3 k a^3``, ``dP/dd = 2 a E*``, and the second
+    moment of the pressure is ``M(a) + 8/15 k a^5``.
+    """
+
+    largest_order: ClassVar[int] = 3
+    cap: Any  # of all asperities
+
+    @property
+    def similar(self) -> bool:  # type: ignore[override]
+        """Whether the law is the same for all R when all lengths are divided by R."""
+        return self.cap is not None and self.cap.scaled
+
+    @property
+    def power(self) -> float | None:
+        """Exponent n of the profile of all caps; None if it is no power."""
+        return getattr(self.cap, "exponent", None)
+
+    def depth_at(self, distance: Values, radius: Any) -> FloatArray:
+        """Return the depth f [mm] of the cap below its summit at a distance rho from the axis."""
+        return self._each(lambda cap, scale, rho: cap.depth_at(rho, scale), radius, distance)
+
+    def contact_radius(self, indentation: Values, radius: Any, curvature: Values = 0.0) -> FloatArray:
+        """Return the contact radius a [mm], the root of D(a) + k a^2 = d; 0 where the contact is open.
+
+        D(a) + k a^2 must increase with a, as it does for k >= 0.
+        """
+        return self._each(_contact_radius, radius, indentation, curvature)
+
+    def indentation(self, contact_radius: Values, radius: Any, curvature: Values = 0.0) -> FloatArray:
+        """Return the indentation d [mm]."""
+        a = np.asarray(contact_radius, dtype=np.float64)
+        return np.asarray(self._depth(a, radius)[0] + curvature * a**2)[()]
+
+    def load(self, contact_radius: Values, radius: Any, curvature: Values = 0.0) -> FloatArray:
+        """Return the rescaled load P/E* [mm^2]."""
+        a = np.asarray(contact_radius, dtype=np.float64)
+        return np.asarray(self._sums(a, radius)[0] + 4.0 / 3.0 * curvature * a**3)[()]
+
+    def second_moment(self, contact_radius: Values, radius: Any, curvature: Values = 0.0) -> FloatArray:
+        """Return the second moment of the pressure over E* [mm^4]."""
+        a = np.asarray(contact_radius, dtype=np.float64)
+        return np.asarray(self._sums(a, radius)[1] + 8.0 / 15.0 * curvature * a**5)[()]
+
+    def stiffness(self, contact_radius: Values, radius: Any, curvature: Values = 0.0) -> FloatArray:
+        """Return d(P/E*)/dd = 2 a [mm]."""
+        return np.multiply(2.0, contact_radius)
+
+    def area_slope(self, contact_radius: Values, radius: Any, curvature: Values = 0.0) -> FloatArray:
+        """Return dA/dd = 2 pi a/(D' + 2 k a) [mm]; 0 for an open contact."""
+        a = np.asarray(contact_radius, dtype=np.float64)
+        slope = np.where(a > 0.0, self._depth(a, radius)[1] + 2.0 * curvature * a, 1.0)
+        return np.asarray(2.0 * math.pi * a / slope)[()]
+
+    def _depth(self, a: FloatArray, radius: Any) -> tuple[FloatArray, FloatArray]:
+        def of(cap: Cap, scale: FloatArray, a: FloatArray) -> FloatArray:
+            depth, slope = cap.unit_depth(_unit(cap, a, scale))
+            return np.stack([scale * depth, slope])
+
+        return tuple(self._each(of, radius, a, shape=(2,)))
+
+    def _sums(self, a: FloatArray, radius: Any) -> tuple[FloatArray, FloatArray]:
+        def of(cap: Cap, scale: FloatArray, a: FloatArray) -> FloatArray:
+            load, moment = cap.unit_load(_unit(cap, a, scale))
+            return np.stack([scale**2 * load, scale**4 * moment])
+
+        return tuple(self._each(of, radius, a, shape=(2,)))
+
+    def _each(
+        self, function: Callable[..., FloatArray], radius: Any, *values: Values, shape: tuple[int, ...] = ()
+    ) -> FloatArray:
+        """Return a function of each cap, its scale [mm] and values, in the common shape of all arguments."""
+        if self.cap is None:
+            raise InvalidInput("Elastic() has no caps yet: use it in a model, or call bound(surface)")
+        summit, *given = np.broadcast_arrays(radius, *values)
+        if not isinstance(self.cap, Caps):
+            size = self.cap.scale(np.asarray(summit, dtype=np.float64))
+            return np.asarray(function(self.cap, size, *given))[()]
+        found = np.zeros((*shape, *summit.shape))
+        for k, cap in enumerate(self.cap.kinds):
+            own = summit["cap"] == k
+            some = (value[own] for value in given)
+            found[..., own] = function(cap, cap.scale(summit["radius"][own]), *some)
+        return found[()]
+
+
 @dataclass(frozen=True)
-class Hertz(Contact):
+class Hertz(CapContact):
     """Frictionless, non-adhesive elastic contact of a paraboloid of radius R and a rigid plane.
 
     With the contact radius a and the curvature ``1/R + k``, where k is due to the displacement by other
@@ -38,41 +127,12 @@ class Hertz(Contact):
     (array([0. , 0. , 0.2]), array([0.      , 0.      , 0.010667]))
     """
 
-    largest_order: ClassVar[int] = 3
-    similar: ClassVar[bool] = True
-
-    power: ClassVar[float] = 2.0
+    cap = Paraboloid()
 
     def contact_radius(self, indentation: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Return the contact radius a = sqrt(d/(1/R + k)) [mm]; 0 where the contact is open."""
         sharpened = 1.0 + np.multiply(radius, curvature)
         return np.sqrt(np.multiply(radius, np.maximum(indentation, 0.0)) / sharpened)
-
-    def indentation(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
-        """Return the indentation d = a^2 (1/R + k) [mm]."""
-        return np.square(contact_radius) * (np.divide(1.0, radius) + curvature)
-
-    def load(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
-        """Return the rescaled load P/E* = 4/3 a d [mm^2]."""
-        return np.asarray(4.0 / 3.0 * contact_radius * self.indentation(contact_radius, radius, curvature))
-
-    def second_moment(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
-        """Return the second moment of the pressure over E*, 2/5 P/E* a^2 [mm^4]."""
-        return np.asarray(0.4 * np.square(contact_radius) * self.load(contact_radius, radius, curvature))
-
-    def stiffness(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
-        """Return d(P/E*)/dd = 2 a [mm]."""
-        return np.multiply(2.0, contact_radius)
-
-    def depth_at(self, distance: Values, radius: Values) -> FloatArray:
-        """Return the depth rho^2/(2 R) [mm] of the cap below its summit at a distance rho from the axis."""
-        return np.divide(np.square(distance), np.multiply(2.0, radius))
-
-    def area_slope(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
-        """Return dA/dd = pi R/(1 + R k) [mm]; 0 for an open contact."""
-        return np.asarray(
-            math.pi * np.greater(contact_radius, 0.0) / (np.divide(1.0, radius) + np.asarray(curvature))
-        )
 
     def indentation_at_load(self, load: Values, radius: Values) -> FloatArray:
         """Return the indentation d = (3/4 P/E* / sqrt(R))^(2/3) [mm] of a contact without neighbours."""
@@ -84,7 +144,7 @@ PARABOLOID = Hertz()
 
 
 @dataclass(frozen=True, repr=False)
-class Elastic(Contact):
+class Elastic(CapContact):
     """Frictionless, non-adhesive elastic contact of each cap by its own profile.
 
     With the integrals D, P and M of the cap (`metafem.caps.Cap`) and the curvature k of the displacement by
@@ -109,8 +169,6 @@ class Elastic(Contact):
     array([0.03282, 0.00165])
     """
 
-    largest_order: ClassVar[int] = 3
-
     cap: Cap | None = None
 
     def __post_init__(self) -> None:
@@ -118,16 +176,6 @@ class Elastic(Contact):
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}({'' if self.cap is None else repr(self.cap)})"
-
-    @property
-    def similar(self) -> bool:  # type: ignore[override]
-        """Whether the law is the same for all R when all lengths are divided by R."""
-        return self.cap is not None and self.cap.scaled
-
-    @property
-    def power(self) -> float | None:
-        """Exponent n of the profile of all caps; None if it is no power."""
-        return getattr(self.cap, "exponent", None)
 
     def bound(self, surface: Surface) -> Contact:
         """Return the law of the caps of a surface: Hertz's law for paraboloids."""
@@ -148,59 +196,6 @@ class Elastic(Contact):
         return self._each(
             lambda cap, scale: scale * (math.inf if math.isinf(cap.reach) else _most(cap)), radius
         )
-
-    def depth_at(self, distance: Values, radius: Any) -> FloatArray:
-        """Return the depth f [mm] of the cap below its summit at a distance rho from the axis."""
-        return self._each(lambda cap, scale, rho: cap.depth_at(rho, scale), radius, distance)
-
-    def contact_radius(self, indentation: Values, radius: Any, curvature: Values = 0.0) -> FloatArray:
-        """Return the contact radius a [mm], the root of D(a) + k a^2 = d; 0 where the contact is open.
-
-        D(a) + k a^2 must increase with a, as it does for k >= 0.
-        """
-        return self._each(_contact_radius, radius, indentation, curvature)
-
-    def indentation(self, contact_radius: Values, radius: Any, curvature: Values = 0.0) -> FloatArray:
-        """Return the indentation d = D(a) + k a^2 [mm]."""
-        own = self._each(lambda cap, R, a: R * cap.unit_depth(_unit(cap, a, R))[0], radius, contact_radius)
-        return np.asarray(own + curvature * np.square(contact_radius))[()]
-
-    def load(self, contact_radius: Values, radius: Any, curvature: Values = 0.0) -> FloatArray:
-        """Return the rescaled load P/E* = P(a) + 4/3 k a^3 [mm^2]."""
-        own = self._each(lambda cap, R, a: R**2 * cap.unit_load(_unit(cap, a, R))[0], radius, contact_radius)
-        return np.asarray(own + 4.0 / 3.0 * curvature * np.power(contact_radius, 3))[()]
-
-    def second_moment(self, contact_radius: Values, radius: Any, curvature: Values = 0.0) -> FloatArray:
-        """Return the second moment of the pressure over E*, M(a) + 8/15 k a^5 [mm^4]."""
-        own = self._each(lambda cap, R, a: R**4 * cap.unit_load(_unit(cap, a, R))[1], radius, contact_radius)
-        return np.asarray(own + 8.0 / 15.0 * curvature * np.power(contact_radius, 5))[()]
-
-    def stiffness(self, contact_radius: Values, radius: Any, curvature: Values = 0.0) -> FloatArray:
-        """Return d(P/E*)/dd = 2 a [mm]."""
-        return np.multiply(2.0, contact_radius)
-
-    def area_slope(self, contact_radius: Values, radius: Any, curvature: Values = 0.0) -> FloatArray:
-        """Return dA/dd = 2 pi a/(D' + 2 k a) [mm]; 0 for an open contact."""
-        a = np.asarray(contact_radius, dtype=np.float64)
-        own = self._each(lambda cap, R, a: cap.unit_depth(_unit(cap, a, R))[1], radius, a)
-        slope = np.where(a > 0.0, own + 2.0 * curvature * a, 1.0)
-        return np.asarray(2.0 * math.pi * a / slope)[()]
-
-    def _each(self, function: Callable[..., FloatArray], radius: Any, *values: Values) -> FloatArray:
-        """Return a function of each cap, its scale [mm] and values, in the common shape of all arguments."""
-        if self.cap is None:
-            raise InvalidInput("Elastic() has no caps yet: use it in a model, or call bound(surface)")
-        summit, *given = np.broadcast_arrays(radius, *values)
-        if not isinstance(self.cap, Caps):
-            size = self.cap.scale(np.asarray(summit, dtype=np.float64))
-            return np.asarray(function(self.cap, size, *given))[()]
-        found = np.zeros(summit.shape)
-        for k, cap in enumerate(self.cap.kinds):
-            own = summit["cap"] == k
-            if own.any():
-                some = (value[own] for value in given)
-                found[own] = function(cap, cap.scale(summit["radius"][own]), *some)
-        return found[()]
 
 
 def _most(cap: Cap) -> float:

@@ -14,7 +14,7 @@ from scipy.optimize import elementwise
 from metafem import _validate as check
 from metafem._given import shown
 from metafem._validate import FloatArray, IntArray
-from metafem.caps.cap import Values
+from metafem.caps.shapes import Values
 from metafem.contact.elastic import PARABOLOID
 from metafem.contact.law import Contact, material_of, sizes_of
 from metafem.errors import InvalidInput, refuse_if

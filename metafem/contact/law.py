@@ -10,7 +10,7 @@ import numpy as np
 
 from metafem import _validate as check
 from metafem._validate import FloatArray
-from metafem.caps.cap import Values
+from metafem.caps.shapes import Values
 from metafem.errors import InvalidInput, NotConverged
 from metafem.material import Material
 from metafem.notes import Note

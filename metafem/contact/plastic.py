@@ -14,7 +14,7 @@ import scipy
 from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem._values import percent
-from metafem.caps.cap import Values
+from metafem.caps.shapes import Values
 from metafem.contact.law import material_of
 from metafem.contact.table import LawByIndentation
 from metafem.errors import InvalidInput

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem._values import Value
-from metafem.caps.cap import Values
+from metafem.caps.shapes import Values
 from metafem.contact.law import ROUNDING, Contact, Contacts, material_of, root
 from metafem.errors import InvalidInput, refuse_if
 from metafem.material import Material

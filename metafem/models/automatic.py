@@ -25,8 +25,6 @@ from metafem.notes import Level, Note, information
 from metafem.substrate import HalfSpace, Radial, Substrate
 from metafem.surface import Surface
 
-UNUSED_BLOCK = information("the surface's block is not used: the contacts are coupled through a half-space")
-
 # What a model of the ladder returns: its name, its curve if it has a solution, its errors (k,), their source.
 Rung = tuple[str, Curve | None, FloatArray, str]
 
@@ -93,10 +91,6 @@ class Automatic(WithoutGradients):
         checked_contact(self.contact)
         _ = self.gradient_model  # raises InvalidInput for an unsuitable substrate
 
-    @cached_property
-    def _uncoupled(self) -> Independent:
-        return Independent(self.contact)
-
     def curve(
         self, surface: Surface, load: FloatArray | None = None, *, approach: FloatArray | None = None
     ) -> Curve:
@@ -105,6 +99,7 @@ class Automatic(WithoutGradients):
         end = self._end(surface)
         rungs = [self._independent] if by_load and self._resolvable else []
         rungs += [self._coupled] if end else [self._coupled, self._resolved]
+        unsolved = "order 3 has no solution" if self._resolvable else unresolved(self.contact)
         parts: list[tuple[IntArray, Curve, Note]] = []
         left: IntArray = np.arange(len(values))
         reason = ""
@@ -113,7 +108,7 @@ class Automatic(WithoutGradients):
             enough = errors <= self.tolerance if rung != rungs[-1] else np.full(len(left), True)
             if curve is not None and enough.any():
                 curve = curve if enough.all() else curve.part(np.flatnonzero(enough), curve.compute_last)
-                error = largest(errors[enough], source, self._unsolved)
+                error = largest(errors[enough], source, unsolved)
                 note = self._note(name + reason * (rung == self._resolved), error, end)
                 parts.append((left[enough], curve.with_notes(curve.notes, error), note))
             if enough.all():
@@ -125,12 +120,12 @@ class Automatic(WithoutGradients):
         return self._stitched(surface, parts)
 
     @cached_property
+    def _uncoupled(self) -> Independent:
+        return Independent(self.contact)
+
+    @cached_property
     def _resolvable(self) -> bool:
         return resolvable(self.contact)
-
-    @property
-    def _unsolved(self) -> str:
-        return "order 3 has no solution" if self._resolvable else unresolved(self.contact)
 
     def _end(self, surface: Surface) -> str:
         """Return why the ladder ends at coupled asperities; empty if the contacts can be resolved."""
@@ -183,7 +178,10 @@ class Automatic(WithoutGradients):
 
     def _stitched(self, surface: Surface, parts: list[tuple[IntArray, Curve, Note]]) -> Curve:
         """Return one curve of several parts, with a note on the choice for each."""
-        unused = (UNUSED_BLOCK,) if surface.block is not None and self.substrate == HalfSpace() else ()
+        aside: tuple[Note, ...] = ()
+        if surface.block is not None and self.substrate == HalfSpace():
+            text = "the surface's block is not used: the contacts are coupled through a half-space"
+            aside = (information(text),)
         parts, curves = sorted(parts, key=lambda part: int(part[0][-1])), []
         for rows, curve, note in parts:
             where = ""
@@ -192,7 +190,7 @@ class Automatic(WithoutGradients):
                 ends = " to ".join(dict.fromkeys(f"{newton:.4g}" for newton in newtons))
                 where = f" at {len(rows)} of {sum(len(part[0]) for part in parts)} loads, {ends} N"
             chosen = replace(note, text=f"chosen{where}: {note.text}")
-            curves.append(curve.with_notes((chosen, *curve.notes, *unused)))
+            curves.append(curve.with_notes((chosen, *curve.notes, *aside)))
         if len(curves) == 1:
             return curves[0]
         whole, rows = Curve.joined(curves), np.concatenate([part[0] for part in parts])

@@ -15,7 +15,6 @@ import numpy as np
 from metafem._validate import FloatArray, IntArray
 from metafem.contact import Contact
 from metafem.errors import InvalidInput, NotConverged
-from metafem.models.boundary_elements.field import ContactField
 from metafem.notes import Note
 from metafem.surface import Surface
 
@@ -84,7 +83,7 @@ class RescaledState:
     base_gap: float
     model: Any  # the model that was solved
     notes: tuple[Note, ...] = ()  # approximations of this state
-    field: ContactField | None = None  # fields on cells; the pressure is divided by E* [-]
+    field: Any = None  # `ContactField` or None; the pressure is divided by E* [-]
 
 
 def solved(residual: FloatArray, tolerance: float, load: FloatArray, area: FloatArray) -> np.ndarray:

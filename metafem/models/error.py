@@ -17,7 +17,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any, TypeVar, cast
+from typing import Any
 
 import numpy as np
 import scipy
@@ -29,10 +29,9 @@ from metafem.contact.law import area_change, sizes_of
 from metafem.errors import MetafemError
 from metafem.models.curve import Curve, ModelError
 from metafem.models.independent import Independent, load_equation
-from metafem.models.interacting.influence import displacements, nearest_distance
-from metafem.models.interacting.model import DENSE_LIMIT, Interacting
+from metafem.models.interacting.influence import close_pairs, displacements, nearest_distance, neighbours
+from metafem.models.interacting.model import Interacting
 from metafem.models.model import Model, contact_of
-from metafem.models.neighbours import NEIGHBOURS, close_pairs, neighbours
 from metafem.substrate import BondedLayer, HalfSpace, Radial, Substrate
 from metafem.surface import Surface
 
@@ -45,59 +44,16 @@ RADII = "the contact radii relative to the distances and the thickness"
 SMALL = 0.01
 
 # Number of contacts, summed over the loads, up to which errors are estimated at all loads, and least number
-# of loads. With more contacts a load is judged when the number of those closed has risen by 2^(1/4): each
-# that closes changes A0 by a fraction of about the inverse of their number.
-PROBED, FEWEST, PER_OCTAVE = 6400, 8, 4
-
-# The same number where coupled models are solved for comparison: 500 loads of 64 contacts take 10 ms.
-COMPARED = 32_000
-
-# Largest share of the load that interaction may move between contacts without a second step.
-MOVED = 0.01
+# of loads: 50 loads of 64 contacts take .1 ms.
+PROBED, FEWEST = 3200, 8
 
 # Safety factor of the estimates; a quarter is also added to the estimates of order 3. In 1500 random scenes
 # the errors were up to 1.3 times the estimates without this factor.
 SAFETY = 1.25
 
-# Relative decrease of a contact area at fixed load, divided by the product of a small extra curvature and the
-# summit radius: Hertz's a^3 = 3 P R/4.
-FLATTENING = 2.0 / 3.0
-
-# Largest sum of (r_min/r)^3 over the neighbours of a site at distances r of at least r_min: the sum for a
-# hexagonal lattice.
-PACKED = 11.04
-
-# Relative error of A0 by order 3, divided by the sum of (a/r)^5. On a 3 x 3 lattice, A0 differs from resolved
-# contacts by up to 0.20 times the mean sum: by 0.066 % at a sum of 0.0034, by 0.01 % at 0.0006. In a periodic
-# cell the differences are 0.006, 0.033, 0.096, 0.24 and 0.59 % at a/pitch = 0.13, 0.19, 0.23, 0.28 and 0.33,
-# up to 0.32 times the sum. With `AT_SMALL` a quarter is added for equal contacts.
-PAIRS, PAIRS_IN_CELL = 0.2, 0.32
-
-# Share of the sum weighted by the area of the source. It matters for a small contact i: the error in the
-# displacement by contact j changes the area of i by a fraction of the area of j. For paraboloids the change
-# is .014 A_j R_i/R_j (a_j/r)^5, from the first term of Hertz's displacement that order 3 omits. In a thousand
-# random scenes A0 changed by up to .037 times this sum; AT_SMALL times PAIRS is .05.
-AT_SMALL = 0.25
-
-# Relative error of A0 by order 3 on a layer, divided by (a/t)^5. With nu = 0.5, A0 differs from resolved
-# contacts by 0.12, 0.17, 0.63 and 1.7 % at a/t = 0.28, 0.3, 0.39 and 0.48, which is at most 0.75 (a/t)^5.
-# With nu = 0.3 the difference is a third smaller. A quarter is added for safety.
-LAYER = 0.95
-
-# Safety factor of the effect of the slopes of the neighbours' fields on the areas, beyond second order. One
-# resolved contact on a slope g differs from order 3 by 0.4 to 1.3 times this effect, for power caps of powers
-# 3 and 4 with g/D' of 0.15 and 0.3. The pair sum is 1.0 to 1.8 times the difference of quartic caps and
-# spheres on 3 x 3 lattices with a/r from 0.2 to 0.35.
-SLOPES = 1.25
-
 # Largest number of adhesive asperities whose jumps are followed to estimate the interaction. For larger
 # surfaces this takes too long, and the interaction is estimated without adhesion.
 MOST_ADHESIVE = 100
-
-# Number of contacts, summed over the loads, whose areas are kept at a time: 16 MB.
-KEPT = 2_000_000
-
-M = TypeVar("M", bound=Model)
 
 
 def model_error(surface: Surface, model: Model, curve: Curve, unloading: bool = False) -> ModelError:
@@ -121,7 +77,7 @@ def model_error(surface: Surface, model: Model, curve: Curve, unloading: bool = 
     if model == model.reference:
         if law.largest_order == 1 or len(curve.load) == 1:
             return order_3_error(surface, curve.last.area, reference.substrate, law)
-        _, errors = coupled(surface, reference, curve.load[judged(surface, curve, COMPARED)])
+        _, errors = coupled(surface, reference, curve.load[judged(surface, curve)])
         return largest(errors, RADII)
     if model != model.gradient_model:
         return ModelError(math.nan, f"the model {model.name} states no error")
@@ -132,12 +88,12 @@ def model_error(surface: Surface, model: Model, curve: Curve, unloading: bool = 
     return compared(surface, reference, curve, unloading)
 
 
-def without_jumps(surface: Surface, model: M) -> M:
+def without_jumps(surface: Surface, model: Any) -> Any:
     """Return a model without adhesion if the contacts adhere and are too many; otherwise the model itself."""
     law = contact_of(model)
     if not law.adhesive or surface.count <= MOST_ADHESIVE:
         return model
-    return cast("M", replace(cast("Any", model), contact=law.without_adhesion))
+    return replace(model, contact=law.without_adhesion)
 
 
 def reference_of(surface: Surface, model: Model) -> Interacting:
@@ -160,7 +116,7 @@ def compared(surface: Surface, reference: Interacting, curve: Curve, unloading: 
 
     At least one of the loads is positive.
     """
-    rows = judged(surface, curve, COMPARED)
+    rows = judged(surface, curve)
     load, law, source = curve.load[rows], reference.contact, rung_name(reference)
     try:
         if law.largest_order == 3:
@@ -182,14 +138,18 @@ def compared(surface: Surface, reference: Interacting, curve: Curve, unloading: 
     return ModelError(error, error.source, load, change)
 
 
-def judged(surface: Surface, curve: Curve, most: int = PROBED) -> IntArray:
-    """Return the indices of the positive loads at which errors are estimated, with the first and the last."""
+def judged(surface: Surface, curve: Curve) -> IntArray:
+    """Return the indices of the positive loads at which errors are estimated, with the first and the last.
+
+    With many contacts a load is judged when the number of those closed has risen by 2^(1/4): each that closes
+    changes A0 by a fraction of about the inverse of their number.
+    """
     rows = np.flatnonzero(curve.load > 0.0)
-    if rows.size <= max(FEWEST, most // surface.count):
+    if rows.size <= max(FEWEST, PROBED // surface.count):
         return rows
     even = np.arange(FEWEST) * (rows.size - 1) // (FEWEST - 1)
     closed = np.searchsorted(np.sort(surface.gap), curve.approach[rows])
-    level = (PER_OCTAVE * np.log2(np.maximum(closed, 1))).astype(int)
+    level = (4.0 * np.log2(np.maximum(closed, 1))).astype(int)
     return rows[np.union1d(even, np.flatnonzero(np.diff(level)) + 1)]
 
 
@@ -201,7 +161,8 @@ def coupled(surface: Surface, model: Interacting, load: FloatArray) -> tuple[Cur
     """
     equation = load_equation(model.contact.bound(surface))
     curves, errors = [], []
-    for some in np.array_split(load, math.ceil(len(load) * surface.count / KEPT)):
+    # the areas of two million contacts, 16 MB, are kept at a time
+    for some in np.array_split(load, math.ceil(len(load) * surface.count / 2e6)):
         found = model.sensitivity(surface, some)
         _, _, area, _ = equation.rates(found.indentation, equation.law.summits(surface))
         area *= (found.curve.area / _total(area))[:, None]
@@ -217,48 +178,38 @@ def independent_errors(
     """Return the curve of independent asperities on a sinking base, and their errors at its loads, (k,).
 
     At fixed load the base sinks by ``U = sum k_i u_i / sum k_i`` with the stiffnesses k of the contacts, and
-    the indentations change by ``U - u_i``. The law then gives new loads; if they have changed much, a second
-    step follows. Errors, sinking and its derivative by the load are interpolated between judged loads.
+    the indentations change by ``U - u_i``. The law then gives new loads, with which the step is repeated.
+    Errors, sinking and its derivative by the load are interpolated between judged loads.
     """
     rows = judged(surface, curve)
     if not rows.size:
         return curve, np.zeros(len(curve.load))
     bound, base = law.bound(surface), substrate.for_surface(surface)
     equation, radius, displaced = load_equation(bound), bound.summits(surface), displacements(surface, base)
-    at, load, area, z = (
-        curve.load,
-        curve.load[rows],
-        curve.area[rows],
-        curve.approach[rows, None] - surface.gap,
-    )
-    step = 1e-6 * curve.approach[rows, None]
+    at, load, area, approach = curve.load, curve.load[rows], curve.area[rows], curve.approach[rows, None]
+    z = approach - surface.gap
     own, rate, areas, _ = equation.rates(z, radius)
-    stiffness, u = rate.sum(axis=1), displaced(own)
+    weight = rate / rate.sum(axis=1, keepdims=True)
 
-    def sinking(u: FloatArray) -> FloatArray:
-        """Return U [mm], (m,), for displacements u (m, n)."""
-        return np.asarray((rate * u).sum(axis=1) / stiffness)
-
-    def moved(u: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return the areas A0 (m,) and the loads of the contacts (m, n) after displacements u (m, n)."""
-        pressed, slope, areas, area_slope = equation.rates(z - u + sinking(u)[:, None], radius)
+    def moved(u: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return A0 (m,), the loads of the contacts, and ``u - U``, after displacements u, (m, n) each."""
+        u = u - (weight * u).sum(axis=1, keepdims=True)
+        pressed, slope, areas, area_slope = equation.rates(z - u, radius)
         missing = (load - pressed.sum(axis=1)) / slope.sum(axis=1)
-        return areas.sum(axis=1) + area_slope.sum(axis=1) * missing, pressed + slope * missing[:, None]
+        return (areas.sum(axis=1) + area_slope.sum(axis=1) * missing, pressed + slope * missing[:, None], u)
 
-    first, pressed = moved(u)
-    error = np.abs(first - area)
-    much = np.abs(pressed - own).sum(axis=1) > MOVED * load
-    if much.any():
-        second, _ = moved(displaced(pressed))
-        error = np.where(much, np.abs(second - area) + 0.5 * np.abs(second - first), error)
-    error = SAFETY * error / area + _higher_orders(bound, surface, base, own, areas)
+    u = displaced(own)
+    first, pressed, apart = moved(u)
+    second = moved(displaced(pressed))[0]
+    error = SAFETY * (np.abs(second - area) + 0.5 * np.abs(second - first)) / area
+    error += _higher_orders(bound, surface, base, own, areas)
+    step = 1e-6 * approach
     bend = (equation.rates(z + step, radius)[1] - rate) / step
-    slope = rate * displaced(rate) + bend * (u - sinking(u)[:, None])
-    compliance = np.interp(at, load, slope.sum(axis=1) / stiffness**2)
+    slope = (weight * displaced(weight)).sum(axis=1) + (bend * apart).sum(axis=1) / rate.sum(axis=1) ** 2
     sunk = replace(
         curve,
-        approach=curve.approach + at * np.interp(at, load, sinking(u) / load),
-        stiffness=curve.stiffness / (1.0 + compliance * curve.stiffness),
+        approach=curve.approach + at * np.interp(at, load, (weight * u).sum(axis=1) / load),
+        stiffness=curve.stiffness / (1.0 + np.interp(at, load, slope) * curve.stiffness),
         compute_last=lambda: curve.last,
     )
     return sunk, np.interp(at, load, error)
@@ -269,16 +220,18 @@ def _higher_orders(
 ) -> FloatArray | float:
     """Return the relative errors of A0 due to the finite size of contacts with loads and areas (m, n).
 
-    For paraboloids an upper bound is returned if it is negligible.
+    An extra curvature of the summit by c reduces the area at fixed load by the fraction 2/3 c R, from Hertz's
+    a^3 = 3 P R/4. For paraboloids an upper bound is returned if it is negligible.
     """
     own = abs(getattr(substrate, "self_curvature", 0.0))
-    densest = PACKED / (2.0 * math.pi * nearest_distance(surface) ** 3)
-    most = FLATTENING * float((densest + own) * load.max()) * float(surface.radius.max())
+    # at distances of at least r, the sum of (r/r_ij)^3 is largest on a hexagonal lattice, where it is 11.04
+    densest = 11.04 / (2.0 * math.pi * nearest_distance(surface) ** 3)
+    most = 2.0 / 3.0 * float((densest + own) * load.max()) * float(surface.radius.max())
     if law == PARABOLOID and most <= 1e-5:
         return most
     curvature = own * load + load @ near(surface, lambda r: 0.5 / (math.pi * r**3))
     _, response, _, _ = equivalent(law, surface, area)
-    flatter = FLATTENING * (curvature * response * area).sum(axis=1) / area.sum(axis=1)
+    flatter = 2.0 / 3.0 * (curvature * response * area).sum(axis=1) / area.sum(axis=1)
     tilted = 0.0 if law == PARABOLOID else slope_effects(law, surface, area, substrate)[0]
     return np.asarray(flatter + tilted + truncation(surface, area, substrate, law))
 
@@ -318,37 +271,39 @@ def truncation(
     a, response, source, _ = equivalent(used, surface, area)
     strength, closed = a**5 / source, area > 0.0
     by_distance = near(surface, lambda r: r**-5.0)
-    share = PAIRS if surface.cell is None else PAIRS_IN_CELL
-    wide = share * (area * (strength @ by_distance) + AT_SMALL * closed * ((area * strength) @ by_distance))
-    wide += LAYER * area * strength / getattr(bound, "thickness", math.inf) ** 5
+    # On a 3 x 3 lattice, A0 differs from resolved contacts by up to .20 times the mean sum of (a/r)^5: by
+    # .066 % at a sum of .0034, by .01 % at .0006. In a periodic cell the differences are .006, .033, .096,
+    # .24 and .59 % at a/pitch = .13, .19, .23, .28 and .33, up to .32 times the sum.
+    share = 0.2 if surface.cell is None else 0.32
+    wide = area * (strength @ by_distance)
+    # A small contact loses by the area of the source: for paraboloids .014 A_j R_i/R_j (a_j/r)^5, by the
+    # first term of Hertz's displacement that order 3 omits. In a thousand random scenes A0 changed by up to
+    # .037 times this sum, .05 is added; for equal contacts this is a quarter of the sum above.
+    wide = share * (wide + 0.25 * closed * ((area * strength) @ by_distance))
+    # On a layer with nu = .5, A0 differs by .12, .17, .63 and 1.7 % at a/t = .28, .3, .39 and .48, at most
+    # .75 (a/t)^5, to which a quarter is added; with nu = .3 the difference is a third smaller.
+    wide += 0.95 * area * strength / getattr(bound, "thickness", math.inf) ** 5
     error = (wide * response).sum(axis=-1) / _total(area)
     if used != PARABOLOID:
-        error += SLOPES * slope_effects(used.without_adhesion, surface, area, bound)[1]
+        # One resolved contact on a slope g differs by .4 to 1.3 times this effect, for power caps of powers 3
+        # and 4 with g/D' of .15 and .3, quartic caps and spheres on 3 x 3 lattices by .6 to 1.0 times.
+        error += 1.25 * slope_effects(used.without_adhesion, surface, area, bound)[1]
     if 2.0 * a.max() >= nearest_distance(surface):
-        i, j, r = close_pairs(surface.position, surface.cell, 2.0 * float(a.max()))
+        i, j, r = close_pairs(surface, 2.0 * float(a.max()))
         overlap = (a[..., i] + a[..., j] >= r) & closed[..., i] & closed[..., j]
         error = np.where(overlap.any(axis=-1), math.inf, error)
     return np.asarray(error)[()]
 
 
 def near(surface: Surface, value: Callable[[FloatArray], FloatArray], axis: int | None = None) -> Any:
-    """Return a matrix of a function of the distances of the sites, (n, n): of all, or of the nearest.
+    """Return a sparse matrix of a function of the distances of the nearest sites, (n, n).
 
     axis: the matrix is multiplied by the cosine between this axis and the direction from row to column.
     """
-    position, count = surface.position, surface.count
-    dense = count <= DENSE_LIMIT and surface.cell is None
-    if dense:
-        apart = position - position[:, None]
-        distance = np.hypot(*apart.T).T + np.eye(count)
-    else:
-        distance, other, apart = neighbours(position, surface.cell, NEIGHBOURS)
+    distance, other, apart = neighbours(surface)
     values = value(distance) if axis is None else value(distance) * apart[..., axis] / distance
-    if dense:
-        np.fill_diagonal(values, 0.0)
-        return values
-    places = other.ravel(), np.repeat(np.arange(count), other.shape[1])
-    return scipy.sparse.csr_array((values.ravel(), places), shape=(count, count))
+    places = other.ravel(), np.repeat(np.arange(surface.count), other.shape[1])
+    return scipy.sparse.csr_array((values.ravel(), places), shape=(surface.count, surface.count))
 
 
 def equivalent(law: Contact, surface: Surface, area: FloatArray) -> tuple[FloatArray, ...]:

@@ -12,7 +12,7 @@ from functools import partial
 import numpy as np
 
 from metafem._kernels import independent as kernel
-from metafem._kernels.contact.tabulated import Law
+from metafem._kernels.law import Law
 from metafem._validate import FloatArray
 from metafem.contact import Contact
 from metafem.errors import InvalidInput

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from metafem.caps import SPHERE
-from metafem.models.neighbours import close_pairs
+from metafem.models.interacting.influence import close_pairs
 from metafem.notes import Note, information
 from metafem.surface import Surface
 
@@ -62,5 +62,5 @@ def _overlapping_caps(surface: Surface) -> int:
     """Return the number of pairs of caps that overlap, among all periods if the surface has a cell."""
     height = np.clip(surface.height, 0.0, surface.cap.tallest(surface.radius))
     foot = surface.cap.foot_radius(height, surface.radius)
-    i, j, distance = close_pairs(surface.position, surface.cell, 2.0 * float(foot.max()))
+    i, j, distance = close_pairs(surface, 2.0 * float(foot.max()))
     return int((distance < foot[i] + foot[j]).sum())

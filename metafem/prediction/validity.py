@@ -34,8 +34,8 @@ from metafem.models.error import (
     truncation,
     without_jumps,
 )
+from metafem.models.interacting.influence import close_pairs
 from metafem.models.model import contact_of, has_paraboloids
-from metafem.models.neighbours import close_pairs
 from metafem.notes import Level, Note, information
 from metafem.prediction.part_notes import part_notes
 from metafem.substrate import HalfSpace
@@ -256,7 +256,7 @@ def crowding(surface: Surface, area: FloatArray, law: Contact) -> tuple[int, flo
     blunt, sharp = np.cbrt(response), a / np.cbrt(source)
     # pairs beyond this distance neither overlap nor exceed the ratio
     reach = max(2.0 * float(a.max()), float(sharp.max() * blunt.max()) * max(2.0, 1.0 / COMPARED))
-    i, j, r = close_pairs(surface.position, surface.cell, reach)
+    i, j, r = close_pairs(surface, reach)
     both = (area[i] > 0.0) & (area[j] > 0.0)
     i, j, r = i[both], j[both], r[both]
     if not i.size:

@@ -34,12 +34,6 @@ BoolArray = np.ndarray
 # Largest residual of a converged state, and that at which Newton's method stops: above rounding.
 TOLERANCE, GOAL = 1e-12, 2e-13
 
-# A double root at the end of a branch halves the error in each step, so that 60 steps reach rounding.
-MOST_STEPS = 60
-
-# Shortest step that the line search takes, over a step of Newton's method.
-SHORTEST = 1e-3
-
 
 class Condition(NamedTuple):
     """``by_load . P + by_radius . a + by_approach x = value``, for k states of n contacts."""
@@ -142,7 +136,7 @@ class Scene:
         best = States(self, closed, at.a.copy(), np.array(x), condition)
         step, shift, length = np.zeros(at.a.shape), np.zeros(len(x)), np.ones(len(x))
         error, unit, rows = np.full(len(x), np.inf), np.zeros((2, len(x))), np.arange(len(x))
-        for _ in range(MOST_STEPS):
+        for _ in range(60):  # a double root at the end of a branch halves the error in each step
             force, wrong, own = at.errors
             merit = _largest(force, wrong, np.maximum(own, unit[:, rows]))
             better = merit < error[rows]
@@ -151,7 +145,7 @@ class Scene:
             error[good], unit[:, good] = merit[better], own[:, better]
             length[rows[~better]] *= 0.5
             # below the tolerance, shorter steps do not help against rounding errors
-            going = np.where(better, merit > goal, (error[rows] > TOLERANCE) & (length[rows] >= SHORTEST))
+            going = np.where(better, merit > goal, (error[rows] > TOLERANCE) & (length[rows] >= 1e-3))
             if not going.any():
                 break
             if better.any():
@@ -213,9 +207,7 @@ class States:
     @cached_property
     def rate(self) -> FloatArray:
         """Derivatives of the contact radii with respect to the approach, (k, n) [-]."""
-        return np.asarray(
-            self.scene.solved(self.fields, self.closed, np.ones((*self.a.shape, 1)), False)[:, :, 0]
-        )
+        return np.asarray(self.scene.solved(self.fields, self.closed, np.ones((*self.a.shape, 1)))[:, :, 0])
 
     @cached_property
     def stiffness(self) -> FloatArray:
@@ -243,7 +235,7 @@ class States:
         """Return Newton's steps in the radii (k, n) and in the approaches (k,)."""
         force, wrong, _ = self.errors
         both = np.stack([-force, np.ones(force.shape)], axis=2)
-        found = self.scene.solved(self.fields, self.closed, both, False)
+        found = self.scene.solved(self.fields, self.closed, both)
         change, rate = found[..., 0], found[..., 1]
         weight = self.condition.by_load * self.fields.rise + self.condition.by_radius
         shift = -(wrong + (weight * change).sum(axis=1)) / (

@@ -13,17 +13,13 @@ from metafem.contact import JKR, Contact
 from metafem.contact.jkr import of_sizes
 from metafem.errors import InvalidInput, NotConverged, refuse_if
 from metafem.models.adhesion.contacts import TOLERANCE, Scene, States
-from metafem.models.adhesion.path import loading, unloading
+from metafem.models.adhesion.path import loaded, loading, unloading
 from metafem.models.curve import Curve, RescaledState, Sensitivity
 from metafem.models.interacting.coupled import Coupled, refuse_wide
-from metafem.models.interacting.influence import coupling_between
+from metafem.models.interacting.influence import close_pairs, coupling_between
 from metafem.models.load_equation import LoadEquation
-from metafem.models.neighbours import close_pairs
 from metafem.notes import Note, information
 from metafem.surface import Surface
-
-# Largest number of asperities that interact: one state then takes a second, and every asperity may jump.
-MOST = 1000
 
 
 class AdhesiveAsperities(LoadEquation):
@@ -33,10 +29,9 @@ class AdhesiveAsperities(LoadEquation):
 
     def path(self, surface: Surface, values: FloatArray, by_load: bool, backwards: bool) -> Curve:
         """Return equilibria at increasing loads or approaches (k,), on loading or on unloading."""
-        height = surface.height
-        scene = Scene(self.law, np.broadcast_to(self.law.summits(surface), height.shape), surface.gap)
+        scene = self._scene(surface.height, self.law.summits(surface))
         found, notes = _followed(surface, scene, values, by_load, backwards)
-        return _curve(found, lambda: self._state(found, height), notes)
+        return _curve(found, lambda: self._state(found, surface.height), notes)
 
     def curve(self, height: FloatArray, radius: FloatArray, load: FloatArray) -> Curve:
         """Return equilibria at increasing loads (k,) for heights and radii (n,)."""
@@ -54,10 +49,13 @@ class AdhesiveAsperities(LoadEquation):
 
     def sensitivity(self, height: FloatArray, radius: FloatArray, load: FloatArray) -> Sensitivity:
         """Return the loading curve at increasing loads (k,), and dA0/dh at fixed load [mm], (k, n)."""
-        scene = Scene(self.law, np.broadcast_to(radius, height.shape), height.max() - height)
-        found = loading(scene, float(load[-1]), by_load=True).at(load)
-        curve = _curve(found, lambda: self._state(found, height))
-        return Sensitivity(curve, found.gradient, found.indentation)
+        found = loaded(self._scene(height, radius), load)
+        return Sensitivity(
+            _curve(found, lambda: self._state(found, height)), found.gradient, found.indentation
+        )
+
+    def _scene(self, height: FloatArray, radius: FloatArray) -> Scene:
+        return Scene(self.law, np.broadcast_to(radius, height.shape), height.max() - height)
 
     def _state(self, found: States, height: FloatArray) -> RescaledState:
         return RescaledState(*_last(found), float(height.max() - found.x[-1]), self.model)
@@ -81,7 +79,7 @@ class AdhesiveCoupling(Coupled):
 
     def sensitivity(self, height: FloatArray, load: FloatArray) -> Sensitivity:
         """Return the loading curve at increasing loads (k,), and dA0/dh at fixed load [mm], (k, n)."""
-        found = loading(self._scene(height), float(load[-1]), by_load=True).at(load)
+        found = loaded(self._scene(height), load)
         return Sensitivity(
             _curve(found, lambda: self.state(height, *_last(found))),
             lambda: self.on_pedestals(found.gradient(), height, found.fields.load),
@@ -92,16 +90,15 @@ class AdhesiveCoupling(Coupled):
         """Return A0 [mm^2] (m, k) for heights and radii (m, n); see `Model.areas`."""
         area = np.full((len(height), len(load)), np.nan)
         for row, heights in enumerate(height):
-            scene = self._scene(heights, None if radius is None else radius[row])
             with contextlib.suppress(NotConverged):
-                area[row] = loading(scene, float(load[-1]), by_load=True).at(load).area
+                area[row] = loaded(self._scene(heights, None if radius is None else radius[row]), load).area
         return area
 
     def _scene(self, height: FloatArray, radius: FloatArray | None = None) -> Scene:
         """Return asperities with heights and radii (n,) [mm], and their influence on each other."""
-        refuse_if(
-            self.surface.count > MOST,
-            f"{self.surface.count} adhesive asperities with interaction are too many: at most {MOST}; "
+        refuse_if(  # one state then takes a second, and every asperity may jump
+            self.surface.count > 1000,
+            f"{self.surface.count} adhesive asperities with interaction are too many: at most 1000; "
             "use Independent, or fewer asperities",
         )
         coupling, regular = coupling_between(self.surface, self.substrate, self.order)
@@ -166,7 +163,7 @@ def _last(found: States) -> tuple[FloatArray, FloatArray, FloatArray]:
 def _refuse_merging(law: JKR, surface: Surface) -> None:
     """Raise InvalidInput if neighbouring contacts would merge at zero load."""
     reach = of_sizes(JKR.zero_load_radius, law, law.summits(surface))
-    first, second, distance = close_pairs(surface.position, surface.cell, 2.0 * float(reach.max()))
+    first, second, distance = close_pairs(surface, 2.0 * float(reach.max()))
     room = distance - reach[first] - reach[second]
     if room.size and room.min() <= 0.0:
         i, j = sorted((first[room.argmin()], second[room.argmin()]))

@@ -21,10 +21,7 @@ from scipy.optimize import elementwise
 from metafem._validate import FloatArray, IntArray
 from metafem.errors import InvalidInput, NotConverged
 from metafem.models.adhesion.contacts import TOLERANCE, BoolArray, Scene, States, joined
-from metafem.models.adhesion.walk import CLOSED, LOCATED, NODES, walk
-
-# Halvings of a part of a path until Newton's method stays in it; doublings from the first contact to a load.
-MOST_HALVINGS, MOST_DOUBLINGS = 60, 200
+from metafem.models.adhesion.walk import CLOSED, LOCATED, MOST_TRIALS, NODES, walk
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +60,7 @@ class Path:
         result = States(scene, nodes.closed[node] & inside[:, None], np.zeros(shape), values.copy(), wanted)
         rows = np.flatnonzero(inside)
         low, high = nodes[left[rows]], nodes[node[rows]]
-        for _ in range(MOST_HALVINGS):
+        for _ in range(MOST_TRIALS):
             if not rows.size:
                 return result
             before, after = self._measure(low), self._measure(high)
@@ -102,6 +99,11 @@ def loading(scene: Scene, goal: float, by_load: bool) -> Path:
     return Path(nodes, 1.0, by_load)
 
 
+def loaded(scene: Scene, load: FloatArray) -> States:
+    """Return the states at increasing loads (k,) on loading."""
+    return loading(scene, float(load[-1]), by_load=True).at(load)
+
+
 def unloading(scene: Scene, largest: float, goal: float, by_load: bool) -> Path:
     """Return the path from the largest load or approach, reached by loading, back to `goal`."""
     start = loading(scene, largest, by_load).at(np.array([largest]))
@@ -127,14 +129,15 @@ def _pressed(scene: Scene, closed: BoolArray, x: FloatArray) -> States:
     plain = scene.law.cap.contact_radius(np.maximum(x[:, None] - scene.gap, 0.0), scene.radius)
     # the guess exceeds a slightly, so that Newton's method for the convex d(a) converges without damping
     a = (plain**1.5 + scene.entry_radius**1.5) ** (2.0 / 3.0)
-    a = np.minimum(a, 0.5 * (plain + scene.largest_radius))
-    return scene.solve(closed, a, x, scene.at_approach(x), NODES)
+    return scene.solve(
+        closed, np.minimum(a, 0.5 * (plain + scene.largest_radius)), x, scene.at_approach(x), NODES
+    )
 
 
 def _beyond(scene: Scene, closed: BoolArray, x: float, most: float, goal: float, by_load: bool) -> States:
     """Return a state beyond the last gap, from x [mm] on, at which a load or an approach is reached."""
     width = float(scene.law.deficit(scene.entry_radius).max())
-    for doubling in range(MOST_DOUBLINGS):
+    for doubling in range(200):  # up to any load
         x = min(x + width * 2.0**doubling, most) if by_load else goal
         if x > most:
             break

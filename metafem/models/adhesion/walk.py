@@ -8,9 +8,6 @@ from metafem._validate import FloatArray
 from metafem.errors import NotConverged
 from metafem.models.adhesion.contacts import BoolArray, Condition, Scene, States, joined
 
-# Largest relative change of a contact radius in a step on loading and on unloading.
-FORWARD, BACK = 1.0, 0.5
-
 # Relative error of a contact radius at the end of a branch. Approach and load are stationary there, so that
 # their relative errors are about the square, 1e-10.
 LOCATED = 1e-5
@@ -19,7 +16,7 @@ LOCATED = 1e-5
 # depth of a cap below which it is due to this residual.
 NODES, CLOSED = 1e-10, 1e-9
 
-# Trials for one step, each of which shortens it or changes its aim.
+# Trials for one step, each of which halves it or changes its aim: 60 halvings reach rounding.
 MOST_TRIALS = 60
 
 
@@ -41,7 +38,7 @@ def _step(state: States, sign: float) -> list[States]:
     """
     scene, overlap, relative = state.scene, _overlap(state), _relative(state)
     none, one = np.zeros((1, len(overlap))), np.ones(1)
-    i, length, breaks = int(relative.argmax()), (FORWARD if sign > 0.0 else BACK), False
+    i, length, breaks = int(relative.argmax()), (1.0 if sign > 0.0 else 0.5), False
     # changes of the approach until open asperities touch, by the tangent
     nearing = sign * (1.0 - scene.displacement(state.fields.rise * state.rate)[0])
     comes = (nearing > 0.0) & np.isfinite(overlap)
@@ -147,7 +144,7 @@ def _left(state: States) -> States:
     while closed.sum() > 1:
         closed[0, np.where(closed[0], relative, -1.0).argmax()] = False
         found = scene.solve(closed.copy(), state.a, state.x, scene.at_approach(state.x), NODES)
-        if _found(found) and found.holds[0] and _change(found, state) < BACK:
+        if _found(found) and found.holds[0] and _change(found, state) < 0.5:  # as in a step on unloading
             return found
     return States(scene, closed & False, 0.0 * state.a, state.x, scene.at_approach(state.x))
 

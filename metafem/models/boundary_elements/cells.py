@@ -28,38 +28,21 @@ from metafem.surface import Surface
 # costs as much as the patch.
 SLOWEST_RATE = 2.4
 
-# Area that the second moments of collocated pressures miss, in cells: 0.4 to 0.6 for Hertz contacts of 5 to
-# 80 cells per radius at any offset from the grid, 0.3 for 4; 0 to 1.1 for powers from 1.2 to 8.
-MISSING = 0.5
-
 # Between two caps a groove stays open, which the cells close where it is narrower than they are: the error of
 # the area increases with the length of the grooves, measured by pairs of cells this far apart.
 NARROW = 4
 
-# Width [cells] of the rim within which the cells are weighted by their distance to the edge; and the distance
-# of the edge of the weighted area beyond the true one, for Hertz contacts of 4 to 80 cells per radius.
-WIDTH, BEYOND = 3.0, 0.04
 
-
-@dataclass(frozen=True, eq=False)
 class Summits:
     """Positions (n, 2), summit depths (n,) and radii (n,) of asperities, in cells, and their cap."""
 
-    position: FloatArray
-    depth: FloatArray
-    radius: FloatArray
-    cap: Hertz | Elastic = PARABOLOID
-    cell: float = 1.0  # [mm]
-    of_law: Any = 0.0  # what the law takes as the radius of each asperity, (n,) [mm]
-
-    @classmethod
-    def of(cls, surface: Surface, cap: Hertz | Elastic, cell: float) -> Summits:
-        """Return the summits of a surface, with lengths divided by the cell."""
+    def __init__(self, surface: Surface, cap: Hertz | Elastic, cell: float) -> None:
         low, high = surface.position.min(axis=0), surface.position.max(axis=0)
         # relative to the corner, so that no digits are lost if the surface is far from the origin
-        position = ((surface.position - low) - 0.5 * (high - low)) / cell
-        of_law = cap.summits(surface)
-        return cls(position, surface.gap / cell, sizes_of(of_law) / cell, cap, cell, of_law)
+        self.position: FloatArray = ((surface.position - low) - 0.5 * (high - low)) / cell
+        self.cap, self.cell, self.depth = cap, cell, surface.gap / cell
+        self.of_law = cap.summits(surface)  # what the law takes as the radius of each asperity, (n,) [mm]
+        self.radius = sizes_of(self.of_law) / cell
 
     @property
     def paraboloids(self) -> bool:
@@ -186,7 +169,9 @@ def measure(patches: list[Patch], pressure: list[FloatArray], summits: Summits) 
     load, carries = sums[0], sums[0] > 0.0
     x, y, xx, yy, xy = sums[1:] / np.where(carries, load, 1.0)
     square = (xx - x**2) * (yy - y**2) - (xy - x * y) ** 2
-    spread = np.sqrt(np.maximum(square, 0.0)) + MISSING / (5.0 * math.pi) * carries
+    # the moments of collocated pressures miss half a cell of the area: .4 to .6 for Hertz contacts of 5 to 80
+    # cells per radius at any offset from the grid, .3 for 4; 0 to 1.1 for powers from 1.2 to 8
+    spread = np.sqrt(np.maximum(square, 0.0)) + 0.5 / (5.0 * math.pi) * carries
     lawful = summits.areas(spread, load, np.hypot(x, y))
     merged = np.unique(np.sort(np.concatenate(pairs), axis=1), axis=0)
     deformed = np.abs(area - lawful) > allowed(lawful, summits.paraboloids)
@@ -207,22 +192,23 @@ def allowed(area: FloatArray, paraboloids: bool) -> FloatArray:
     steep near the edge or near the axis.
     """
     edge = np.sqrt(4.0 * math.pi * area)
-    return np.asarray(np.maximum(2.5, 0.01 * edge) if paraboloids else 8.0 + 0.02 * edge)
+    return np.asarray(np.maximum(3.0, 0.01 * edge) if paraboloids else 8.0 + 0.02 * edge)
 
 
 def _within_edges(pressure: FloatArray, owner: IntArray, count: int) -> FloatArray:
     """Return the contact area within the edges on the cells of each asperity, (n,).
 
     Near an edge p^2 increases linearly with the distance x, so that p^2 divided by its slope is x. The weight
-    H(t) of a cell with t = x/WIDTH up to 1 vanishes at the edge, so that a cell that opens or closes causes
+    H(t) of a cell with t = x/3 up to 1 vanishes at the edge, so that a cell that opens or closes causes
     no jump. Its mean over the rim is 1, and int H' t^2 dt = 0, so that a curved p^2(x) has no effect.
     """
     closed, square = np.pad(pressure > 0.0, 1), np.pad(pressure, 1) ** 2
-    slope = WIDTH * np.hypot(*np.gradient(square))
+    slope = 3.0 * np.hypot(*np.gradient(square))
     near = (slope > square) & ~binary_erosion(closed, iterations=5)  # the rim along diagonals too
     t = np.divide(square, slope, out=np.ones_like(square), where=near)
     edges = sum(closed & ~np.roll(closed, step, axis) for axis in (0, 1) for step in (1, -1))
     weight = closed * (9.0 * t - 18.0 * t**2 + 10.0 * t**3)
-    # edges of cells are longer than a curved line by 4/pi in the mean
-    share = weight - 0.25 * math.pi * BEYOND * np.asarray(edges)
+    # edges of cells are longer than a curved line by 4/pi in the mean; that of the weighted area is .04 cells
+    # beyond the true one, for Hertz contacts of 4 to 80 cells per radius
+    share = weight - 0.25 * math.pi * 0.04 * np.asarray(edges)
     return np.maximum(np.bincount(owner.ravel(), share[1:-1, 1:-1].ravel(), count), 0.0)

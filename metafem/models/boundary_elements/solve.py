@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 
 from metafem._validate import FloatArray
-from metafem.contact import Elastic, Hertz
-from metafem.errors import InvalidInput, MetafemError
+from metafem.contact import Contact, Elastic, Hertz
+from metafem.errors import MetafemError, refuse_if
 from metafem.models._resources import require_memory
 from metafem.models.boundary_elements.cells import Contacts, Patch, Summits, boxes, measure
 from metafem.models.boundary_elements.influence import Influence, convergence_rate, orders
-from metafem.models.boundary_elements.quadratic_program import Minimum, minimise, on_face
+from metafem.models.boundary_elements.quadratic_program import Minimum, Program
 from metafem.models.curve import Curve
 from metafem.models.independent import Independent
 from metafem.models.interacting.model import Interacting
@@ -32,16 +33,8 @@ COARSEST = 4.0
 # do not overlap, the error of the edge predicted by point loads is smaller.
 MARGIN_CELLS, MARGIN_SHARE = 3.0, 0.03
 
-# Growth factor of a patch when a contact reaches its edge, and maximum number of solutions on growing
-# patches.
-GROWTH, MAX_GROWTHS = 1.25, 10
-
-# Maximum number of iterations. Conjugate gradients need 10 to 60, unless the tolerance is below rounding.
-MAX_ITERATIONS = 1000
-
-OTHER_GUESS = information(
-    "order 1 has no solution, so that the first guess of the contacts is that of independent asperities"
-)
+# Maximum number of solutions on patches that grow where a contact reaches their edge.
+MAX_GROWTHS = 10
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,23 +44,31 @@ class Solution:
     minimum: Minimum
     contacts: Contacts
     patches: list[Patch]
-    covered: bool  # no contact reaches the edge of its patch, and no asperity without cells is in contact
-    # largest indentation of isolated contacts with these areas; residuals are relative to it
-    indentation: float
+    # error relative to the largest indentation of isolated contacts with these areas; infinite if a contact
+    # reaches the edge of its patch, or an asperity without cells is in contact
+    residual: float
+    of_points: FloatArray  # indentation if all other loads act at points, (n,) [mm]
     stiffness: float  # derivative of the load by the approach, with fixed cells under pressure
 
 
 class Scene:
     """One surface on one substrate, with the data that are common to all loads."""
 
-    def __init__(self, surface: Surface, cell: float, substrate: Radial, law: Hertz | Elastic) -> None:
-        self.surface, self.cell, self.law = surface, cell, law
+    def __init__(self, surface: Surface, cell: float, substrate: Radial, contact: Contact) -> None:
+        refuse_if(
+            surface.cell is not None,
+            "contacts in a periodic cell cannot be resolved; use metafem.Interacting()",
+        )
+        self.surface, self.cell = surface, cell
+        self.law = law = cast("Hertz | Elastic", contact.bound(surface))
         self.substrate = substrate.for_surface(surface)
-        self.summits = Summits.of(surface, law, cell)
+        self.summits = Summits(surface, law, cell)
         # matrices over all pairs of asperities at once: the influence, its derivatives, the distances and the
         # convergence rates of the expansions
         require_memory(8 * 16 * surface.count**2, f"{surface.count} asperities")
         self.coupling, self.slope_x, self.slope_y, _ = self.substrate.influence_terms(surface)
+        functions = (self.substrate.influence, self.substrate.regular)
+        self.of_cells = [lambda r, f=f: np.asarray(cell * f(cell * r)) for f in functions]
 
     def initial_guess(self, value: float, by_load: bool) -> Curve:
         """Return the solution of order 1 at a load P/E* [mm^2] or an approach [mm].
@@ -80,7 +81,8 @@ class Scene:
             return point.curve(self.surface, load, approach=approach).checked().with_notes(())
         except MetafemError:
             alone = Independent(self.law).curve(self.surface, load, approach=approach).checked()
-            return alone.with_notes((OTHER_GUESS,))
+            text = "order 1 has no solution, so that the contacts are first those of independent asperities"
+            return alone.with_notes((information(text),))
 
     def largest(self, guess: Curve) -> float:
         """Return the largest contact radius of an initial guess [mm]."""
@@ -89,47 +91,45 @@ class Scene:
     def solve(self, guess: Curve, load: float | None = None) -> Solution:
         """Return the solution at a load, or at the initial guess's approach, with cells on all contacts."""
         largest = self.largest(guess)
-        if largest < COARSEST * self.cell:
-            raise InvalidInput(
-                f"cell = {self.cell:g} mm is too coarse for the largest contact, whose radius is about "
-                f"{largest:.3g} mm; {COARSEST:g} cells per radius need cell <= {largest / COARSEST:.3g} mm"
-            )
+        refuse_if(
+            largest < COARSEST * self.cell,
+            f"cell = {self.cell:g} mm is too coarse for the largest contact, whose radius is about "
+            f"{largest:.3g} mm; {COARSEST:g} cells per radius need cell <= {largest / COARSEST:.3g} mm",
+        )
         d = guess.last.indentation
         indentation, multiplier = float(d.max()) / self.cell, float(guess.approach[0]) / self.cell
         total = None if load is None else load / self.cell**2
         # summits whose gaps may close have cells too
         half_width = self._reach(d, guess.last.load, 1.0 + MARGIN_SHARE, 0.01 * d.max())
-        patches: list[Patch] = []
-        parts: list[FloatArray] = []
-        pressure, covered = np.zeros(0), False
         for _ in range(MAX_GROWTHS):
-            if not covered:
-                old, patches = patches, self._patches(half_width)
-                operator = self._influence(patches)
-                gap = np.concatenate([p.gap.ravel() for p in patches])
-                pressure = _moved(old, parts, patches) if old else self._expected(d, patches, gap)
+            patches = self._patches(half_width)
+            corner, shapes = np.array([p.corner for p in patches]), [p.gap.shape for p in patches]
+            operator = Influence(corner, shapes, *self.of_cells)
+            gap = np.concatenate([p.gap.ravel() for p in patches])
+            pressure = self._expected(d, patches, gap)
             if total is not None:
-                pressure = pressure * (total / pressure.sum())
+                pressure *= total / pressure.sum()
             # half of the tolerance, as the final indentation may be smaller than the expected one
-            tolerance = 0.5 * TOLERANCE * indentation
-            minimum = minimise(operator, gap, pressure, multiplier, total, tolerance, MAX_ITERATIONS)
-            pressure = minimum.pressure
-            parts = [part for group in operator.split(pressure) for part in group]
+            minimum = Program(operator, gap, total, 0.5 * TOLERANCE * indentation).minimum(
+                pressure, multiplier
+            )
+            parts = [part for group in operator.split(minimum.pressure) for part in group]
             contacts = measure(patches, parts, self.summits)
             radius = np.minimum(np.sqrt(contacts.area / math.pi), self.summits.widest())
-            indentation = (
-                float(self.law.indentation(self.cell * radius, self.summits.of_law).max()) / self.cell
-            )
-            larger = self._enlarged(half_width, patches, parts, contacts, minimum)
+            deepest = self.law.indentation(self.cell * radius, self.summits.of_law).max()
+            indentation, multiplier = float(deepest) / self.cell, minimum.multiplier
+            d = multiplier * self.cell - self.surface.gap - self.coupling @ (self.cell**2 * contacts.load)
+            larger = self._enlarged(half_width, patches, parts, d, self.cell**2 * contacts.load)
             covered = bool((larger == half_width).all())
             if covered and minimum.error <= TOLERANCE * indentation:
                 break
             half_width = larger
         self.require_extent(contacts)
-        zero, face = np.zeros(gap.size), pressure > 0.0
+        zero, face = np.zeros(gap.size), minimum.pressure > 0.0
         # the relative error of the stiffness is the square of that of the equations
-        rise, _, _ = on_face(operator, face, zero, zero - 1.0, 0.0, False, 1e-3, MAX_ITERATIONS)
-        return Solution(minimum, contacts, patches, covered, indentation, float(rise.sum()))
+        rise, _, _ = Program(operator, zero, None, 2e-3).on_face(face, zero, zero - 1.0, 0.0, 0.0, 1000)
+        residual = minimum.error / indentation if covered else math.inf
+        return Solution(minimum, contacts, patches, residual, d, float(rise.sum()))
 
     def _reach(self, d: FloatArray, load: FloatArray, factor: float, margin: float) -> FloatArray:
         """Return the extent of the cells around summits with indentations d, (n,) [cells]; 0 if not needed.
@@ -147,37 +147,24 @@ class Scene:
 
     def require_extent(self, contacts: Contacts) -> None:
         """Raise InvalidInput if a contact is wider than its profile."""
-        radius = self.cell * np.sqrt(contacts.area / math.pi)
-        most = self.cell * self.summits.widest()
-        if (radius > most).any():
-            i = int((radius / most).argmax())
-            raise InvalidInput(
-                f"the contact of asperity {i} has the radius {radius[i]:.4g} mm, beyond {most[i]:.4g} mm, up "
-                f"to which {self.law!r} describes contacts; use lighter loads or a wider profile"
-            )
+        radius, most = self.cell * np.sqrt(contacts.area / math.pi), self.cell * self.summits.widest()
+        i = int((radius / most).argmax())
+        refuse_if(
+            radius[i] > most[i],
+            f"the contact of asperity {i} has the radius {radius[i]:.4g} mm, beyond {most[i]:.4g} mm, up to "
+            f"which {self.law!r} describes contacts; use lighter loads or a wider profile",
+        )
 
     def _patches(self, half_width: FloatArray) -> list[Patch]:
         members, first, last = boxes(self.summits.position, half_width)
         cells = (last - first + 1).astype(np.float64).prod(axis=1)
         rate = convergence_rate(first, last)
         terms = orders(rate[np.triu_indices(len(cells), 1)]).astype(np.float64)
-        # 16 arrays over all cells; the expansions, and copies of a part while they are computed; the
-        # transforms: three complex arrays with four times the cells of all patches of one shape
-        _, shape = np.unique(last - first, axis=0, return_inverse=True)
-        largest = np.bincount(shape.ravel(), cells).max()
-        needed = 8 * 16 * cells.sum() + 8 * 2 * (terms**4).sum() + 4 * 16 * 3 * largest
+        # 16 arrays over all cells, and three complex ones with four times the cells for the transforms; the
+        # expansions, and copies of a part while they are computed
+        needed = 8 * (16 + 24) * cells.sum() + 8 * 2 * (terms**4).sum()
         require_memory(needed, f"cell = {self.cell:g} mm, with {cells.sum():.3g} cells,")
         return [self.summits.patch(*box) for box in zip(members, first, last, strict=True)]
-
-    def _influence(self, patches: list[Patch]) -> Influence:
-        """Return the influence of the cells of patches on each other."""
-        h, below = self.cell, self.substrate
-        return Influence(
-            np.array([p.corner for p in patches]),
-            [p.gap.shape for p in patches],
-            lambda r: np.asarray(h * below.influence(h * r)),
-            lambda r: np.asarray(h * below.regular(h * r)),
-        )
 
     def _expected(self, d: FloatArray, patches: list[Patch], gap: FloatArray) -> FloatArray:
         """Return Hertz's pressure for indentations d [mm]: 2/(pi R) sqrt(a^2 - rho^2) with a^2 = R d."""
@@ -193,31 +180,16 @@ class Scene:
         half_width: FloatArray,
         patches: list[Patch],
         pressure: list[FloatArray],
-        contacts: Contacts,
-        minimum: Minimum,
+        d: FloatArray,
+        load: FloatArray,
     ) -> FloatArray:
         """Return half widths (n,), increased where a contact reaches the edge or a summit lacks cells."""
-        result = half_width.copy()
+        result = np.where(half_width == 0.0, self._reach(d, load, 1.0, 0.0), half_width)
         for region, p in zip(patches, pressure, strict=True):
             rim = p > 0.0
             rim[1:-1, 1:-1] = False
             cells, owner = np.argwhere(rim) + region.corner, region.owner[rim]
-            reach = np.abs(cells - self.summits.position[owner]).max(axis=1)
-            for i in np.unique(owner):
-                # if a summit lies within the cells of others, its contact belongs to their patch
-                result[i] = GROWTH * max(half_width[i], reach[owner == i].max()) + MARGIN_CELLS
-        load = self.cell**2 * contacts.load
-        d = minimum.multiplier * self.cell - self.surface.gap - self.coupling @ load
-        new = np.where(half_width == 0.0, self._reach(d, load, 1.0, 0.0), 0.0)
-        return np.asarray(np.maximum(result, new))
-
-
-def _moved(old: list[Patch], pressure: list[FloatArray], new: list[Patch]) -> FloatArray:
-    """Return the pressure on new patches of the same grid; zero in new cells."""
-    parts = [np.zeros(region.gap.shape) for region in new]
-    for source, p in zip(old, pressure, strict=True):
-        cells = np.argwhere(p > 0.0) + source.corner
-        for region, part in zip(new, parts, strict=True):
-            here = ((cells >= region.corner) & (cells < region.corner + part.shape)).all(axis=1)
-            part[tuple((cells[here] - region.corner).T)] = p[tuple((cells[here] - source.corner).T)]
-    return np.concatenate([part.ravel() for part in parts])
+            # if a summit lies within the cells of others, its contact belongs to their patch
+            reach = np.maximum(half_width[owner], np.abs(cells - self.summits.position[owner]).max(axis=1))
+            np.maximum.at(result, owner, 1.25 * reach + MARGIN_CELLS)
+        return result

@@ -10,9 +10,9 @@ from functools import cached_property, partial
 import numpy as np
 
 from metafem._kernels import curve as kernel
-from metafem._kernels.contact.tabulated import Law
 from metafem._kernels.equations import State
 from metafem._kernels.gradient import area_gradients
+from metafem._kernels.law import Law
 from metafem._kernels.newton import ON_CURVE
 from metafem._validate import FloatArray
 from metafem.contact.law import contacts

@@ -11,13 +11,12 @@ import numpy as np
 import scipy
 
 from metafem._kernels.equations import Coupling
-from metafem._validate import FloatArray
+from metafem._validate import FloatArray, IntArray
 from metafem.errors import refuse_if
 from metafem.material import PeriodicCell
 from metafem.models._resources import require_memory
 from metafem.models.interacting.scattered import fast_sums
 from metafem.models.interacting.sums import Sums, find_grid, require_series
-from metafem.models.neighbours import neighbours
 from metafem.substrate import Radial, Substrate
 from metafem.surface import Surface
 
@@ -29,9 +28,13 @@ KEPT_FIELDS, MOST_KEPT, MOST_LAST = 8, 256, 1000
 # Largest number of asperities in a periodic cell; the sums for 2000 take seconds and 0.5 GB.
 MOST_PERIODIC = 2000
 
-# Largest number of asperities for which fast sums are cached. The spectra and positions of 10,000
-# sites take 2 MiB.
+# Largest number of asperities for which fast sums and neighbours are cached. The spectra and positions of
+# 10,000 sites take 2 MiB, their neighbours 8 MiB.
 MOST_KEPT_SUMS = 10_000
+
+# Number of nearest neighbours that short-ranged sums include above `MOST_KEPT` asperities. On a lattice,
+# asperities farther away add less than a hundredth.
+NEIGHBOURS = 24
 
 
 def _scattered(surface: Surface) -> bool:
@@ -84,15 +87,50 @@ def displacements(surface: Surface, bound: Substrate) -> Callable[[FloatArray], 
 
 def nearest_distance(surface: Surface) -> float:
     """Return the smallest distance between two asperities [mm]; infinite for one asperity without a cell."""
-    if surface.cell is not None:
-        return float(neighbours(surface.position, surface.cell, 1)[0].min())
-    return _nearest(Sites.of(surface)) if surface.count > 1 else math.inf
+    return float(neighbours(surface)[0].min(initial=math.inf))
 
 
-@lru_cache(maxsize=KEPT_FIELDS)
-def _nearest(sites: Sites) -> float:
-    position = sites.surface.position
-    return float(scipy.spatial.cKDTree(position).query(position, k=2)[0][:, 1].min())
+def neighbours(surface: Surface) -> tuple[FloatArray, IntArray, FloatArray]:
+    """Return distances [mm], indices and relative positions of the nearest neighbours, (n, q), (n, q, 2).
+
+    There are `NEIGHBOURS`, for few asperities `MOST_KEPT` or all. With a cell they include sites of other
+    periods, in particular those of the site itself.
+    """
+    return (_kept_neighbours if surface.count <= MOST_KEPT_SUMS else _neighbours)(Sites.of(surface))
+
+
+def close_pairs(surface: Surface, reach: float) -> tuple[IntArray, IntArray, FloatArray]:
+    """Return the pairs i, j of sites up to a distance, and their distances [mm].
+
+    With a cell, the neighbours of each site are searched among all periods; each pair then counts once.
+    """
+    if surface.cell is None:
+        tree = scipy.spatial.cKDTree(surface.position)
+        i, j = tree.query_pairs(reach, output_type="ndarray").T
+        return i, j, np.hypot(*(tree.data[i] - tree.data[j]).T)
+    distance, other, apart = neighbours(surface)
+    site = np.broadcast_to(np.arange(surface.count)[:, None], other.shape)
+    # of the two equal directions between periods of one site, only one counts
+    once = (site < other) | ((site == other) & ((apart > 0.0) @ [2, 1] > (apart < 0.0) @ [2, 1]))
+    kept = once & (distance <= reach)
+    return site[kept], other[kept], distance[kept]
+
+
+def _neighbours(sites: Sites) -> tuple[FloatArray, IntArray, FloatArray]:
+    position, cell = sites.surface.position, sites.cell
+    images, some = position, 1 + (MOST_KEPT if len(position) <= MOST_KEPT else NEIGHBOURS)
+    if cell is not None:
+        # periods on each side, so that there are enough sites at the distances of the neighbours
+        reach, sides = math.sqrt(some * cell.area / len(position)), (cell.width, cell.length)
+        steps = [side * np.arange(-(most := math.ceil(reach / side)), most + 1) for side in sides]
+        shift = np.stack(np.meshgrid(*steps, indexing="ij"), axis=-1).reshape(-1, 1, 2)
+        images = (position + shift).reshape(-1, 2)
+    found = scipy.spatial.cKDTree(images).query(position, k=min(some, len(images)))
+    distance, other = (np.reshape(part, (len(position), -1))[:, 1:] for part in found)
+    return distance, other % len(position), position[:, None] - images[other]
+
+
+_kept_neighbours = lru_cache(maxsize=KEPT_FIELDS)(_neighbours)
 
 
 @lru_cache(maxsize=KEPT_FIELDS)

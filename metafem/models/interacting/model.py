@@ -60,8 +60,8 @@ class Interacting:
     must form a rectangular grid that divides the cell. Against finite elements of the unit cell of a square
     lattice, the load of order 3 at a given contact radius is off by at most 0.03 % up to a/pitch = 0.19.
 
-    The stiffness of a curve of order 1 has a relative error below 1e-8, that of order 3 below 3e-5, because
-    its tangent omits terms of second order.
+    The stiffness of a curve has a relative error below 1e-6, because the loads of its tangent are solved to
+    1e-4.
 
     The notes of a state or law warn if contacts overlap, or if the estimated error of order 3 in A0 exceeds
     4 %. They also state if a/r exceeds 0.32, or a/t exceeds 0.3.
@@ -197,8 +197,9 @@ class Interacting:
         InvalidInput
             If heights or loads are outside their range, or the layer is thinner than a contact radius.
         NotConverged
-            If a residual exceeds 1e-12, or 1e-9 if fast sums are used: above 2000 asperities, and for order 3
-            on a lattice above 400. All results are attached.
+            If a residual exceeds 1e-12 (1e-8 at all but the last of more than 40 loads), or 1e-9 if fast
+            sums are used: above 2000 asperities, and for order 3 on a lattice above 400. All results are
+            attached.
 
         Examples
         --------

@@ -10,9 +10,9 @@ from functools import cached_property, lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from metafem._kernels.contact.tabulated import Law
 from metafem._kernels.curve import REMEMBERED, Results, empty_memory, predict, remember, uniform_approach
 from metafem._kernels.equations import State, press, sharpen, spread
+from metafem._kernels.law import Law
 from metafem._kernels.vectors import exact_sum
 from metafem._validate import FloatArray
 from metafem.errors import NotConverged

@@ -70,7 +70,7 @@ def test_an_edit_of_any_kernel_is_another_version(tmp_path):
     copy = shutil.copytree(KERNELS, tmp_path / "_kernels", ignore=shutil.ignore_patterns("__pycache__"))
     seen = {version(copy)}
     assert seen == {version(KERNELS)}
-    for source in ("compiled.py", "vectors.py", "contact/hertz.py"):
+    for source in ("compiled.py", "vectors.py", "law.py"):
         with (copy / source).open("a") as file:
             file.write("\n")
         seen.add(version(copy))

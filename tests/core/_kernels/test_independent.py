@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.optimize import brentq
 
 from metafem._kernels import independent as kernel
-from metafem._kernels.contact.tabulated import Law
+from metafem._kernels.law import hertz_law
 
 
 def sums_twin(gap, radius, approach):
@@ -38,8 +38,7 @@ def build(scene):
 
 def hertz(radius, shape):
     """Hertz's law for the kernels, for surfaces of this shape."""
-    size = np.broadcast_to(radius, shape).copy()
-    return Law(size, np.full(shape, -1), size, np.empty((0, 0)))
+    return hertz_law(np.broadcast_to(radius, shape).copy())
 
 
 def curves(gap, radius, load):

@@ -7,6 +7,7 @@ import metafem as mf
 from metafem.models import automatic as automatic_module
 from metafem.models import error as error_module
 from metafem.models.error import slope_effects, truncation
+from metafem.models.interacting import influence
 from tests.models.scenes import lattice, said
 
 HEIGHTS = 0.12 - np.minimum(np.random.default_rng(0).exponential(0.035, 36), 0.12)
@@ -44,14 +45,20 @@ def test_estimates_of_other_caps_bound_their_errors():
         assert error < truncation(surface, last.area, mf.HalfSpace(), law) < most * error
 
 
+def of_all_sites(monkeypatch):
+    """Let sums over neighbours include all sites."""
+    monkeypatch.setattr(influence, "_kept_neighbours", influence._neighbours)
+    monkeypatch.setattr(influence, "NEIGHBOURS", 10_000)
+
+
 def test_slopes_in_large_scenes_are_those_of_the_nearest_neighbours(monkeypatch):
     """Within a third where the heights are random, as the far fields nearly cancel."""
     height = 0.12 - np.minimum(np.random.default_rng(0).exponential(0.035, 324), 0.12)
     surface, law = lattice(height), mf.Elastic(mf.Power(4))
     area = mf.Interacting(contact=law).curve(surface, np.array([2.0])).last.area
-    every, _ = slope_effects(law, surface, area, mf.HalfSpace())
-    monkeypatch.setattr(error_module, "DENSE_LIMIT", 1)
-    assert slope_effects(law, surface, area, mf.HalfSpace())[0] == pytest.approx(every, rel=0.35)
+    nearest, _ = slope_effects(law, surface, area, mf.HalfSpace())
+    of_all_sites(monkeypatch)
+    assert slope_effects(law, surface, area, mf.HalfSpace())[0] == pytest.approx(nearest, rel=0.35)
 
 
 def test_pairs_of_many_contacts_are_those_of_their_nearest_neighbours(monkeypatch):
@@ -59,10 +66,9 @@ def test_pairs_of_many_contacts_are_those_of_their_nearest_neighbours(monkeypatc
     surface = lattice(height)
     area = mf.Interacting().curve(surface, np.array([2.0])).last.area
     near = np.full(324, np.pi * 0.76**2)  # at a pitch of 1.5 mm
-    every = truncation(surface, area, mf.HalfSpace())
-    assert truncation(surface, near, mf.HalfSpace()) == np.inf
-    monkeypatch.setattr(error_module, "DENSE_LIMIT", 1)
-    assert truncation(surface, area, mf.HalfSpace()) == pytest.approx(every, rel=0.02)
+    nearest = truncation(surface, area, mf.HalfSpace())
+    of_all_sites(monkeypatch)
+    assert truncation(surface, area, mf.HalfSpace()) == pytest.approx(nearest, rel=0.02)
     assert truncation(surface, near, mf.HalfSpace()) == np.inf
 
 

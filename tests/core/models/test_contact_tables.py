@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem._kernels.contact import tabulated as kernel
+from metafem._kernels import law as kernel
 from metafem.contact.law import area_change, contacts
 from metafem.models.contact_tables import tables
 

@@ -34,7 +34,7 @@ def test_areas_from_moments_hold_for_any_extra_curvature():
     for law in (*LAWS, Read(mf.Power(2.0))):
         kappa = np.linspace(-0.1, 0.4, 6) * law.indentation(a, RADIUS) / a**2
         load, moment = (f(a, RADIUS, kappa) for f in (law.load, law.second_moment))
-        summits = Summits.of(surface, law, 0.01)
+        summits = Summits(surface, law, 0.01)
         found = summits.areas(0.5 * moment / load / 1e-4, load / 1e-4, np.zeros(6))
         np.testing.assert_allclose(1e-4 * found, np.pi * a**2, rtol=1e-12)
         assert (summits.areas(*np.zeros((3, 6))) == 0.0).all()

@@ -6,6 +6,7 @@ import mpmath
 import numpy as np
 import pytest
 
+import metafem as mf
 from metafem.models.boundary_elements import influence
 from metafem.models.boundary_elements.cells import Patch, Summits, boxes
 from metafem.models.boundary_elements.influence import Influence
@@ -25,10 +26,9 @@ def soft(r):
 
 
 def patches_of(place, half_width):
-    place = np.asarray(place, dtype=float)
-    radius = np.full(len(place), 100.0)
-    summits = Summits(place, np.zeros(len(place)), radius, of_law=radius)
-    return [summits.patch(*box) for box in zip(*boxes(place, np.asarray(half_width)), strict=True)]
+    surface = mf.Surface(place, np.ones(len(place)), 100.0, mf.Material(1.0))
+    summits = Summits(surface, mf.Hertz(), 1.0)
+    return [summits.patch(*box) for box in zip(*boxes(summits.position, np.asarray(half_width)), strict=True)]
 
 
 def operator_of(patches, regular=none):

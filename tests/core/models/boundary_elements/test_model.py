@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -124,7 +125,7 @@ def test_memory_is_that_of_the_machine_or_a_guess(monkeypatch):
 
 
 def test_stopping_early_raises_with_the_state(monkeypatch):
-    monkeypatch.setattr(solve, "MAX_ITERATIONS", 1)
+    monkeypatch.setattr(solve, "Program", partial(solve.Program, max_iterations=1))
     monkeypatch.setattr(solve, "MAX_GROWTHS", 1)
     with pytest.raises(mf.NotConverged) as caught:
         mf.equilibrium(PAIR, COARSE, load=0.05)
@@ -134,10 +135,10 @@ def test_stopping_early_raises_with_the_state(monkeypatch):
 def test_patches_give_what_one_grid_gives(monkeypatch):
     surface = mf.Surface.square_lattice([0.1, 0.11, 0.12, 0.1], (2, 2), 0.9, radius=RADIUS, material=MATERIAL)
     apart = mf.equilibrium(surface, COARSE, load=0.1)
-    assert "4 patches" in apart.notes[0].text
+    assert len(apart.field.shape) == 4
     monkeypatch.setattr(cells, "SLOWEST_RATE", math.inf)
     whole = mf.equilibrium(surface, COARSE, load=0.1)
-    assert "1 patches" in whole.notes[0].text
+    assert len(whole.field.shape) == 1
     np.testing.assert_allclose(apart.asperity_load, whole.asperity_load, rtol=1e-8)
     np.testing.assert_allclose(apart.asperity_area, whole.asperity_area, rtol=1e-8)
 

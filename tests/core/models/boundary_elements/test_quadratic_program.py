@@ -31,9 +31,7 @@ def random_program(seed, size):
 
 
 def solve(matrix, gap, start, total=None, most=3000):
-    return quadratic_program.minimise(
-        Dense(matrix), gap, start, 0.0, total, tolerance=1e-9, max_iterations=most
-    )
+    return quadratic_program.Program(Dense(matrix), gap, total, 1e-9, most).minimum(start, 0.0)
 
 
 seeds = st.integers(0, 10**6)
@@ -85,6 +83,7 @@ def test_system_on_a_face_is_solved_there():
     matrix, _ = random_program(1, 20)
     face = np.arange(20) % 3 > 0
     zero = np.zeros(20)
-    found, _, _ = quadratic_program.on_face(Dense(matrix), face, zero, zero - 1.0, 0.0, False, 1e-10, 500)
+    program = quadratic_program.Program(Dense(matrix), zero - 1.0, None, 1e-10)
+    found, _, _ = program.on_face(face, zero, zero - 1.0, 0.0, 0.0, 500)
     assert (found[~face] == 0.0).all()
     np.testing.assert_allclose((matrix @ found)[face], 1.0, rtol=1e-9)

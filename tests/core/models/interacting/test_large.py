@@ -129,14 +129,6 @@ def test_a_lattice_with_few_of_its_sites_is_found():
     assert find_lattice(position).pitch == pytest.approx(1.5, rel=1e-9)
 
 
-def test_lattices_of_more_than_400_asperities_are_summed_by_fft():
-    position = lattice(rough(2500)).position
-    for count, fast in ((350, False), (450, True)):
-        surface = scene(position[np.random.default_rng(0).permutation(2500)[:count]], rough(count), 0.526)
-        bound = mf.Interacting().bound(surface)
-        assert (bound.summed is not None) == fast
-
-
 QUARTIC = mf.Interacting(3, contact=mf.Elastic(mf.Power(4)))
 
 

@@ -1,4 +1,4 @@
-"""Tabulated contact laws for kernels, for unit E*; Hertz's law is in closed form in `hertz`.
+"""Contact laws for kernels, for unit E*: Hertz's law in closed form, and other laws from tables.
 
 The nominal indentation z of a contact with load p is the indentation at which the law without extra curvature
 has this load. A table contains, as functions of ln z, ln p, ln a^2, the logarithm of the complementary energy
@@ -31,6 +31,9 @@ import numpy as np
 
 from metafem._kernels.compiled import compiled
 
+# Hertz's law: P = LOAD a d and dP/dd = STIFFNESS a. Sums over contacts are multiplied once, at the end.
+LOAD, STIFFNESS = 4.0 / 3.0, 2.0
+
 # Smallest curvature of a summit flattened by its neighbours, divided by its own curvature. Below it the
 # expansion is not valid. For Hertz's law the ratio is 1 + k R.
 LEAST_CURVATURE = 0.1
@@ -39,32 +42,39 @@ LEAST_CURVATURE = 0.1
 # linear.
 MAX_STEPS = 40
 
-# Steps in a logarithm below which the iteration stops, because the next step is below rounding: for a
-# third-order method, whose next step is about the cube, and for Newton's method, whose next step is about the
-# square.
-SETTLED, SETTLED_SQUARE = 1e-5, 1e-8
-
-# Largest ratio of the load due to the curvature to the load p at which a local power law gives the first
-# guess of the contact radius.
-MOST_EXTRA = 0.1
-
-
-# Layout of a row of `Law.data`: the largest indentation, three numbers for T, the number of panels over ln z,
-# the number of bins of equal width, the smallest ln z, the inverse bin width, the first panel of each bin,
-# and the edges of the panels. For each panel the polynomials of the distance from its lower edge follow, one
-# for each function, with COEFFICIENTS coefficients each, the constant term first.
-DEEPEST, LEVER_EDGE, LEVER_START, LEVER_OFFSET, PANELS, BINS, LOWEST, PER_BIN, HEADER = range(9)
-LOAD, SQUARE, ENERGY, MOMENT, FUNCTIONS = range(5)
+# Coefficients of a quintic polynomial, and the place of each function in those of a panel, after ln p.
 COEFFICIENTS = 6
+SQUARE, ENERGY, MOMENT, PANEL = 6, 12, 18, 24
+
+# Number of values before the segments of a table.
+HEADER = 5
 
 
 class Law(NamedTuple):
-    """Contact laws of the asperities of one surface, arrays (n,), or of many surfaces, arrays (m, n)."""
+    """Contact laws of the asperities of one surface, arrays (n,), or of many surfaces, arrays (m, n).
+
+    A row of `data` is a table. It begins with the largest indentation, three numbers for T (the load up to
+    which it is proportional to p, its slope there, and its offset above) and the number of segments. A
+    segment is a range of ln z with panels of equal width: the smallest ln z, the width, the number of panels,
+    and where the first panel begins. A panel has the polynomials of ln p, ln a^2, and the logarithms of the
+    complementary energy and of M, of the distance from its lower edge, the constant term first.
+    """
 
     radius: np.ndarray  # radius of each summit [mm]
-    which: np.ndarray  # index in `data` of the table of each asperity; -1 for Hertz's law
+    which: np.ndarray  # row in `data` of the table of each asperity; -1 for Hertz's law
     scale: np.ndarray  # length [mm] by which lengths in the table of each asperity are divided
-    data: np.ndarray  # tables, one per row; empty for Hertz's law
+    data: np.ndarray  # tables; empty for Hertz's law
+
+
+def hertz_law(radius: np.ndarray) -> Law:
+    """Return Hertz's law for radii (..., n) [mm]."""
+    return Law(radius, np.full(radius.shape, -1), radius, np.empty((0, 0)))
+
+
+@compiled
+def contact_radius(radius, indentation):
+    """Return a = sqrt(R d) [mm] of Hertz's law."""
+    return math.sqrt(radius * indentation)
 
 
 @compiled
@@ -75,28 +85,32 @@ def part(law, row):
 
 @compiled
 def panel(data, at, x):
-    """Return the panel of x: its polynomials' offset, and the distance of x from its lower edge.
+    """Return where the panel of x begins, and the distance of x from its lower edge.
 
     The distance is limited to the width of the panel; a third number is the distance of x beyond it.
     """
-    panels, bins = int(data[at, PANELS]), int(data[at, BINS])
-    place = (x - data[at, LOWEST]) * data[at, PER_BIN]
-    k = int(data[at, HEADER + int(min(max(place, 0.0), bins - 1.0))])
-    edges = HEADER + bins
-    while k + 1 < panels and x >= data[at, edges + k + 1]:
-        k += 1
-    low = data[at, edges + k]
-    t = min(max(x, low), data[at, edges + k + 1]) - low
-    return edges + panels + 1 + FUNCTIONS * COEFFICIENTS * k, t, x - low - t
+    low, high = 0, int(data[at, HEADER - 1])
+    while high - low > 1:
+        middle = (low + high) // 2
+        if x >= data[at, HEADER + 4 * middle]:
+            low = middle
+        else:
+            high = middle
+    first = HEADER + 4 * low
+    t, width = x - data[at, first], data[at, first + 1]
+    k = int(min(max(t / width, 0.0), data[at, first + 2] - 1.0))
+    t -= k * width
+    inside = min(max(t, 0.0), width)
+    return int(data[at, first + 3]) + PANEL * k, inside, t - inside
 
 
 @compiled
 def line(data, at, first, t, beyond):
     """Return a polynomial at t, continued by a straight line over `beyond`, and its derivative."""
     f = f1 = 0.0
-    for k in range(COEFFICIENTS - 1, -1, -1):
+    for j in range(COEFFICIENTS - 1, -1, -1):
         f1 = f1 * t + f
-        f = f * t + data[at, first + k]
+        f = f * t + data[at, first + j]
     return f + f1 * beyond, f1
 
 
@@ -104,11 +118,11 @@ def line(data, at, first, t, beyond):
 def curve(data, at, first, t, beyond):
     """Return the results of `line`, and the second and third derivatives, which are 0 beyond the table."""
     f = f1 = f2 = f3 = 0.0
-    for k in range(COEFFICIENTS - 1, -1, -1):
+    for j in range(COEFFICIENTS - 1, -1, -1):
         f3 = f3 * t + f2
         f2 = f2 * t + f1
         f1 = f1 * t + f
-        f = f * t + data[at, first + k]
+        f = f * t + data[at, first + j]
     inside = 1.0 if beyond == 0.0 else 0.0
     return f + f1 * beyond, f1, 2.0 * f2 * inside, 6.0 * f3 * inside
 
@@ -116,7 +130,7 @@ def curve(data, at, first, t, beyond):
 @compiled
 def covers(data, at, scale, z):
     """Return whether a table includes a nominal indentation."""
-    return z <= data[at, DEEPEST] * scale
+    return z <= data[at, 0] * scale
 
 
 @compiled
@@ -133,7 +147,7 @@ def pressed(data, at, scale, z):
     """Return p, dp/dz, a^2 and da^2/dp at a nominal indentation z > 0."""
     first, t, beyond = panel(data, at, math.log(z / scale))
     f, f1 = line(data, at, first, t, beyond)
-    g, g1 = line(data, at, first + SQUARE * COEFFICIENTS, t, beyond)
+    g, g1 = line(data, at, first + SQUARE, t, beyond)
     p, square = math.exp(f) * scale * scale, math.exp(g) * scale * scale
     return p, p * f1 / z, square, square * g1 / (p * f1)
 
@@ -143,19 +157,19 @@ def tilted(data, at, scale, z):
     """Return p, dp/dz, a^2, da^2/dp, 2 T, 2 dT/dp and 2 d2T/dp2 at a nominal indentation z > 0."""
     first, t, beyond = panel(data, at, math.log(z / scale))
     f, f1, f2, _ = curve(data, at, first, t, beyond)
-    g, g1, g2, _ = curve(data, at, first + SQUARE * COEFFICIENTS, t, beyond)
+    g, g1, g2, _ = curve(data, at, first + SQUARE, t, beyond)
     p, square = math.exp(f), math.exp(g)
     inverse = 1.0 / (p * f1)
     widening = square * g1 * inverse
     area = scale * scale
-    if p <= data[at, LEVER_EDGE]:
-        rate, bend = data[at, LEVER_START], 0.0
+    if p <= data[at, 1]:
+        rate, bend = data[at, 2], 0.0
         lever = rate * p
     else:
         a = math.sqrt(square)
         rate = a * widening
         bend = rate * (1.5 * g1 - f1 + (g2 / g1 - f2 / f1)) * inverse
-        lever = 2.0 / 3.0 * square * a + data[at, LEVER_OFFSET]
+        lever = 2.0 / 3.0 * square * a + data[at, 3]
     return (
         p * area, p * area * f1 / z, square * area, widening,
         2.0 * lever * area * scale, 2.0 * rate * scale, 2.0 * bend / scale,
@@ -178,10 +192,10 @@ def bent(data, at, scale, load, square, widening, curvature):
         # D' = (dP/da)/(2 a)
         least = (LEAST_CURVATURE - 1.0) * 0.25 * p / (share * a0 * a0 * a0)
         # a flat summit that just touches is flattened by any small field: its k is always in range
-        inside = k > least or p <= data[at, LEVER_EDGE]
+        inside = k > least or p <= data[at, 1]
         k = max(k, least)
     extra = 4.0 / 3.0 * k * a0 * a0 * a0 / p
-    if abs(extra) <= MOST_EXTRA:  # ln a to second order in `extra`, for a local power law
+    if abs(extra) <= 0.1:  # a good first guess: ln a to second order in `extra`, for a local power law
         wider = -share * extra * (1.0 + extra * (0.5 - 3.0 * share))
     else:  # both P(a) = p and 4/3 k a^3 = p give larger radii than their sum
         wider = min(0.0, -math.log(extra) / 3.0) if k > 0.0 else 0.0
@@ -189,7 +203,7 @@ def bent(data, at, scale, load, square, widening, curvature):
     for _ in range(MAX_STEPS):
         first, t, beyond = panel(data, at, y)
         f, f1, f2, _ = curve(data, at, first, t, beyond)
-        g, g1, g2, _ = curve(data, at, first + SQUARE * COEFFICIENTS, t, beyond)
+        g, g1, g2, _ = curve(data, at, first + SQUARE, t, beyond)
         own, extra = math.exp(f), 4.0 / 3.0 * k * math.exp(1.5 * g)
         total = own + extra
         step = 0.5
@@ -199,11 +213,11 @@ def bent(data, at, scale, load, square, widening, curvature):
             step = math.log(total / p) / h1
             step = min(max(-step * (1.0 + 0.5 * step * h2 / h1), -0.5 * exponent), 0.5 * exponent)
         y += step
-        if abs(step) <= SETTLED:
+        if abs(step) <= 1e-5:  # the next step, about the cube, is below rounding
             break
     t += step
-    g, g1 = line(data, at, first + SQUARE * COEFFICIENTS, t, beyond)
-    w, _ = line(data, at, first + MOMENT * COEFFICIENTS, t, beyond)
+    g, g1 = line(data, at, first + SQUARE, t, beyond)
+    w, _ = line(data, at, first + MOMENT, t, beyond)
     depth, wide = math.exp(y), math.exp(g)
     a = math.sqrt(wide)
     slope = 2.0 * depth / (g1 * a) + 2.0 * k * a
@@ -220,10 +234,10 @@ def at_square(data, at, square, start):
     x, goal = math.log(start), math.log(square)
     for _ in range(MAX_STEPS):
         first, t, beyond = panel(data, at, x)
-        g, g1 = line(data, at, first + SQUARE * COEFFICIENTS, t, beyond)
+        g, g1 = line(data, at, first + SQUARE, t, beyond)
         step = (goal - g) / g1
         x += step
-        if abs(step) <= SETTLED_SQUARE:
+        if abs(step) <= 1e-8:  # the next step, about the square, is below rounding
             break
     return x, first, t + step, beyond
 
@@ -238,7 +252,7 @@ def on_slope(data, at, scale, square, widening, steepness):
     """
     a = math.sqrt(square) / scale
     x, first, t, beyond = at_square(data, at, a * a, 0.5 * a / widening)
-    _, g1, g2, g3 = curve(data, at, first + SQUARE * COEFFICIENTS, t, beyond)
+    _, g1, g2, g3 = curve(data, at, first + SQUARE, t, beyond)
     # derivatives of ln D with respect to ln a, the inverse of half the logarithm of a^2
     f1, depth = 2.0 / g1, math.exp(x)
     f2 = -g2 / g1 * f1 * f1
@@ -266,10 +280,10 @@ def complementary(data, at, scale, order, z, square, curvature):
     first, t, beyond = panel(data, at, x)
     if order > 1:
         x, first, t, beyond = at_square(data, at, a * a, z / scale)
-    energy = math.exp(line(data, at, first + ENERGY * COEFFICIENTS, t, beyond)[0])
+    energy = math.exp(line(data, at, first + ENERGY, t, beyond)[0])
     if order == 1:
         return energy * scale**3
-    moment, depth = math.exp(line(data, at, first + MOMENT * COEFFICIENTS, t, beyond)[0]), math.exp(x)
+    moment, depth = math.exp(line(data, at, first + MOMENT, t, beyond)[0]), math.exp(x)
     # w = a d^2 - int_0^a (D + k s^2)^2 ds
     squares = a * depth * depth - energy
     mixed = (a**3 * depth - 0.75 * moment) / 3.0
@@ -281,12 +295,18 @@ def complementary(data, at, scale, order, z, square, curvature):
 def indentation_at_load(data, at, scale, load):
     """Return the nominal indentation z [mm] at a load [mm^2]."""
     goal = math.log(load / scale**2)
-    x = data[at, LOWEST]
+    x = data[at, HEADER]
     for _ in range(MAX_STEPS):
         first, t, beyond = panel(data, at, x)
         f, f1 = line(data, at, first, t, beyond)
         step = (f - goal) / f1
         x -= step
-        if abs(step) <= SETTLED_SQUARE:
+        if abs(step) <= 1e-8:  # the next step, about the square, is below rounding
             break
     return math.exp(x) * scale
+
+
+@compiled
+def hertz_indentation(radius, load):
+    """Return d = (3/4 P/sqrt(R))^(2/3) [mm] of Hertz's law."""
+    return (load / (LOAD * math.sqrt(radius))) ** (2.0 / 3.0)

@@ -1,1 +1,0 @@
-"""Compiled versions of the contact laws in `metafem.contact`."""
