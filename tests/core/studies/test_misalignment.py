@@ -28,8 +28,8 @@ def test_moments_are_those_of_the_laws_of_tilted_surfaces(surface, model, axes, 
     laws = [slope(surface.tilted(x * angle, y * angle), model, RANGE) for angle in steps]
     found = mf.studies.misalignment(surface, steps[3:], model=model, axes=axes, load_range=RANGE)
     assert "warning: errors estimated from 2 angles can be several times too small" in found.attrs["notes"]
-    assert found.nominal_slope == pytest.approx(laws[2][0], rel=1e-10)
-    np.testing.assert_allclose(found.nominal_area, laws[2][1], rtol=1e-10)
+    assert found.nominal_slope == pytest.approx(laws[2][0], rel=1e-7)
+    np.testing.assert_allclose(found.nominal_area, laws[2][1], rtol=1e-7)
     # the law is linear between the angles; a hundred thousand values on each side make the integrals
     many = np.linspace(-0.001, 0.001, 200_001)
     for k, largest in enumerate(steps[3:]):
