@@ -28,7 +28,7 @@ def test_heights_stand_on_steps_and_the_loss_is_told(template, name):
     assert result.status is DesignStatus.REFINED
     assert f"the misfit is {100 * result.misfit:.3g} %" in said(result)
     before = mf.design(TARGETS[name], template, model, mf.Limits(0.27, offset=0.05)).misfit
-    assert result.parameters["step_loss"] == pytest.approx(result.misfit - before, abs=1e-7)
+    assert result.parameters["step_loss"] == pytest.approx(result.misfit - before, abs=1e-9)
     used, counts = np.unique(result.surface.height, return_counts=True)
     np.testing.assert_array_equal(result.parameters["step_levels"], used)
     np.testing.assert_array_equal(result.parameters["step_counts"], counts)
