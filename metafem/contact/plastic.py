@@ -237,8 +237,8 @@ class KogutEtsion(ElasticPlastic):
 
     @property
     def _blends(self) -> list[tuple[float, float]]:
-        # up to 2, the slope of ln P does not exceed Hertz's 1.5; around 6 and 110 it does, more so in narrower
-        # blends, and wider ones change the load more
+        # up to 2, the slope of ln P does not exceed Hertz's 1.5; around 6 and 110 it does, more so in
+        # narrower blends, and wider ones change the load more
         return [(1.0, 2.0), *((w / 1.25, w * 1.25) for w in (6.0, 110.0))]
 
     def _published(self, w: Any) -> tuple[FloatArray, FloatArray]:
