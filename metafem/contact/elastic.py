@@ -60,7 +60,7 @@ class CapContact(Contact):
     def load(self, contact_radius: Values, radius: Any, curvature: Values = 0.0) -> FloatArray:
         """Return the rescaled load P/E* [mm^2]."""
         a = np.asarray(contact_radius, dtype=np.float64)
-        return np.asarray(self._sums(a, radius)[0] + 4.0 / 3.0 * curvature * a**3)[()]
+        return np.asarray(self._sums(a, radius)[0] + 4.0 / 3.0 * curvature * a * a**2)[()]
 
     def second_moment(self, contact_radius: Values, radius: Any, curvature: Values = 0.0) -> FloatArray:
         """Return the second moment of the pressure over E* [mm^4]."""
@@ -133,6 +133,13 @@ class Hertz(CapContact):
         """Return the contact radius a = sqrt(d/(1/R + k)) [mm]; 0 where the contact is open."""
         sharpened = 1.0 + np.multiply(radius, curvature)
         return np.sqrt(np.multiply(radius, np.maximum(indentation, 0.0)) / sharpened)
+
+    def _depth(self, a: FloatArray, radius: Any) -> tuple[FloatArray, FloatArray]:
+        return a**2 / radius, 2.0 * a / radius  # several times faster than from the cap, which JKR needs
+
+    def _sums(self, a: FloatArray, radius: Any) -> tuple[FloatArray, FloatArray]:
+        load = 4.0 / 3.0 * a * a**2 / radius  # a**3 is slow
+        return load, 0.4 * a**2 * load
 
     def indentation_at_load(self, load: Values, radius: Values) -> FloatArray:
         """Return the indentation d = (3/4 P/E* / sqrt(R))^(2/3) [mm] of a contact without neighbours."""

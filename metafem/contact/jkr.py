@@ -23,9 +23,6 @@ from metafem.material import Material
 if TYPE_CHECKING:
     from metafem.surface import Surface
 
-# Twice the width of the first bracket of ln d, where d is the cap's indentation without adhesion.
-WIDTH = 1.0
-
 
 @dataclass(frozen=True)
 class JKR(Contact):
@@ -205,8 +202,8 @@ class JKR(Contact):
                 f"adhesion_energy = {self.adhesion_energy:g} N/mm pulls the contact beyond the range of "
                 f"{self.cap!r}; use a smaller energy or a wider profile"
             )
-        guess = np.minimum(np.log(others[1] + np.cbrt(self.length**2 * sizes_of(summit))), top - WIDTH)
-        bracket = elementwise.bracket_root(at, guess, guess + 0.5 * WIDTH, xmax=top, args=given).bracket
+        guess = np.minimum(np.log(others[1] + np.cbrt(self.length**2 * sizes_of(summit))), top - 1.0)
+        bracket = elementwise.bracket_root(at, guess, guess + 0.5, xmax=top, args=given).bracket
         x = elementwise.find_root(at, bracket, args=given).x
         return np.asarray(self.cap.contact_radius(np.exp(x), summit, others[0]))[()]
 

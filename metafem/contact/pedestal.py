@@ -12,8 +12,8 @@ from metafem._validate import FloatArray
 from metafem.caps.shapes import foot_radius
 from metafem.errors import refuse_if
 
-# Range of the fit: lowest and highest h/R, and largest ratio of the contact radius to the foot radius.
-LOWEST, TALLEST, WIDEST = 0.05, 0.6, 0.6
+# Largest h/R of the fit.
+TALLEST = 0.6
 
 # c_p R = sum over i, j of COEFFICIENTS[i, j] theta^i x^j, where theta is the slope angle of the sphere at the
 # foot and x = a/R. The sum is fitted to finite elements with nu = 0.5, which stand in
@@ -68,13 +68,13 @@ def pedestal_compliance(height: ArrayLike, radius: ArrayLike, contact_radius: Ar
     size = np.asarray(radius, dtype=np.float64)
     ratio = np.asarray(height, dtype=np.float64) / size
     refuse_if(
-        not ((ratio >= LOWEST) & (ratio <= TALLEST)).all(),
-        f"height/radius must lie from {LOWEST:g} to {TALLEST:g}, the range of the fit",
+        not ((ratio >= 0.05) & (ratio <= TALLEST)).all(),
+        f"height/radius must lie from 0.05 to {TALLEST:g}, the range of the fit",
     )
     x = np.asarray(contact_radius, dtype=np.float64) / size
     refuse_if(
-        not ((x >= 0.0) & (x <= WIDEST * foot_radius(ratio, 1.0))).all(),
-        f"contact_radius must lie from 0 to {WIDEST:g} of the radius of the cap's foot",
+        not ((x >= 0.0) & (x <= 0.6 * foot_radius(ratio, 1.0))).all(),
+        "contact_radius must lie from 0 to 0.6 of the radius of the cap's foot",
     )
     angle = np.arccos(1.0 - ratio)
     terms = polynomial.polyval(angle, COEFFICIENTS)

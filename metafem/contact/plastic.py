@@ -24,14 +24,6 @@ from metafem.notes import Note, information
 # Lowest ratio of yield strength to E* in the finite-element analyses of both sources: E/Y = 1000, nu = 0.3.
 LEAST_STRAIN = 9e-4
 
-# Indentation at which the blend after first yield ends, over that at which it begins. With this ratio, the
-# slope of ln P over ln w within the blend does not exceed that of Hertz's law.
-AFTER_YIELD = 2.0
-
-# The blends around w* = 6 and 110 of Kogut and Etsion extend from w*/AROUND to w* AROUND. Wider blends change
-# the load more; narrower blends increase the largest slope of ln P, which exceeds 1.5.
-AROUND = 1.25
-
 # Hertz's law of Jackson and Green holds up to this multiple of the indentation at yield.
 HERTZIAN = 1.9
 
@@ -245,8 +237,9 @@ class KogutEtsion(ElasticPlastic):
 
     @property
     def _blends(self) -> list[tuple[float, float]]:
-        around = [(w / AROUND, w * AROUND) for w in (6.0, 110.0)]
-        return [(1.0, AFTER_YIELD), *around]
+        # up to 2, the slope of ln P does not exceed Hertz's 1.5; around 6 and 110 it does, more so in
+        # narrower blends, and wider ones change the load more
+        return [(1.0, 2.0), *((w / 1.25, w * 1.25) for w in (6.0, 110.0))]
 
     def _published(self, w: Any) -> tuple[FloatArray, FloatArray]:
         # factors and exponents in the four regimes; in the last, H 2 pi R w/P_c = 3/K w*
@@ -319,7 +312,7 @@ class JacksonGreen(ElasticPlastic):
 
     @property
     def _blends(self) -> list[tuple[float, float]]:
-        return [(HERTZIAN, HERTZIAN * AFTER_YIELD)]
+        return [(HERTZIAN, 2.0 * HERTZIAN)]  # as narrow as the slope of ln P allows
 
     def _published(self, w: Any) -> tuple[FloatArray, FloatArray]:
         plastic = w.real > HERTZIAN

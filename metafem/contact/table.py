@@ -25,10 +25,6 @@ if TYPE_CHECKING:
 
     from metafem.surface import Surface
 
-# Minimum number of points of a table without the origin; the slope of the cubic at a point needs three
-# points.
-FEWEST = 3
-
 
 class LawByIndentation(Contact):
     """Contact law with load P/E* and area A as functions of the indentation d; its coupling is of order 1.
@@ -168,8 +164,9 @@ class TabulatedContact(Value, LawByIndentation):
         table = np.array([check.array(name, row, shape=(count,)) for name, row in given.items()])
         zero = int(not table[:, 0].any())
         table = table[:, zero:]
-        words = f"has {table.shape[1]} positive points; a table needs at least {FEWEST}"
-        refuse_if(table.shape[1] < FEWEST, words, key="indentation")
+        # the slope of the cubic at a point needs three points
+        words = f"has {table.shape[1]} positive points; a table needs at least 3"
+        refuse_if(table.shape[1] < 3, words, key="indentation")
         for name, row in zip(given, table, strict=True):
             check.increasing(name, row, first=zero)
         table.flags.writeable = False
