@@ -44,8 +44,8 @@ RADII = "the contact radii relative to the distances and the thickness"
 SMALL = 0.01
 
 # Number of contacts, summed over the loads, up to which errors are estimated at all loads, and least number
-# of loads: 50 loads of 64 contacts take .1 ms.
-PROBED, FEWEST = 3200, 8
+# of loads: 100 loads of 64 contacts take .2 ms.
+PROBED, FEWEST = 6400, 8
 
 # Safety factor of the estimates; a quarter is also added to the estimates of order 3. In 1500 random scenes
 # the errors were up to 1.3 times the estimates without this factor.

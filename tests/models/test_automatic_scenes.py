@@ -52,11 +52,14 @@ def test_errors_are_within_the_tolerance_and_as_estimated_at_every_load(seed):
     assert law.model_error <= tolerance
     for newtons, area in zip(load, law.area, strict=True):
         state = mf.equilibrium(surface, mf.Automatic(tolerance, substrate), load=newtons)
-        assert area == pytest.approx(state.area, rel=1e-9)
+        # the cells of a curve are chosen once for all its resolved contacts
+        resolved = isinstance(state.model, mf.BoundaryElements)
+        assert area == pytest.approx(state.area, rel=2.0 * tolerance if resolved else 1e-9)
         exact, uncertainty = truth(surface, substrate, tolerance, newtons)
         error = abs(area / exact - 1.0)
         assert error <= tolerance + uncertainty
-        assert error <= 3.0 * state.model_error + uncertainty + 1e-12
-        assert state.model_error <= law.model_error + NEGLIGIBLE_BOUND
+        estimate = law.model_error if resolved else state.model_error
+        assert error <= 3.0 * estimate + uncertainty + 1e-12
+        assert resolved or state.model_error <= law.model_error + NEGLIGIBLE_BOUND
         if isinstance(state.model, mf.Independent) and error > max(1e-4, 10.0 * uncertainty):
             assert state.model_error <= 5.0 * error

@@ -192,7 +192,7 @@ def allowed(area: FloatArray, paraboloids: bool) -> FloatArray:
     steep near the edge or near the axis.
     """
     edge = np.sqrt(4.0 * math.pi * area)
-    return np.asarray(np.maximum(3.0, 0.01 * edge) if paraboloids else 8.0 + 0.02 * edge)
+    return np.asarray(np.maximum(2.5, 0.01 * edge) if paraboloids else 8.0 + 0.02 * edge)
 
 
 def _within_edges(pressure: FloatArray, owner: IntArray, count: int) -> FloatArray:
