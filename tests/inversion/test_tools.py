@@ -50,7 +50,7 @@ def test_a_law_of_one_tool_or_of_two_is_met_by_a_kit_that_holds_them():
     target = mf.SampledLaw(load, ELASTIC.curve(two, load).area)
     kit = [*TWO, mf.Tool(0.52), mf.Tool(0.31, mf.Power(4)), mf.Tool(0.3, mf.Power(3.9))]
     found = mf.design(target, LATTICE, limits=LIMITS, tools=kit)
-    assert found.misfit <= 2e-3
+    assert found.misfit <= 2.5e-3
     area = ELASTIC.curve(found.surface, load).area
     rms = np.sqrt(((area / target.rescaled_friction - 1.0) ** 2).mean())
     assert rms == pytest.approx(found.misfit, abs=1e-9)

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from metafem import reference
+import metafem.reference as reference
 from validation.methods.caps import Caps, FloatArray, approach_at
 
 # Most steps of Newton's method, of which the loads of the paper need about six, the least part of a step, and

@@ -69,7 +69,7 @@ class ContactField(Value):
     >>> surface = mf.Surface.square_lattice(0.1, (1, 2), pitch=1.0, radius=0.526, material=mf.Material(1.36))
     >>> field = mf.equilibrium(surface, mf.BoundaryElements(cell=0.01), load=0.1).field
     >>> field
-    <ContactField: 6962 cells of 0.01 mm in 2 patches, pressure 0 to 0.4022 MPa>
+    <ContactField: 7200 cells of 0.01 mm in 2 patches, pressure 0 to 0.4022 MPa>
     >>> print(f"{field.cell**2 * field.pressure.sum():.6f} N")
     0.100000 N
     >>> bool((field.gap[field.pressure > 0.0] < 1e-10).all())

@@ -135,7 +135,7 @@ def test_full_contact_gives_the_strength_of_the_model_and_a_sufficient_load(mode
     surface = SURFACE.replaced(cap=cap)
     exact = mf.friction_law(surface, model, load=[0.05, 0.2, 0.4, 0.3])
     found = shear_strength(measured(exact), surface, 0.1, model=model)
-    assert found.shear_strength == pytest.approx(0.37, rel=1e-7)
+    assert found.shear_strength == pytest.approx(0.37, rel=1e-9)
     assert found.load.tolist() == [0.2, 0.3, 0.4]
     assert found.friction == mf.Friction(found.shear_strength, 0.85)
     with pytest.raises(mf.InvalidInput, match=r"load_min = 0\.001 ") as error:
