@@ -35,9 +35,6 @@ from metafem._kernels.vectors import dot, largest, total_of
 # steps from the prediction usually reach it, because the matrix omits 1e-4 of its terms.
 TOLERANCE, ON_CURVE = 1e-12, 1e-10
 
-# Residual below which the matrix of the step before serves again: it changes by about as much.
-STALE = 1e-5
-
 # Residual of order 1 from which order 3 starts: their solutions differ by a percent.
 START = 1e-2
 
@@ -181,7 +178,6 @@ def newton(field, order, law, self_term, gap, approach, target, tolerance, s, cl
     residual, length, shift, before, slope = math.inf, 0.0, 0.0, 0.0, 0.0
     steps = cuts = 0
     always = lifted = False
-    used = matrix
     while True:
         count = respond(field, order, law, self_term, s, closed)
         new, load = measure(gap, x, target, s, count)
@@ -208,8 +204,7 @@ def newton(field, order, law, self_term, gap, approach, target, tolerance, s, cl
                 s[Z, i] = x - gap[i]
             continue
         steps += 1
-        if always or steps == 1 or residual > STALE:
-            used = refresh(field, order, self_term, s, closed, count, matrix, always)
+        used = refresh(field, order, self_term, s, closed, count, matrix, always)
         for i in range(gap.size):
             s[RHS, i] = (x - gap[i]) - s[INDENTATION, i] - s[DISPLACEMENT, i]
         leave = largest(s[INDENTATION]) * max(INNER * min(residual, 1.0), 0.3 * goal)
