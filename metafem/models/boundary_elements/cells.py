@@ -153,7 +153,7 @@ class Contacts:
 def measure(patches: list[Patch], pressure: list[FloatArray], summits: Summits) -> Contacts:
     """Return the loads and areas of the asperities, and the merged contacts."""
     count = len(summits.radius)
-    sums, area, pairs, grooves = np.zeros((6, count)), np.zeros(count), [], 0
+    sums, area, pairs, grooves = np.zeros((7, count)), np.zeros(count), [], 0
     for patch, p in zip(patches, pressure, strict=True):
         closed, owner = p > 0.0, patch.owner
         for a, b in _neighbours(1):
@@ -163,18 +163,21 @@ def measure(patches: list[Patch], pressure: list[FloatArray], summits: Summits) 
             grooves += int((closed[a] & closed[b] & (owner[a] != owner[b])).sum())
         cells, of = np.argwhere(closed), owner[closed]
         x, y = (cells + patch.corner - summits.position[of]).T
-        for k, factor in enumerate((1.0, x, y, x**2, y**2, x * y)):
+        for k, factor in enumerate((1.0, x, y, x**2, y**2, x * y, p[closed])):
             sums[k] += np.bincount(of, p[closed] * factor, count)
         area += _within_edges(p, owner, count)
     load, carries = sums[0], sums[0] > 0.0
-    x, y, xx, yy, xy = sums[1:] / np.where(carries, load, 1.0)
+    x, y, xx, yy, xy, power = sums[1:] / np.where(carries, load, 1.0)
     square = (xx - x**2) * (yy - y**2) - (xy - x * y) ** 2
     # the moments of collocated pressures miss half a cell of the area: .4 to .6 for Hertz contacts of 5 to 80
     # cells per radius at any offset from the grid, .3 for 4; 0 to 1.1 for powers from 1.2 to 8
     spread = np.sqrt(np.maximum(square, 0.0)) + 0.5 / (5.0 * math.pi) * carries
     lawful = summits.areas(spread, load, np.hypot(x, y))
     merged = np.unique(np.sort(np.concatenate(pairs), axis=1), axis=0)
-    deformed = np.abs(area - lawful) > allowed(lawful, summits.paraboloids)
+    # the pressure of a Hertz contact, linear in its square, has this area, with a smaller error than the edge
+    ellipse = 9.0 / 8.0 * load / np.where(carries, power, 1.0)
+    seen = ellipse if summits.paraboloids else area
+    deformed = np.abs(seen - lawful) > allowed(lawful, summits.paraboloids)
     deformed[merged.ravel()] = True
     return Contacts(load, np.where(deformed, area, lawful), deformed, merged, grooves)
 
@@ -186,10 +189,10 @@ def _neighbours(apart: int) -> tuple[tuple[Any, Any], ...]:
 
 
 def allowed(area: FloatArray, paraboloids: bool) -> FloatArray:
-    """Return the error of areas within the edge, in cells, with which contacts may have their law's shape.
+    """Return the difference of two areas, in cells, with which contacts may have their law's shape.
 
-    Hertz contacts of 4 to 80 cells per radius are met within it, and powers from 1.2 to 8, whose pressure is
-    steep near the edge or near the axis.
+    Hertz contacts of 5 to 80 cells per radius differ by .3 to 1.3 cells. For other caps one is the area within
+    the edge: powers from 1.2 to 8, whose pressure is steep near the edge or near the axis, are met within it.
     """
     edge = np.sqrt(4.0 * math.pi * area)
     return np.asarray(np.maximum(2.5, 0.01 * edge) if paraboloids else 8.0 + 0.02 * edge)
