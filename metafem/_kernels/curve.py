@@ -37,9 +37,8 @@ TANGENT = 1e-4
 REMEMBERED = 3
 REACH = 3.0
 
-# Maximum number of Newton steps for the approach of a prediction, and relative error of the load that is
-# below that of the prediction.
-PREDICTOR_STEPS, CLOSE = 2, 1e-4
+# Maximum number of Newton steps for the approach of a prediction.
+PREDICTOR_STEPS = 2
 
 
 class Results(NamedTuple):
@@ -149,7 +148,7 @@ def predict(memory, points, x, target, law, z):
     load, slope = extrapolate(memory, points, x, law, z)
     if target > 0.0:
         for _ in range(PREDICTOR_STEPS):
-            if not slope > 0.0 or abs(load - target) <= CLOSE * target:
+            if not slope > 0.0 or abs(load - target) <= 1e-4 * target:  # below the error of the prediction
                 break
             x = max(memory.approach[0], x - (load - target) / slope)
             load, slope = extrapolate(memory, points, x, law, z)

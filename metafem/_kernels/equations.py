@@ -34,10 +34,6 @@ from metafem._kernels import law as contact
 from metafem._kernels.compiled import compiled
 from metafem._kernels.vectors import largest, total_of
 
-# Largest product of curvature and radius for which one step of Halley's method from the third-order series of
-# the cube root is exact to rounding.
-NEAR_ONE = 0.1
-
 
 class Coupling(NamedTuple):
     """Influence of n asperities on each other: G and, for order 3, its Laplacian and two slopes.
@@ -211,7 +207,8 @@ def sharpen(law, s, closed, count):
             touching = s[Z, i] > 0.0
             s[BEND, i] = y * (y3 + 2.0 * cube) / (2.0 * y3 + cube) if touching else 1.0
             s[OUTSIDE, i] = 1.0 if touching and not cube > contact.LEAST_CURVATURE else 0.0
-            far += 1 if touching and abs(extra) > NEAR_ONE else 0
+            # up to .1 Halley's method from the series is exact to rounding
+            far += 1 if touching and abs(extra) > 0.1 else 0
         if far > 0:
             for k in range(count):
                 i = closed[k]
