@@ -191,8 +191,9 @@ def _neighbours(apart: int) -> tuple[tuple[Any, Any], ...]:
 def allowed(area: FloatArray, paraboloids: bool) -> FloatArray:
     """Return the difference of two areas, in cells, with which contacts may have their law's shape.
 
-    Hertz contacts of 5 to 80 cells per radius differ by .3 to 1.3 cells. For other caps one is the area within
-    the edge: powers from 1.2 to 8, whose pressure is steep near the edge or near the axis, are met within it.
+    Hertz contacts of 5 to 80 cells per radius differ by .3 to 1.3 cells. For other caps one is the area
+    within the edge: powers from 1.2 to 8, whose pressure is steep near the edge or near the axis, are met
+    within it.
     """
     edge = np.sqrt(4.0 * math.pi * area)
     return np.asarray(np.maximum(2.5, 0.01 * edge) if paraboloids else 8.0 + 0.02 * edge)
