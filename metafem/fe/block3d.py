@@ -117,7 +117,7 @@ class Block3D:
         return result.gradient_x.copy(), result.gradient_y.copy(), result.laplacian.copy()
 
     def is_kept(self, surface: Surface) -> bool:
-        """Return whether the influence is stored on disk; otherwise it takes 30 s to compute for 64 sites."""
+        """Return whether the influence is stored on disk; otherwise 64 sites of a lattice take 15 s."""
         bound = self.for_surface(surface)
         try:
             return _path(bound, surface.position.tobytes()).is_file()
