@@ -6,7 +6,7 @@ import pytest
 import metafem as mf
 from metafem.models import automatic as automatic_module
 from metafem.models import error as error_module
-from metafem.models.error import slope_effects, truncation
+from metafem.models.error import truncation
 from metafem.models.interacting import influence
 from tests.models.scenes import lattice, said
 
@@ -49,16 +49,6 @@ def of_all_sites(monkeypatch):
     """Let sums over neighbours include all sites."""
     monkeypatch.setattr(influence, "cached", lambda function, *given: function(*given[:3]))
     monkeypatch.setattr(influence, "NEIGHBOURS", 10_000)
-
-
-def test_slopes_in_large_scenes_are_those_of_the_nearest_neighbours(monkeypatch):
-    """Within a third where the heights are random, as the far fields nearly cancel."""
-    height = 0.12 - np.minimum(np.random.default_rng(0).exponential(0.035, 324), 0.12)
-    surface, law = lattice(height), mf.Elastic(mf.Power(4))
-    area = mf.Interacting(contact=law).curve(surface, np.array([2.0])).last.area
-    nearest, _ = slope_effects(law, surface, area, mf.HalfSpace())
-    of_all_sites(monkeypatch)
-    assert slope_effects(law, surface, area, mf.HalfSpace())[0] == pytest.approx(nearest, rel=0.35)
 
 
 def test_pairs_of_many_contacts_are_those_of_their_nearest_neighbours(monkeypatch):

@@ -139,14 +139,3 @@ def test_newton_takes_few_steps():
         assert steps[0] == 0
         assert 2 <= steps[1] <= 8
         assert steps[2:].mean() <= 3
-
-
-def test_many_lists_of_heights_are_solved_at_every_load():
-    surface, rng = lattice(np.ones(64)), np.random.default_rng(0)
-    heights = 0.3 - np.minimum(rng.exponential(0.03, (300, 64)), 0.25)
-    loads = np.linspace(0.01, 0.5, 14)
-    for model in (mf.Interacting(1), mf.Interacting(3)):
-        _, load, area, _ = model.curves(surface, heights, loads)  # raises NotConverged
-        assert_allclose(load, np.tile(loads, (300, 1)), rtol=1e-9)
-        again = model.areas(surface, loads[-1:], heights)
-        assert_allclose(area[:, -1:], again, rtol=1e-11)
