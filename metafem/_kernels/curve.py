@@ -19,6 +19,7 @@ from metafem._kernels.newton import (
     IMAGE,
     KEPT,
     ON_CURVE,
+    READY,
     RHS,
     STEP_LOADS,
     TOLERANCE,
@@ -199,6 +200,8 @@ def curves(field, order, law, self_term, gap, control, by_load, found, s, closed
     load_rate = np.zeros(n)
     for row in range(gap.shape[0]):
         points = 0
+        for i in range(n):
+            s[READY, i] = 0.0  # each surface has a matrix of its own
         law_of_row = contact.part(law, row)
         for j in range(control.size):
             results.approach[row, j] = 0.0 if by_load else control[j]

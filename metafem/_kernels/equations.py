@@ -175,6 +175,7 @@ def press(law, order, s, closed):
             s[LOAD, i] = contact.LOAD * a * d
             s[LEVER, i] = s[LOAD, i] * radius[i]
             s[LEVER_RATE, i] = radius[i]
+            s[OUTSIDE, i] = 0.0
         return count
     for i in range(s.shape[1]):
         at, z = which[i], s[Z, i]

@@ -25,8 +25,8 @@ from metafem.notes import Note, information
 from metafem.substrate import Radial, Substrate
 from metafem.surface import Surface
 
-# Largest numbers of asperities of which eight influences, and the last one, are cached. The seven matrices of
-# 256 sites take 3.5 MiB, those of 1000 sites 53 MiB; computing them takes as long as 10 loads of a curve.
+# Largest numbers of asperities of which eight influences, and the last one, are cached. The four matrices of
+# 256 sites take 2 MiB, those of 1000 sites 31 MiB; computing them takes as long as 10 loads of a curve.
 MOST_KEPT, MOST_LAST = 256, 1000
 
 # Largest number of asperities in a periodic cell; the sums for 2000 take seconds and 0.5 GB.

@@ -61,12 +61,14 @@ def test_a_sharp_summit_beside_a_blunt_one_is_noted():
 def test_batch_agrees_with_single_laws():
     surface = lattice(0.1 * np.ones(16))
     heights = 0.1 - 0.08 * np.random.default_rng(0).random((5, 16))
-    loads = np.array([0.3, 0.01, 0.1])
+    loads = [0.3, 0.01, 0.1]
     for model in MODELS[2:]:
         approach, load, area, stiffness = model.curves(surface, heights, loads)
         law = mf.friction_law(surface.replaced(height=heights[3]), model, load=np.sort(loads) * 1.36)
         assert_allclose(area[3][[1, 2, 0]], law.area, rtol=1e-9)
         assert_allclose(load, np.tile(loads, (5, 1)), rtol=1e-9)
+        # to the last bit, however the lists are shared among threads
+        assert (model.curves(surface, heights[3], loads)[2] == area[3]).all()
         assert approach.shape == stiffness.shape == (5, 3)
 
 
