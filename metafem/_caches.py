@@ -42,7 +42,7 @@ def kernel_folder() -> Path:
 
 
 def kept_kernels() -> list[Path]:
-    """Return the subfolders of compiled kernels, most recently used first."""
+    """Return the subfolders of compiled kernels, newest first."""
     return sorted(_children(kernel_folder(), _KERNELS), key=_time, reverse=True)
 
 

@@ -1,19 +1,17 @@
 """Compilation of kernels, stored on disk outside the package.
 
-Numba's own cache is stored in the package and identifies a function only by its source. It writes two files,
-which can become inconsistent if several processes write them. Here each compiled function is stored in one
-file, which is either complete or absent. The names of the folder and of the file contain hashes of everything
-on which the machine code depends.
+Numba's own cache has an index for all signatures of a function and identifies a function only by its source.
+If two processes store two signatures at once, the index may name the code of the other signature, whose
+results are wrong. Here each compiled signature is stored in one file, which is either complete or absent. The
+names of the folder and of the file contain hashes of everything on which the machine code depends.
 """
 
 from __future__ import annotations
 
 import hashlib
-import os
 import pickle
 import platform
 import subprocess
-import tempfile
 from collections.abc import Callable
 from contextlib import suppress
 from functools import lru_cache
@@ -24,7 +22,6 @@ import llvmlite
 import numba
 import numpy as np
 from numba import njit
-from numba.core import event
 from numba.core.caching import NullCache
 from numba.core.compiler import CompileResult
 from numba.core.serialize import dumps
@@ -35,9 +32,6 @@ from metafem import _caches
 # Largest number of stored versions of the kernels. Each takes about 3 MB; every version of Python or of the
 # sources has one.
 MOST_VERSIONS = 8
-
-# Size of the hash at the start of a stored file [bytes].
-DIGEST = 32
 
 
 def compiled(function, *, any_order=False):
@@ -100,35 +94,39 @@ def wait_for(function: Callable[..., Any], process: subprocess.Popen[bytes]) -> 
 # Processes that compile functions, by the names of these.
 _elsewhere: dict[str, subprocess.Popen[bytes]] = {}
 
+# What is called once, when the first kernel is compiled because it was not stored.
+_first: list[Callable[[], None]] = []
+
+
+def on_first_compilation(callback: Callable[[], None]) -> None:
+    """Call `callback` once, when the first kernel is compiled because it was not stored."""
+    _first.append(callback)
+
 
 def _name(function: Callable[..., Any]) -> str:
     return f"{function.__module__}.{function.__qualname__}"
 
 
 class _Kept(NullCache):
-    """Cache of one function's compiled signatures on disk; a signature without a valid file is compiled."""
+    """Cache of one function's compiled signatures on disk; a signature without a file is compiled."""
 
     def __init__(self, function):
         self._name = _name(function)
 
     def load_overload(self, signature, target_context):
-        """Return the stored code of a signature, or None if no valid file exists."""
+        """Return the stored code of a signature, or None if no file exists."""
         target_context.refresh()
         if self._name in _elsewhere:
             _elsewhere.pop(self._name).wait()
-        try:
-            path = self._path(signature, target_context.codegen())
-            content = path.read_bytes()
-        except OSError:
-            return None
-        digest, data = content[:DIGEST], content[DIGEST:]
-        if hashlib.sha256(data).digest() != digest:  # damaged
-            return None
-        _used(path.parent)
-        return CompileResult._rebuild(target_context, *pickle.loads(data))
+        with suppress(OSError):
+            data = self._path(signature, target_context.codegen()).read_bytes()
+            return CompileResult._rebuild(target_context, *pickle.loads(data))
+        while _first:
+            _first.pop()()
+        return None
 
     def save_overload(self, signature, result):
-        """Store the code of a signature in a temporary file, which is then renamed."""
+        """Store the code of a signature, and remove the oldest versions of the kernels."""
         if result.library.has_dynamic_globals:  # contains addresses of this process
             return
         data = dumps(result._reduce())
@@ -137,43 +135,8 @@ class _Kept(NullCache):
             if not path.parent.is_dir():
                 path.parent.mkdir(parents=True, exist_ok=True)
                 _caches.remove(_caches.kept_kernels()[MOST_VERSIONS:])
-            handle, name = tempfile.mkstemp(dir=path.parent)
-            try:
-                with os.fdopen(handle, "wb") as file:
-                    file.write(hashlib.sha256(data).digest() + data)
-                Path(name).replace(path)
-            except BaseException:
-                Path(name).unlink(missing_ok=True)
-                raise
+            _caches.write_whole(path, lambda file: file.write(data))
 
     def _path(self, signature, codegen):
         depends = f"{signature} {codegen.magic_tuple()}"  # includes the processor and its features
         return folder() / f"{self._name}-{hashlib.sha256(depends.encode()).hexdigest()[:32]}"
-
-
-@lru_cache
-def _used(path: Path) -> None:
-    """Update the date of a folder of kernels, since the least recently used folders are removed first."""
-    with suppress(OSError):
-        os.utime(path)
-
-
-class _Once(event.Listener):
-    """Listener that calls a function at the first compilation of the process."""
-
-    def __init__(self, callback: Callable[[], None]) -> None:
-        self.callback: Callable[[], None] | None = callback
-
-    def on_start(self, event: event.Event) -> None:
-        """Call the function at the first compilation; do nothing at later ones."""
-        if self.callback is not None:
-            self.callback()
-            self.callback = None
-
-    def on_end(self, event: event.Event) -> None:
-        """Do nothing at the end of a compilation."""
-
-
-def on_first_compilation(callback: Callable[[], None]) -> None:
-    """Call `callback` once, when the first kernel is compiled because it was not cached."""
-    event.register("numba:compile", _Once(callback))
