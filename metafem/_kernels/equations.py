@@ -181,7 +181,7 @@ def press(law, order, s, closed):
         at, z = which[i], s[Z, i]
         if not z > 0.0:
             s[LOAD, i] = s[SQUARE, i] = 0.0
-            s[LEVER_RATE, i] = 2.0 * data[at, 2] * scale[i]
+            s[LEVER_RATE, i] = 2.0 * contact.flat_slope(data, at) * scale[i]
             continue
         s[OUTSIDE, i] = 0.0 if contact.covers(data, at, scale[i], z) else 1.0
         if order == 1:

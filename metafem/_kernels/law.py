@@ -134,6 +134,12 @@ def covers(data, at, scale, z):
 
 
 @compiled
+def flat_slope(data, at):
+    """Return dT/dp of a contact that just touches, over the scale; 0 unless its summit is flat."""
+    return data[at, 2]
+
+
+@compiled
 def load_and_rate(data, at, scale, z):
     """Return p [mm^2] and dp/dz [mm] at z > 0."""
     first, t, beyond = panel(data, at, math.log(z / scale))
@@ -163,7 +169,7 @@ def tilted(data, at, scale, z):
     widening = square * g1 * inverse
     area = scale * scale
     if p <= data[at, 1]:
-        rate, bend = data[at, 2], 0.0
+        rate, bend = flat_slope(data, at), 0.0
         lever = rate * p
     else:
         a = math.sqrt(square)

@@ -151,10 +151,6 @@ def _neighbours(_substrate: None, _order: int, surface: Surface) -> tuple[FloatA
     return distance, other % len(position), position[:, None] - images[other]
 
 
-def _nearest(_substrate: None, _order: int, surface: Surface) -> float:
-    return float(scipy.spatial.cKDTree(surface.position).query(surface.position, k=2)[0][:, 1].min())
-
-
 def _computed(substrate: Substrate, order: int, surface: Surface) -> tuple[Coupling, FloatArray]:
     """Return the influence of the asperities on each other, and the regular self terms (n,), uncached."""
     refuse_if(
@@ -164,8 +160,10 @@ def _computed(substrate: Substrate, order: int, surface: Surface) -> tuple[Coupl
     )
     if surface.cell is not None and isinstance(substrate, Radial):
         require_series(surface.cell, substrate, surface.count**2)
-    # the matrices, their transposes, the Jacobian, and temporary arrays of the same size
-    require_memory(8 * surface.count**2 * (3 if order == 1 else 14), f"{surface.count} asperities")
+    # matrices at once (measured): of the influence, its derivatives and their parts, with a cell also of each
+    # pair's periods, or of the transposes of a substrate that is not radial; later there are fewer
+    matrices = 16 if surface.cell is not None else 11 if isinstance(substrate, Radial) else 15
+    require_memory(8 * matrices * surface.count**2, f"{surface.count} asperities")
     if order == 3 and isinstance(substrate, Radial):
         given, *terms = substrate.influence_terms(surface)
     else:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from metafem._kernels.curve import REMEMBERED, Results, empty_memory, predict, remember, uniform_approach
-from metafem._kernels.equations import State, press, sharpen, spread
+from metafem._kernels.equations import State, measure, press, sharpen, spread
 from metafem._kernels.law import Law
 from metafem._kernels.vectors import exact_sum
 from metafem._validate import FloatArray
@@ -41,7 +41,8 @@ class Iterate:
 
     state: State
     residual: float
-    error: FloatArray
+    load: float  # of all contacts [mm^2]
+    error: FloatArray  # of their equations, (n,) [mm]
     self_term: FloatArray
     coarse: Coarse
     steps: int = 0  # of Newton's method
@@ -95,23 +96,17 @@ class ContactEquations:
         state.z[:] = z
         count = press(self.law, self.order, state.block, state.closed)
         load, u = state.load, state.displacement
-        outside = False
         if self.order == 1:
             u[:] = self.self_term * load + self.sums.displacement(load)
         else:
             curvature, x, y = self.sums.field(load)
             state.curvature[:], state.slope_x[:], state.slope_y[:] = curvature, x, y
             sharpen(self.law, state.block, state.closed, count)
-            outside = bool(state.outside.any())
             u[:] = self.sums.displacement(load, state.moment, -state.lever * x, -state.lever * y)
             u += self.self_term * load - 0.5 * state.lever_rate * (x**2 + y**2)
+        residual, total = measure(self.gap, approach, target, state.block, count)
         error = state.indentation + u - (approach - self.gap)
-        overlap = np.where(z > 0.0, np.abs(error), z - error)
-        largest = float(state.indentation.max())
-        residual = float(max(overlap.max(), 0.0)) / largest if largest > 0.0 and not outside else 1.0
-        if target > 0.0:
-            residual = max(residual, abs(exact_sum(load) - target) / target)
-        return Iterate(state, residual, error, self.self_term, self.coarse)
+        return Iterate(state, residual, total, error, self.self_term, self.coarse)
 
     def newton(self, z: FloatArray, approach: float, target: float) -> tuple[Iterate, float]:
         """Return the equilibrium at an approach or, if `target` > 0, at this load, and its approach."""
@@ -125,7 +120,7 @@ class ContactEquations:
                 break
             if at.residual <= GOAL:
                 break
-            missing = target - float(at.state.load.sum()) if target > 0.0 else 0.0
+            missing = target - at.load if target > 0.0 else 0.0
             start = at.uniform * (missing / float(at.uniform.sum()))
             goal = float(at.state.indentation.max()) * max(forcing * min(at.residual, 1.0), 0.3 * GOAL)
             loads, shift, rest, _ = self.solve(at, -at.error, start, target > 0.0, goal)
