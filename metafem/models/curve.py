@@ -19,7 +19,7 @@ from metafem.notes import Note
 from metafem.surface import Surface
 
 # Names of the arrays of a curve, each with one entry per equilibrium.
-ARRAYS = ("approach", "load", "area", "stiffness", "residual")
+ARRAYS = ("approach", "load", "area", "stiffness", "residual", "tolerance")
 
 
 class Status(Enum):
@@ -85,7 +85,7 @@ class RescaledState:
     field: Any = None  # `ContactField` or None; the pressure is divided by E* [-]
 
 
-def solved(residual: FloatArray, tolerance: float, load: FloatArray, area: FloatArray) -> np.ndarray:
+def solved(residual: FloatArray, tolerance: FloatArray | float, load: FloatArray, area: FloatArray) -> np.ndarray:
     """Return whether equilibria are converged and finite, for arrays of any shape."""
     return np.asarray((residual <= tolerance) & np.isfinite(load + area))
 
@@ -106,8 +106,8 @@ class Curve:
         Derivative of the rescaled load with respect to the approach [mm].
     residual : ndarray
         Largest relative error of the equations [-], recomputed for the returned solution.
-    tolerance : float
-        Largest residual of a converged equilibrium.
+    tolerance : float or ndarray
+        Largest residual of a converged equilibrium, for all or for each.
     compute_last : callable
         Function that returns the last state; it is called when `last` is first read.
     notes : tuple of Note
@@ -129,7 +129,7 @@ class Curve:
     area: FloatArray
     stiffness: FloatArray
     residual: FloatArray
-    tolerance: float
+    tolerance: FloatArray | float
     compute_last: Callable[[], RescaledState]
     notes: tuple[Note, ...] = ()
     error: ModelError | None = None
@@ -137,22 +137,25 @@ class Curve:
     def part(self, rows: IntArray, compute_last: Callable[[], RescaledState]) -> Curve:
         """Return the curve at some of its rows; `compute_last` is used if they end before the last one."""
         whole = rows[-1] == len(self.load) - 1
-        arrays = {name: getattr(self, name)[rows] for name in ARRAYS}
+        arrays = {name: self._array(name)[rows] for name in ARRAYS}
         return replace(self, **arrays, compute_last=(lambda: self.last) if whole else compute_last)
 
     @staticmethod
     def joined(parts: list[Curve]) -> Curve:
         """Return one curve that consists of consecutive parts."""
         arrays: dict[str, Any] = {
-            name: np.concatenate([getattr(part, name) for part in parts]) for name in ARRAYS
+            name: np.concatenate([part._array(name) for part in parts]) for name in ARRAYS
         }
         return replace(
             parts[-1],
             **arrays,
-            tolerance=max(part.tolerance for part in parts),
             notes=tuple(dict.fromkeys(note for part in parts for note in part.notes)),
             error=_largest([part.error for part in parts]),
         )
+
+    def _array(self, name: str) -> FloatArray:
+        """Return one of `ARRAYS`, (k,)."""
+        return np.broadcast_to(getattr(self, name), self.load.shape)
 
     @cached_property
     def last(self) -> RescaledState:
@@ -182,7 +185,7 @@ class Curve:
     def checked(self) -> Curve:
         """Return the curve if it has converged; otherwise raise NotConverged with the curve attached."""
         if not self.converged:
-            raise NotConverged(f"not converged: largest residual {self.residual.max():.2g}", self)
+            raise NotConverged(f"not converged: largest residual {self.residual[~self.solved].max():.2g}", self)
         return self
 
 

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 
 import metafem as mf
-from metafem.models.interacting.model import TOLERANCE as RESIDUAL
+from metafem._kernels.newton import ON_CURVE as RESIDUAL
 from validation.check import Claim, Picture, Row, below, reported
 from validation.cost.ladder_picture import ladder_picture
 from validation.cost.measured import PEER, PEER_ERRORS, Point, fastest_within, models, peers

@@ -13,7 +13,7 @@ from metafem._kernels import curve as kernel
 from metafem._kernels.equations import State
 from metafem._kernels.gradient import area_gradients
 from metafem._kernels.law import Law
-from metafem._kernels.newton import ON_CURVE
+from metafem._kernels.newton import ON_CURVE, TOLERANCE
 from metafem._validate import FloatArray
 from metafem.contact.law import contacts
 from metafem.errors import InvalidInput, NotConverged
@@ -33,9 +33,6 @@ from metafem.models.interacting.newton_krylov import TOLERANCE as FAST_TOLERANCE
 from metafem.models.interacting.sums import find_grid, find_lattice
 from metafem.notes import Note, information
 from metafem.substrate import Radial
-
-# Largest residual of a converged state solved with dense matrices; the kernel has the same tolerance.
-TOLERANCE = ON_CURVE
 
 # Largest numbers of asperities that are solved with dense matrices over all pairs. The first number applies
 # to lattices with order 3, the second to all other scenes. Times per load of a curve of order 3 on a layer,
@@ -59,7 +56,7 @@ class Solution:
     results: kernel.Results
     height: FloatArray
     last: State
-    tolerance: float
+    tolerance: FloatArray | float  # (k,)
     gradient: Callable[[], FloatArray]  # returns dA0/dh without the change of the pedestals
     notes: tuple[Note, ...] = ()
 
@@ -99,7 +96,7 @@ class ElasticCoupling(Coupled):
         self._refuse_thin_layer(results)
         failed = ~solution.solved
         if failed.any():
-            worst = float(results.residual.max())
+            worst = float(results.residual[failed].max())
             raise NotConverged(
                 f"{int(failed.sum())} equilibria not converged: largest residual {worst:.2g}", results
             )
@@ -171,6 +168,7 @@ class ElasticCoupling(Coupled):
             return Solution(results, height[-1], last, FAST_TOLERANCE, by_height, notes)
         coupling, regular = coupling_between(surface, bound, self.order)
         self_term += regular
+        tolerance = np.append(np.full(len(control) - 1, ON_CURVE), TOLERANCE)  # those of the kernel
         control = np.array(control)  # a read-only array would compile the kernel again
         states = {}
 
@@ -205,7 +203,7 @@ class ElasticCoupling(Coupled):
             run_rows(run, len(found), len(found) * surface.count**2, PAIRS_PER_THREAD)
             return found
 
-        return Solution(results, height[-1], states[whole], TOLERANCE, gradients)
+        return Solution(results, height[-1], states[whole], tolerance, gradients)
 
     def _matrix(self) -> FloatArray:
         """Return the matrix of one thread for Newton's method; order 1 needs none."""

@@ -18,8 +18,6 @@ from metafem.errors import InvalidInput, refuse_if
 from metafem.models.adhesion.curves import AdhesiveCoupling, adhesive_law
 from metafem.models.curve import Curve, Sensitivity, areas_one_by_one, controlled
 from metafem.models.interacting.elastic import DENSE_LIMIT as DENSE_LIMIT
-from metafem.models.interacting.elastic import LATTICE_LIMIT as LATTICE_LIMIT
-from metafem.models.interacting.elastic import TOLERANCE as TOLERANCE
 from metafem.models.interacting.elastic import ElasticCoupling
 from metafem.substrate import HalfSpace, Radial, Substrate
 from metafem.surface import Surface

@@ -54,7 +54,7 @@ def difference(surface, model, i, load, step=2e-7):
     return (16.0 * second - first) / 15.0
 
 
-def assert_derivatives(surface, model, load=LOADS, some=None, tolerance=1e-6):
+def assert_derivatives(surface, model, load=LOADS, some=None, tolerance=1e-7):
     found = model.sensitivity(surface, load)
     np.testing.assert_allclose(found.curve.area, areas(surface, model, load), rtol=1e-9)
     scale = np.abs(found.gradient).max(axis=1)
@@ -74,8 +74,8 @@ def test_every_model_has_the_derivatives_of_its_law():
         for model in (MODELS[0], mf.Interacting(3, contact=OWN)):
             assert_derivatives(scene(cap), model, some=(0, 4))
     for name in ("kogut-etsion", "jackson-green"):
-        for model in with_law(name):
-            assert_derivatives(scene(mf.Sphere()), model, some=(4,))
+        for model in with_law(name):  # whose slopes bend at the ends of their cubics
+            assert_derivatives(scene(mf.Sphere()), model, some=(4,), tolerance=1e-6)
 
 
 def test_pedestals_change_with_the_height():

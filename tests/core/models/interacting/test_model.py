@@ -1,7 +1,7 @@
 """Interacting asperities against the printed 3 x 3 table and closed forms."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
@@ -10,6 +10,7 @@ from numpy.testing import assert_allclose
 
 import metafem as mf
 from metafem.contact import pedestal_compliance
+from metafem.models import Curve
 from tests.models.scenes import MODELS, PLACE, lattice, said, scene
 
 
@@ -129,6 +130,16 @@ def test_an_influence_is_computed_once_for_all_heights_on_the_same_sites(monkeyp
     assert (len(calls), again) == (1, first)
     mf.equilibrium(surface.replaced(position=1.001 * surface.position), mf.Interacting(), load=0.1)
     assert len(calls) == 2
+
+
+def test_the_last_state_of_a_curve_is_held_to_the_tolerance_of_a_state():
+    """1e-12 as documented, and 1e-10 for the loads before."""
+    found = mf.Interacting().curve(lattice(np.full(4, 0.1)), np.array([0.01, 0.02, 0.03]))
+    assert replace(found, residual=np.array([9e-11, 9e-11, 9e-13])).converged
+    loose = replace(found, residual=np.array([9e-11, 0.0, 2e-12]))
+    assert loose.solved.tolist() == [True, True, False]
+    whole = Curve.joined([loose, loose.part(np.arange(2), loose.compute_last)])
+    assert whole.solved.tolist() == [True, True, False, True, True]
 
 
 def test_newton_takes_few_steps():
