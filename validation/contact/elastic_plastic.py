@@ -9,7 +9,7 @@ import numpy as np
 
 import metafem as mf
 from metafem import reference
-from metafem.contact.plastic import ElasticPlastic
+from metafem.contact.by_indentation import ElasticPlastic
 from metafem.drawing import ACHIEVED, TARGET
 from metafem.reference import jackson_green, kogut_etsion
 from validation.check import Claim, Picture, Row, below, reported
@@ -81,8 +81,8 @@ def _formulas() -> Iterator[Row]:
         for ratio in RATIOS:
             law = bound(EXAMPLES[kind], ratio)
             inside = np.zeros(len(INDENTATIONS), dtype=bool)
-            for blend in law.blends():
-                inside |= (blend.start < INDENTATIONS) & (blend.end > INDENTATIONS)
+            for start, end, *_ in law.blends():
+                inside |= (start < INDENTATIONS) & (end > INDENTATIONS)
             change = np.abs(relative(kind, ratio))
             outside, most = max(outside, change[~inside].max()), np.maximum(most, change.max(axis=0))
         label = f"{name}: largest relative error of load and area"

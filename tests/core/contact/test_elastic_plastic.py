@@ -18,8 +18,7 @@ def test_the_sizes_of_the_blends():
     """Those that the docstrings of the laws state."""
 
     def sizes(law, nu):
-        blends = law.for_material(mf.Material(1.36, nu)).blends()
-        return [[max(map(abs, part)) for part in (b.load_change, b.area_change)] for b in blends]
+        return law.for_material(mf.Material(1.36, nu)).blends()[:, 2:]
 
     for nu in (0.0, 0.3, 0.5):
         found = sizes(mf.KogutEtsion(0.1), nu)
