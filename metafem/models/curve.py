@@ -85,7 +85,9 @@ class RescaledState:
     field: Any = None  # `ContactField` or None; the pressure is divided by E* [-]
 
 
-def solved(residual: FloatArray, tolerance: FloatArray | float, load: FloatArray, area: FloatArray) -> np.ndarray:
+def solved(
+    residual: FloatArray, tolerance: FloatArray | float, load: FloatArray, area: FloatArray
+) -> np.ndarray:
     """Return whether equilibria are converged and finite, for arrays of any shape."""
     return np.asarray((residual <= tolerance) & np.isfinite(load + area))
 
@@ -137,7 +139,7 @@ class Curve:
     def part(self, rows: IntArray, compute_last: Callable[[], RescaledState]) -> Curve:
         """Return the curve at some of its rows; `compute_last` is used if they end before the last one."""
         whole = rows[-1] == len(self.load) - 1
-        arrays = {name: self._array(name)[rows] for name in ARRAYS}
+        arrays: dict[str, Any] = {name: self._array(name)[rows] for name in ARRAYS}
         return replace(self, **arrays, compute_last=(lambda: self.last) if whole else compute_last)
 
     @staticmethod
@@ -185,7 +187,9 @@ class Curve:
     def checked(self) -> Curve:
         """Return the curve if it has converged; otherwise raise NotConverged with the curve attached."""
         if not self.converged:
-            raise NotConverged(f"not converged: largest residual {self.residual[~self.solved].max():.2g}", self)
+            raise NotConverged(
+                f"not converged: largest residual {self.residual[~self.solved].max():.2g}", self
+            )
         return self
 
 

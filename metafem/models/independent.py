@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,12 +21,12 @@ from metafem.models.load_equation import LoadEquation
 from metafem.surface import Surface
 
 
-def load_equation(law: Contact, model: object = None) -> LoadEquation:
+def load_equation(law: Contact, model: object = None, surface: Surface | None = None) -> LoadEquation:
     """Return the load equation of a contact law, defined for unit E*; its states refer to `model`."""
     adhesive = adhesive_law(law)
     if adhesive is not None:
-        return AdhesiveAsperities(model, adhesive)
-    return LoadEquation(model, law)
+        return AdhesiveAsperities(model, adhesive, surface)
+    return LoadEquation(model, law, surface)
 
 
 @dataclass(frozen=True, repr=False)
@@ -90,7 +90,7 @@ class Independent:
         return Interacting(self.contact.largest_order, contact=self.contact)
 
     def _equation(self, surface: Surface) -> LoadEquation:
-        return load_equation(self.contact.bound(surface), self)
+        return load_equation(self.contact.bound(surface), self, surface)
 
     def curve(
         self,
@@ -106,8 +106,7 @@ class Independent:
         negative if the contacts adhere.
         """
         values, by_load = controlled(load, approach)
-        equation = self._equation(surface)
-        return equation.path(surface, values, by_load, unloading)
+        return self._equation(surface).path(values, by_load, unloading)
 
     def sensitivity(
         self, surface: Surface, load: FloatArray, height: FloatArray | None = None
@@ -121,41 +120,24 @@ class Independent:
         height: summit heights (n,) [mm] that replace the heights of the surface; they are not checked.
         """
         heights = surface.height if height is None else height
-        equation = self._equation(surface)
-        return equation.sensitivity(heights, equation.law.summits(surface), load)
+        return self._equation(surface).sensitivity(heights, load)
 
     def areas(
-        self,
-        surface: Surface,
-        load: FloatArray,
-        height: FloatArray,
-        radius: FloatArray | None = None,
-        position: FloatArray | None = None,
+        self, surface: Surface, load: FloatArray, height: FloatArray, radius: Any = None, position: Any = None
     ) -> FloatArray:
         """Return A0 [mm^2] of many surfaces at increasing rescaled loads (k,), (m, k); see `Model.areas`.
 
         height, radius: (m, n) [mm]; default: the surface's. Positions have no effect.
         """
-        equation = self._equation(surface)
-        return equation.areas(surface, height, equation.law.summits(surface, radius), load)
+        return self._equation(surface).areas(height, radius, load)
 
-    def curve_of(
-        self, height: FloatArray, radius: FloatArray, load: FloatArray, contact: Contact | None = None
-    ) -> Curve:
-        """Return the curve at increasing loads (k,) for heights and radii (n,), which are not checked.
+    def curve_of(self, height: FloatArray, radius: FloatArray, load: FloatArray) -> Curve:
+        """Return the curve at increasing loads (k,) for unchecked heights and radii (n,)."""
+        return load_equation(self.contact, self).curve(height, load, radius)
 
-        contact: the contact law for unit E*; default: the model's.
-        """
-        return load_equation(contact or self.contact, self).curve(height, radius, load)
-
-    def sensitivity_of(
-        self, height: FloatArray, radius: FloatArray, load: FloatArray, contact: Contact | None = None
-    ) -> Sensitivity:
-        """Return the sensitivity at increasing loads (k,) for heights and radii (n,), which are not checked.
-
-        contact: the contact law for unit E*; default: the model's.
-        """
-        return load_equation(contact or self.contact, self).sensitivity(height, radius, load)
+    def sensitivity_of(self, height: FloatArray, radius: FloatArray, load: FloatArray) -> Sensitivity:
+        """Return the sensitivity at increasing loads (k,) for unchecked heights and radii (n,)."""
+        return load_equation(self.contact, self).sensitivity(height, load, radius)
 
     def curves(
         self, height: ArrayLike, radius: ArrayLike, rescaled_load: ArrayLike
@@ -195,6 +177,6 @@ class Independent:
         loads = check.loads("rescaled_load", rescaled_load)
         order = np.argsort(loads, kind="stable")
         back = np.argsort(order, kind="stable")
-        results = load_equation(self.contact, self).solve(heights, radii, loads[order])
+        results = load_equation(self.contact, self).solve(heights, loads[order], radii)
         approach, carried, area, slope = (part[:, back] for part in results)
         return approach, carried, area, slope

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import partial
+from typing import Any, cast
 
 import numpy as np
 
@@ -31,22 +32,29 @@ class LoadEquation:
 
     model: object  # to which the states refer
     law: Contact  # for unit E*
+    surface: Surface | None = None  # which `path` and `areas` need, and whose summits are the default radii
 
-    def path(self, surface: Surface, values: FloatArray, by_load: bool, unloading: bool) -> Curve:
+    def path(self, values: FloatArray, by_load: bool, unloading: bool) -> Curve:
         """Return equilibria at increasing loads or approaches (k,)."""
         refuse_unloading(self.law, unloading)
-        height, radius = surface.height, self.law.summits(surface)
-        return (self.curve if by_load else self.at_approach)(height, radius, values)
+        height = cast("Surface", self.surface).height
+        return self.curve(height, values) if by_load else self.at_approach(height, values)
 
-    def curve(self, height: FloatArray, radius: FloatArray, load: FloatArray) -> Curve:
+    def curve(self, height: FloatArray, load: FloatArray, radius: Any = None) -> Curve:
         """Return equilibria at increasing loads (k,) for heights and radii (n,)."""
-        results, (base,), (depth,) = self._solved(height[None, :], radius, load)
+        radius = self.summits(radius)
+        results, (base,), (depth,) = self._solved(height[None, :], load, radius)
         approach, carried, area, slope = (part[0] for part in results)
         last = partial(self._last, height, radius, base, depth)
         return Curve(approach, carried, area, slope, _error(carried, load), TOLERANCE, last)
 
-    def at_approach(self, height: FloatArray, radius: FloatArray, approach: FloatArray) -> Curve:
-        """Return equilibria at approaches (k,) for heights and radii (n,)."""
+    def summits(self, radius: Any) -> Any:
+        """Return the given radii [mm], or what the law takes as the radii of the surface."""
+        return self.law.summits(cast("Surface", self.surface)) if radius is None else radius
+
+    def at_approach(self, height: FloatArray, approach: FloatArray) -> Curve:
+        """Return equilibria at approaches (k,) for heights (n,)."""
+        radius = self.summits(None)
         gap, table = self._sorted(height[None, :], radius)
         self._refuse_beyond(approach[-1:], gap, table)
         x = np.array(approach)  # a read-only array would compile the kernel again
@@ -55,18 +63,20 @@ class LoadEquation:
         last = partial(self._last, height, radius, 0.0, x[-1])
         return Curve(x, load, area, slope, residual, TOLERANCE, last)
 
-    def solve(self, height: FloatArray, radius: FloatArray, load: FloatArray) -> tuple[FloatArray, ...]:
+    def solve(self, height: FloatArray, load: FloatArray, radius: Any = None) -> tuple[FloatArray, ...]:
         """Return approach, load, area and stiffness (m, k) of surfaces (m, n) at increasing loads (k,)."""
-        return self._solved(height, radius, load)[0]
+        return self._solved(height, load, self.summits(radius))[0]
 
-    def areas(self, surface: Surface, height: FloatArray, radius: FloatArray, load: FloatArray) -> FloatArray:
-        """Return A0 [mm^2] (m, k) of surfaces (m, n) at loads (k,); see `Model.areas`."""
-        _, carried, area, _ = self.solve(height, radius, load)
+    def areas(self, height: FloatArray, radius: FloatArray | None, load: FloatArray) -> FloatArray:
+        """Return A0 [mm^2] (m, k) for heights and radii (m, n); see `Model.areas`."""
+        summits = self.law.summits(cast("Surface", self.surface), radius)
+        _, carried, area, _ = self.solve(height, load, summits)
         return np.where(solved(_error(carried, load), TOLERANCE, carried, area), area, np.nan)
 
-    def sensitivity(self, height: FloatArray, radius: FloatArray, load: FloatArray) -> Sensitivity:
+    def sensitivity(self, height: FloatArray, load: FloatArray, radius: Any = None) -> Sensitivity:
         """Return the law at increasing loads (k,), and dA0/dh at fixed load [mm], (k, n)."""
-        curve = self.curve(height, radius, load)
+        radius = self.summits(radius)
+        curve = self.curve(height, load, radius)
         indentation = curve.approach[:, None] - (height.max() - height)
 
         def gradient() -> FloatArray:
@@ -84,7 +94,7 @@ class LoadEquation:
         return results
 
     def _solved(
-        self, height: FloatArray, radius: FloatArray, load: FloatArray
+        self, height: FloatArray, load: FloatArray, radius: FloatArray
     ) -> tuple[tuple[FloatArray, ...], FloatArray, FloatArray]:
         """Return the results of `solve`, and the last approaches (m,) as gap and indentation of a contact."""
         gap, table = self._sorted(height, radius)

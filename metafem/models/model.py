@@ -81,12 +81,7 @@ class Model(Protocol):
         """Return equilibria at increasing rescaled loads P/E* [mm^2] or approaches [mm], (k,)."""
 
     def areas(
-        self,
-        surface: Surface,
-        load: FloatArray,
-        height: FloatArray,
-        radius: FloatArray | None = None,
-        position: FloatArray | None = None,
+        self, surface: Surface, load: FloatArray, height: FloatArray, radius: Any = None, position: Any = None
     ) -> FloatArray:
         """Return A0 [mm^2] of many surfaces at increasing rescaled loads (k,), (m, k); nan if not converged.
 
@@ -136,12 +131,7 @@ class WithoutGradients:
         return self.gradient_model
 
     def areas(
-        self,
-        surface: Surface,
-        load: FloatArray,
-        height: FloatArray,
-        radius: FloatArray | None = None,
-        position: FloatArray | None = None,
+        self, surface: Surface, load: FloatArray, height: FloatArray, radius: Any = None, position: Any = None
     ) -> FloatArray:
         """Return A0 [mm^2] of many surfaces at increasing rescaled loads (k,), (m, k); see `Model.areas`."""
         return areas_one_by_one(cast("Model", self).curve, surface, load, height, radius, position)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, cast
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from metafem._given import shown
 from metafem._validate import FloatArray
 from metafem.contact import JKR, Contact
 from metafem.contact.jkr import of_sizes
+from metafem.contact.law import sizes_of
 from metafem.errors import InvalidInput, NotConverged, refuse_if
 from metafem.models.adhesion.contacts import TOLERANCE, Scene, States
 from metafem.models.adhesion.path import loaded, loading, unloading
@@ -21,89 +23,76 @@ from metafem.notes import Note, information
 from metafem.surface import Surface
 
 
+@dataclass(frozen=True)
 class AdhesiveAsperities(LoadEquation):
-    """Load equation for an adhesive law."""
+    """Asperities with an adhesive law, alone or coupled by order 1."""
 
     law: JKR
+    coupled: Coupled | None = None  # the asperities with their influence on each other; None for no influence
 
-    def path(self, surface: Surface, values: FloatArray, by_load: bool, backwards: bool) -> Curve:
+    def path(self, values: FloatArray, by_load: bool, unloading: bool) -> Curve:
         """Return equilibria at increasing loads or approaches (k,), on loading or on unloading."""
-        scene = self._scene(surface.height, self.law.summits(surface))
-        found, notes = _followed(surface, scene, values, by_load, backwards)
-        return _curve(found, lambda: self._state(found, surface.height), notes)
+        surface = cast("Surface", self.surface)
+        found, notes = _followed(surface, self._scene(surface.height), values, by_load, unloading)
+        if self.coupled is not None:
+            refuse_wide(surface, float(found.a.max()))
+        return self._curve(found, surface.height, notes)
 
-    def curve(self, height: FloatArray, radius: FloatArray, load: FloatArray) -> Curve:
-        """Return equilibria at increasing loads (k,) for heights and radii (n,)."""
-        return self.sensitivity(height, radius, load).curve
+    def curve(self, height: FloatArray, load: FloatArray, radius: Any = None) -> Curve:
+        """Return the loading curve at increasing loads (k,) for heights and summits (n,)."""
+        return self._curve(loaded(self._scene(height, radius), load), height)
 
-    def solve(self, height: FloatArray, radius: FloatArray, load: FloatArray) -> tuple[FloatArray, ...]:
+    def solve(self, height: FloatArray, load: FloatArray, radius: Any = None) -> tuple[FloatArray, ...]:
         """Return approach, load, area and stiffness (m, k) of surfaces (m, n) at increasing loads (k,)."""
-        rows = zip(height, np.broadcast_to(radius, height.shape), strict=True)
-        return _arrays([self.curve(*row, load) for row in rows])
-
-    def areas(self, surface: Surface, height: FloatArray, radius: FloatArray, load: FloatArray) -> FloatArray:
-        """Return A0 [mm^2] (m, k) of surfaces (m, n) at loads (k,); see `Model.areas`."""
-        _refuse_merging(self.law, surface)
-        return self.solve(height, radius, load)[2]
-
-    def sensitivity(self, height: FloatArray, radius: FloatArray, load: FloatArray) -> Sensitivity:
-        """Return the loading curve at increasing loads (k,), and dA0/dh at fixed load [mm], (k, n)."""
-        found = loaded(self._scene(height, radius), load)
-        return Sensitivity(
-            _curve(found, lambda: self._state(found, height)), found.gradient, found.indentation
-        )
-
-    def _scene(self, height: FloatArray, radius: FloatArray) -> Scene:
-        return Scene(self.law, np.broadcast_to(radius, height.shape), height.max() - height)
-
-    def _state(self, found: States, height: FloatArray) -> RescaledState:
-        return RescaledState(*_last(found), float(height.max() - found.x[-1]), self.model)
-
-
-class AdhesiveCoupling(Coupled):
-    """Interacting asperities with an adhesive law."""
-
-    law: JKR
-
-    def path(self, values: FloatArray, by_load: bool, backwards: bool) -> Curve:
-        """Return equilibria at increasing loads or approaches (k,), on loading or on unloading."""
-        height = self.surface.height
-        found, notes = _followed(self.surface, self._scene(height), values, by_load, backwards)
-        refuse_wide(self.surface, float(found.a.max()))
-        return _curve(found, lambda: self.state(height, *_last(found)), notes)
-
-    def solve(self, height: FloatArray, load: FloatArray) -> tuple[FloatArray, ...]:
-        """Return approach, load, area and stiffness (m, k) for heights (m, n) at increasing loads (k,)."""
-        return _arrays([self.sensitivity(heights, load).curve for heights in height])
-
-    def sensitivity(self, height: FloatArray, load: FloatArray) -> Sensitivity:
-        """Return the loading curve at increasing loads (k,), and dA0/dh at fixed load [mm], (k, n)."""
-        found = loaded(self._scene(height), load)
-        return Sensitivity(
-            _curve(found, lambda: self.state(height, *_last(found))),
-            lambda: self.on_pedestals(found.gradient(), height, found.fields.load),
-            found.indentation,
-        )
+        rows = zip(height, np.broadcast_to(self.summits(radius), height.shape), strict=True)
+        curves = [self.curve(own, load, size) for own, size in rows]
+        names = ("approach", "load", "area", "stiffness")
+        return tuple(np.array([getattr(curve, name) for curve in curves]) for name in names)
 
     def areas(self, height: FloatArray, radius: FloatArray | None, load: FloatArray) -> FloatArray:
         """Return A0 [mm^2] (m, k) for heights and radii (m, n); see `Model.areas`."""
-        area = np.full((len(height), len(load)), np.nan)
+        surface, area = cast("Surface", self.surface), np.full((len(height), len(load)), np.nan)
+        _refuse_merging(self.law, surface)
+        sizes = np.broadcast_to(self.law.summits(surface, radius), height.shape)
         for row, heights in enumerate(height):
             with contextlib.suppress(NotConverged):
-                area[row] = loaded(self._scene(heights, None if radius is None else radius[row]), load).area
+                area[row] = loaded(self._scene(heights, sizes[row]), load).area
         return area
 
-    def _scene(self, height: FloatArray, radius: FloatArray | None = None) -> Scene:
-        """Return asperities with heights and radii (n,) [mm], and their influence on each other."""
+    def sensitivity(self, height: FloatArray, load: FloatArray, radius: Any = None) -> Sensitivity:
+        """Return the loading curve at increasing loads (k,), and dA0/dh at fixed load [mm], (k, n)."""
+        found = loaded(self._scene(height, radius), load)
+
+        def gradient() -> FloatArray:
+            plain = found.gradient()
+            if self.coupled is None:
+                return plain
+            return self.coupled.on_pedestals(plain, height, found.fields.load)
+
+        return Sensitivity(self._curve(found, height), gradient, found.indentation)
+
+    def _scene(self, height: FloatArray, radius: Any = None) -> Scene:
+        """Return asperities with heights and summits (n,) [mm]; default: the summits of the surface."""
+        summits, gap = np.broadcast_to(self.summits(radius), height.shape), height.max() - height
+        if self.coupled is None:
+            return Scene(self.law, summits, gap)
         refuse_if(  # one state then takes a second, and every asperity may jump
-            self.surface.count > 1000,
-            f"{self.surface.count} adhesive asperities with interaction are too many: at most 1000; "
+            len(gap) > 1000,
+            f"{len(gap)} adhesive asperities with interaction are too many: at most 1000; "
             "use Independent, or fewer asperities",
         )
-        coupling, regular = coupling_between(self.surface, self.substrate, self.order)
-        own = regular + self.pedestals(height, self.surface.radius if radius is None else radius)
-        summits = np.broadcast_to(self.law.summits(self.surface, radius), height.shape)
-        return Scene(self.law, summits, height.max() - height, coupling.influence.T + np.diag(own))
+        coupling, regular = coupling_between(self.coupled.surface, self.coupled.substrate, 1)
+        own = regular + self.coupled.pedestals(height, sizes_of(summits))
+        return Scene(self.law, summits, gap, coupling.influence.T + np.diag(own))
+
+    def _curve(self, found: States, height: FloatArray, notes: tuple[Note, ...] = ()) -> Curve:
+        def last() -> RescaledState:
+            parts = found.fields.load[-1], np.pi * found.a[-1] ** 2, found.indentation[-1]
+            if self.coupled is not None:
+                return self.coupled.state(height, *parts)
+            return RescaledState(*parts, float(height.max() - found.x[-1]), self.model)
+
+        return Curve(found.x, found.load, found.area, found.stiffness, found.residual, TOLERANCE, last, notes)
 
 
 def adhesive_law(law: Contact) -> JKR | None:
@@ -142,21 +131,6 @@ def _followed(
         )
     notes = _notes(*path.jumps(low if backwards else high), modulus, backwards) if by_load else ()
     return path.at(values), notes
-
-
-def _curve(found: States, last: Callable[[], RescaledState], notes: tuple[Note, ...] = ()) -> Curve:
-    return Curve(found.x, found.load, found.area, found.stiffness, found.residual, TOLERANCE, last, notes)
-
-
-def _arrays(curves: list[Curve]) -> tuple[FloatArray, ...]:
-    """Return approaches, loads, areas and stiffnesses (m, k) of curves."""
-    names = ("approach", "load", "area", "stiffness")
-    return tuple(np.array([getattr(curve, name) for curve in curves]) for name in names)
-
-
-def _last(found: States) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return loads [mm^2], areas [mm^2] and indentations [mm] (n,) of the last state."""
-    return found.fields.load[-1], np.pi * found.a[-1] ** 2, found.indentation[-1]
 
 
 def _refuse_merging(law: JKR, surface: Surface) -> None:

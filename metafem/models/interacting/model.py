@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,10 +15,11 @@ from metafem.contact import Contact
 from metafem.contact.elastic import PARABOLOID
 from metafem.contact.law import checked_contact
 from metafem.errors import InvalidInput, refuse_if
-from metafem.models.adhesion.curves import AdhesiveCoupling, adhesive_law
+from metafem.models.adhesion.curves import AdhesiveAsperities, adhesive_law
 from metafem.models.curve import Curve, Sensitivity, areas_one_by_one, controlled
 from metafem.models.interacting.elastic import DENSE_LIMIT as DENSE_LIMIT
 from metafem.models.interacting.elastic import ElasticCoupling
+from metafem.models.interacting.influence import Coupled
 from metafem.substrate import HalfSpace, Radial, Substrate
 from metafem.surface import Surface
 
@@ -136,7 +137,7 @@ class Interacting:
         """The same model with the highest order that its contact law supports."""
         return replace(self, order=self.contact.largest_order)
 
-    def bound(self, surface: Surface) -> ElasticCoupling | AdhesiveCoupling:
+    def bound(self, surface: Surface) -> ElasticCoupling | AdhesiveAsperities:
         """Return the asperities of a surface with their law and their influence on each other."""
         if surface.cell is not None and not isinstance(self.substrate, Radial):
             name = getattr(self.substrate, "name", type(self.substrate).__name__)
@@ -152,7 +153,10 @@ class Interacting:
         )
         law = self.contact.bound(surface)
         given = self, surface, law, self.substrate.for_surface(surface), self.order, self.pedestal
-        return AdhesiveCoupling(*given) if adhesive_law(law) else ElasticCoupling(*given)
+        adhesive = adhesive_law(law)
+        if adhesive is not None:
+            return AdhesiveAsperities(self, adhesive, surface, Coupled(*given))
+        return ElasticCoupling(*given)
 
     def curve(
         self,
@@ -231,12 +235,7 @@ class Interacting:
         return self.bound(surface).sensitivity(heights, load)
 
     def areas(
-        self,
-        surface: Surface,
-        load: FloatArray,
-        height: FloatArray,
-        radius: FloatArray | None = None,
-        position: FloatArray | None = None,
+        self, surface: Surface, load: FloatArray, height: FloatArray, radius: Any = None, position: Any = None
     ) -> FloatArray:
         """Return A0 [mm^2] of many surfaces at increasing rescaled loads (k,), (m, k); nan if not converged.
 

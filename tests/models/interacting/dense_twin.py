@@ -102,7 +102,7 @@ class Twin:
         if load is None:
             x, z = approach, 0.5 * approach - self.gap
         else:
-            x = LoadEquation(None, self.law).curve(-self.gap, self.radius, np.array([load])).approach[0]
+            x = LoadEquation(None, self.law).curve(-self.gap, np.array([load]), self.radius).approach[0]
             z = x - self.gap
         for _ in range(MAX_STEPS):
             error, p, a, matrix = self.equations(z, x)
