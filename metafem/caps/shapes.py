@@ -37,11 +37,7 @@ class Cap(ABC):
     """
 
     scaled: ClassVar[bool] = True
-
-    @property
-    def extent(self) -> float:
-        """Unit distance from the axis at which the profile ends; infinite if it has no end."""
-        return math.inf
+    extent: float = math.inf  # unit distance from the axis at which the profile ends
 
     @property
     def reach(self) -> float:
@@ -178,15 +174,8 @@ class Sphere(Cap):
     array([0.3344])
     """
 
-    @property
-    def extent(self) -> float:
-        """Distance from the axis over R at which the profile ends, 1."""
-        return 1.0
-
-    @property
-    def reach(self) -> float:
-        """Largest contact radius over R, at which the slope of the profile is 29."""
-        return 0.9994
+    extent = 1.0
+    reach = 0.9994  # where the slope of the profile is 29
 
     def summit_radius(self, radius: FloatArray) -> FloatArray:
         """Return R [mm]."""

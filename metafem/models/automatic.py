@@ -120,10 +120,6 @@ class Automatic(WithoutGradients):
         return self._stitched(surface, parts)
 
     @cached_property
-    def _uncoupled(self) -> Independent:
-        return Independent(self.contact)
-
-    @cached_property
     def _resolvable(self) -> bool:
         return resolvable(self.contact)
 
@@ -138,7 +134,7 @@ class Automatic(WithoutGradients):
 
     def _independent(self, surface: Surface, values: FloatArray, by_load: bool) -> Rung:
         """Return independent asperities on a sinking base."""
-        alone = self._uncoupled.curve(surface, values).checked()
+        alone = Independent(self.contact).curve(surface, values).checked()
         sunk, errors = independent_errors(surface, self.contact, self.substrate, alone)
         return "independent asperities", sunk, errors, DISPLACEMENTS
 

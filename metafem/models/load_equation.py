@@ -115,10 +115,8 @@ class LoadEquation:
 
     def _sorted(self, height: FloatArray, radius: FloatArray) -> tuple[FloatArray, Law]:
         """Return depths below the tallest summit, (m, n), each row sorted, and the laws in the same order."""
-        gap, table = (
-            height.max(axis=1, keepdims=True) - height,
-            tables(self.law, np.broadcast_to(radius, height.shape)),
-        )
+        gap = height.max(axis=1, keepdims=True) - height
+        table = tables(self.law, np.broadcast_to(radius, height.shape))
         if (table.radius == table.radius.flat[0]).all() and (table.which == table.which.flat[0]).all():
             gap.sort(axis=1)
             return gap, table

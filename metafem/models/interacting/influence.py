@@ -226,13 +226,11 @@ class Coupled:
         # the foot of a cap sinks with its summit, while the adjacent base hardly sinks; the shift of a
         # contact adds less than a micrometre to the base gap
         base = height - indentation - self.pedestals(height, self.surface.radius) * load
-        tall = int((self.surface.height > TALLEST * self.surface.radius).sum())
+        ratio, name = self.surface.height / self.surface.radius, "height of a summit over its radius"
+        tall = int((ratio > TALLEST).sum())
         if self.pedestal and tall:
             text = f"{tall} summits are higher than {TALLEST:g} R; their pedestals are taken as that high"
-            name, most = (
-                "height of a summit over its radius",
-                float((self.surface.height / self.surface.radius).max()),
-            )
+            most = float(ratio.max())
             notes += (Note(text, quantity=name, value=most, bound=TALLEST, remedies=("radius",)),)
         if self.surface.cell is not None and not hasattr(self.substrate, "thickness"):
             text = (
