@@ -44,8 +44,7 @@ LARGEST_STRAIN = 0.03
 class LawByIndentation(Contact):
     """Contact law with load P/E* and area A as functions of the indentation d; its coupling is of order 1.
 
-    The contact radius is ``sqrt(A/pi)``. The law ignores the curvature due to other contacts, which is a term
-    of order 3.
+    The contact radius is ``sqrt(A/pi)``.
     """
 
     @abstractmethod
@@ -90,11 +89,11 @@ class LawByIndentation(Contact):
         values = load, area, stiffness, np.sqrt(area / math.pi)
         return Contacts(*(np.asarray(np.where(closed, value, 0.0))[()] for value in values))
 
-    def contact_radius(self, indentation: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
+    def contact_radius(self, indentation: Values, radius: Values) -> FloatArray:
         """Return the contact radius sqrt(A/pi) [mm]; 0 where the contact is open."""
         return self.contacts(np.asarray(indentation), np.asarray(radius)).contact_radius
 
-    def indentation(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
+    def indentation(self, contact_radius: Values, radius: Values) -> FloatArray:
         """Return the indentation d [mm]; 0 for an open contact."""
         a, size = np.broadcast_arrays(contact_radius, radius)
         length, _, unit = self._scales(size)
@@ -110,15 +109,15 @@ class LawByIndentation(Contact):
         start = np.exp(np.interp(np.log(area), self._logarithms(knots)[0][1], knots))
         return np.asarray(np.where(closed, length * root(parts, area, start), 0.0))[()]
 
-    def load(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
+    def load(self, contact_radius: Values, radius: Values) -> FloatArray:
         """Return the rescaled load P/E* [mm^2]."""
         return self._of_closed(0, contact_radius, radius)
 
-    def stiffness(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
+    def stiffness(self, contact_radius: Values, radius: Values) -> FloatArray:
         """Return d(P/E*)/dd [mm]; 0 for an open contact."""
         return self._of_closed(2, contact_radius, radius)
 
-    def area_slope(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
+    def area_slope(self, contact_radius: Values, radius: Values) -> FloatArray:
         """Return dA/dd [mm]; 0 for an open contact."""
         return self._of_closed(3, contact_radius, radius)
 

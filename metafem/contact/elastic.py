@@ -23,9 +23,8 @@ if TYPE_CHECKING:
 class CapContact(Contact):
     """Frictionless, non-adhesive elastic contact of caps, from their integrals D, P and M.
 
-    See `metafem.caps.Cap`. With the curvature k due to the displacement by other contacts,
-    ``d = D(a) + k a^2``, ``A = pi a^2``, ``P/E* = P(a) + 4/3 k a^3``, ``dP/dd = 2 a E*``, and the second
-    moment of the pressure is ``M(a) + 8/15 k a^5``.
+    See `metafem.caps.Cap`: ``d = D(a)``, ``A = pi a^2``, ``P/E* = P(a)``, ``dP/dd = 2 a E*``, and the second
+    moment of the pressure is ``M(a)``. `metafem._kernels.law` states what the neighbours change.
     """
 
     largest_order: ClassVar[int] = 3
@@ -45,36 +44,33 @@ class CapContact(Contact):
         """Return the depth f [mm] of the cap below its summit at a distance rho from the axis."""
         return self._each(lambda cap, scale, rho: cap.depth_at(rho, scale), radius, distance)
 
-    def contact_radius(self, indentation: Values, radius: Any, curvature: Values = 0.0) -> FloatArray:
-        """Return the contact radius a [mm], the root of D(a) + k a^2 = d; 0 where the contact is open.
+    def contact_radius(self, indentation: Values, radius: Any) -> FloatArray:
+        """Return the contact radius a [mm], the root of D(a) = d; 0 where the contact is open."""
+        return self._each(_contact_radius, radius, indentation)
 
-        D(a) + k a^2 must increase with a, as it does for k >= 0.
-        """
-        return self._each(_contact_radius, radius, indentation, curvature)
-
-    def indentation(self, contact_radius: Values, radius: Any, curvature: Values = 0.0) -> FloatArray:
+    def indentation(self, contact_radius: Values, radius: Any) -> FloatArray:
         """Return the indentation d [mm]."""
         a = np.asarray(contact_radius, dtype=np.float64)
-        return np.asarray(self._depth(a, radius)[0] + curvature * a**2)[()]
+        return np.asarray(self._depth(a, radius)[0])[()]
 
-    def load(self, contact_radius: Values, radius: Any, curvature: Values = 0.0) -> FloatArray:
+    def load(self, contact_radius: Values, radius: Any) -> FloatArray:
         """Return the rescaled load P/E* [mm^2]."""
         a = np.asarray(contact_radius, dtype=np.float64)
-        return np.asarray(self._sums(a, radius)[0] + 4.0 / 3.0 * curvature * a * a**2)[()]
+        return np.asarray(self._sums(a, radius)[0])[()]
 
-    def second_moment(self, contact_radius: Values, radius: Any, curvature: Values = 0.0) -> FloatArray:
+    def second_moment(self, contact_radius: Values, radius: Any) -> FloatArray:
         """Return the second moment of the pressure over E* [mm^4]."""
         a = np.asarray(contact_radius, dtype=np.float64)
-        return np.asarray(self._sums(a, radius)[1] + 8.0 / 15.0 * curvature * a**5)[()]
+        return np.asarray(self._sums(a, radius)[1])[()]
 
-    def stiffness(self, contact_radius: Values, radius: Any, curvature: Values = 0.0) -> FloatArray:
+    def stiffness(self, contact_radius: Values, radius: Any) -> FloatArray:
         """Return d(P/E*)/dd = 2 a [mm]."""
         return np.multiply(2.0, contact_radius)
 
-    def area_slope(self, contact_radius: Values, radius: Any, curvature: Values = 0.0) -> FloatArray:
-        """Return dA/dd = 2 pi a/(D' + 2 k a) [mm]; 0 for an open contact."""
+    def area_slope(self, contact_radius: Values, radius: Any) -> FloatArray:
+        """Return dA/dd = 2 pi a/D' [mm]; 0 for an open contact."""
         a = np.asarray(contact_radius, dtype=np.float64)
-        slope = np.where(a > 0.0, self._depth(a, radius)[1] + 2.0 * curvature * a, 1.0)
+        slope = np.where(a > 0.0, self._depth(a, radius)[1], 1.0)
         return np.asarray(2.0 * math.pi * a / slope)[()]
 
     def _depth(self, a: FloatArray, radius: Any) -> tuple[FloatArray, FloatArray]:
@@ -113,11 +109,10 @@ class CapContact(Contact):
 class Hertz(CapContact):
     """Frictionless, non-adhesive elastic contact of a paraboloid of radius R and a rigid plane.
 
-    With the contact radius a and the curvature ``1/R + k``, where k is due to the displacement by other
-    contacts: ``d = a^2 (1/R + k)``, ``A = pi a^2``, ``P/E* = 4/3 a d``, ``dP/dd = 2 a E*``, and the second
-    moment of the pressure is ``2/5 P a^2``. Lengths are in mm, P/E* in mm^2. The law is valid for a << R;
-    with a fitted modulus its error is a few percent up to a/R = 0.5. Hertz, J. reine angew. Math. 92, 156
-    (1882), doi:10.1515/crll.1882.92.156.
+    With the contact radius a: ``d = a^2/R``, ``A = pi a^2``, ``P/E* = 4/3 a d``, ``dP/dd = 2 a E*``, and the
+    second moment of the pressure is ``2/5 P a^2``. Lengths are in mm, P/E* in mm^2. The law is valid for
+    a << R; with a fitted modulus its error is a few percent up to a/R = 0.5. Hertz, J. reine angew. Math. 92,
+    156 (1882), doi:10.1515/crll.1882.92.156.
 
     Examples
     --------
@@ -129,10 +124,9 @@ class Hertz(CapContact):
 
     cap = Paraboloid()
 
-    def contact_radius(self, indentation: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
-        """Return the contact radius a = sqrt(d/(1/R + k)) [mm]; 0 where the contact is open."""
-        sharpened = 1.0 + np.multiply(radius, curvature)
-        return np.sqrt(np.multiply(radius, np.maximum(indentation, 0.0)) / sharpened)
+    def contact_radius(self, indentation: Values, radius: Values) -> FloatArray:
+        """Return the contact radius a = sqrt(R d) [mm]; 0 where the contact is open."""
+        return np.sqrt(np.multiply(radius, np.maximum(indentation, 0.0)))
 
     def _depth(self, a: FloatArray, radius: Any) -> tuple[FloatArray, FloatArray]:
         return a**2 / radius, 2.0 * a / radius  # several times faster than from the cap, which JKR needs
@@ -154,13 +148,12 @@ PARABOLOID = Hertz()
 class Elastic(CapContact):
     """Frictionless, non-adhesive elastic contact of each cap by its own profile.
 
-    With the integrals D, P and M of the cap (`metafem.caps.Cap`) and the curvature k of the displacement by
-    other contacts, ``d = D(a) + k a^2``, ``A = pi a^2``, ``P/E* = P(a) + 4/3 k a^3``, ``dP/dd = 2 a E*``, and
-    the second moment of the pressure is ``M(a) + 8/15 k a^5``. Spheres, paraboloids and power laws have
-    closed forms; other profiles are integrated once. The caps of a surface may differ. The law assumes small
-    strain, f' << 1: at a/R = 0.5 the load of a sphere exceeds that of a soft sphere by about 10 %, and
-    Hertz's law with a fitted modulus is more accurate. Popov and Hess, Method of Dimensionality Reduction in
-    Contact Mechanics and Friction (2015), doi:10.1007/978-3-642-53876-6.
+    With the integrals D, P and M of the cap (`metafem.caps.Cap`), ``d = D(a)``, ``A = pi a^2``,
+    ``P/E* = P(a)``, ``dP/dd = 2 a E*``, and the second moment of the pressure is ``M(a)``. Spheres,
+    paraboloids and power laws have closed forms; other profiles are integrated once. The caps of a surface
+    may differ. The law assumes small strain, f' << 1: at a/R = 0.5 the load of a sphere exceeds that of a
+    soft sphere by about 10 %, and Hertz's law with a fitted modulus is more accurate. Popov and Hess, Method
+    of Dimensionality Reduction in Contact Mechanics and Friction (2015), doi:10.1007/978-3-642-53876-6.
 
     Parameters
     ----------
@@ -221,18 +214,18 @@ def _unit(cap: Cap, a: FloatArray, scale: FloatArray) -> FloatArray:
     return np.minimum(x, cap.reach)
 
 
-def _contact_radius(cap: Cap, scale: FloatArray, d: FloatArray, curvature: FloatArray) -> FloatArray:
-    """Return the contact radii [mm] of one cap with the scales, indentations and curvatures."""
+def _contact_radius(cap: Cap, scale: FloatArray, d: FloatArray) -> FloatArray:
+    """Return the contact radii [mm] of one cap with the scales and indentations."""
     found, closed = np.zeros(d.shape), d > 0.0
-    depth, bend = d[closed] / scale[closed], curvature[closed] * scale[closed]
+    depth = d[closed] / scale[closed]
     if math.isfinite(cap.reach):
-        most = _most(cap) + bend * cap.reach**2
+        most = _most(cap)
         deep = depth > most * (1.0 + ROUNDING)
         if deep.any():
             lengths = scale[closed][deep]
             raise InvalidInput(
                 f"indentation = {(depth[deep] * lengths).max():.4g} mm exceeds "
-                f"{(most[deep] * lengths).min():.4g} mm, where the contact reaches the end of {cap!r}, "
+                f"{(most * lengths).min():.4g} mm, where the contact reaches the end of {cap!r}, "
                 f"{(cap.reach * lengths).min():.4g} mm from the axis; use lighter loads or a wider profile"
             )
         depth = np.minimum(depth, most)
@@ -240,8 +233,7 @@ def _contact_radius(cap: Cap, scale: FloatArray, d: FloatArray, curvature: Float
     def parts(x: FloatArray) -> tuple[FloatArray, FloatArray]:
         inside = np.minimum(x, cap.reach)
         own, slope = cap.unit_depth(inside)
-        extra = bend * inside**2 if bend.any() else 0.0
-        return own + extra, inside * slope + 2.0 * extra
+        return own, inside * slope
 
     size = min(1.0, cap.reach)  # from the root of a power law through this contact radius
     share = depth / float(cap.unit_depth(np.array(size))[0])

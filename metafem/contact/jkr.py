@@ -96,17 +96,15 @@ class JKR(Contact):
     @property
     def length(self) -> float:
         """Length w/E* [mm]."""
-        if self.adhesion_energy == 0.0:
-            return 0.0
         return self.adhesion_energy / material_of(self).composite_modulus
 
     def deficit(self, contact_radius: Values) -> FloatArray:
         """Return s = sqrt(2 pi w a/E*) [mm], by which adhesion reduces the cap's indentation."""
         return np.sqrt(2.0 * math.pi * self.length * np.asarray(contact_radius, dtype=np.float64))
 
-    def profile_slope(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
+    def profile_slope(self, contact_radius: Values, radius: Values) -> FloatArray:
         """Return the slope c = d d_cap/da of the cap's indentation [-], for a > 0."""
-        return self.cap.profile_slope(contact_radius, radius, curvature)
+        return self.cap.profile_slope(contact_radius, radius)
 
     def largest_indentation(self, radius: Values) -> FloatArray:
         """Return the largest indentation [mm] for which the law is valid; infinite if there is no limit."""
@@ -117,95 +115,90 @@ class JKR(Contact):
         a = self.cap.contact_radius(np.where(finite, most, 0.0), radius)
         return np.where(finite, most - self.deficit(a), most)[()]
 
-    def contact_radius(self, indentation: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
+    def contact_radius(self, indentation: Values, radius: Values) -> FloatArray:
         """Return the contact radius a [mm] on the stable branch of loading; 0 for open contacts, d < 0.
 
         At d = 0 the asperity has jumped into contact. On unloading, the contact stays closed down to a
         negative indentation. The models follow this branch to find the contact radius.
         """
         if self.length == 0.0:
-            return self.cap.contact_radius(indentation, radius, curvature)
-        found = self._radius_where(self.cap.indentation, 1.0, radius, curvature, np.maximum(indentation, 0.0))
+            return self.cap.contact_radius(indentation, radius)
+        found = self._radius_where(self.cap.indentation, 1.0, radius, np.maximum(indentation, 0.0))
         return np.where(np.asarray(indentation) >= 0.0, found, 0.0)[()]
 
-    def indentation(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
+    def indentation(self, contact_radius: Values, radius: Values) -> FloatArray:
         """Return the indentation d = d_cap - s [mm]."""
-        return self.cap.indentation(contact_radius, radius, curvature) - self.deficit(contact_radius)
+        return self.cap.indentation(contact_radius, radius) - self.deficit(contact_radius)
 
-    def load(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
+    def load(self, contact_radius: Values, radius: Values) -> FloatArray:
         """Return the rescaled load P/E* = P_cap/E* - 2 a s [mm^2]."""
         a = np.asarray(contact_radius)
-        return np.asarray(self.cap.load(a, radius, curvature) - 2.0 * a * self.deficit(a))[()]
+        return np.asarray(self.cap.load(a, radius) - 2.0 * a * self.deficit(a))[()]
 
-    def stiffness(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
+    def stiffness(self, contact_radius: Values, radius: Values) -> FloatArray:
         """Return d(P/E*)/dd = 2 a (c - 3/2 s/a)/(c - 1/2 s/a) [mm]; 0 for an open contact."""
-        a, slope, drop = self._rates(contact_radius, radius, curvature)
+        a, slope, drop = self._rates(contact_radius, radius)
         return np.asarray(2.0 * a * (slope - 1.5 * drop) / (slope - 0.5 * drop))[()]
 
-    def area_slope(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
+    def area_slope(self, contact_radius: Values, radius: Values) -> FloatArray:
         """Return dA/dd = 2 pi a/(c - 1/2 s/a) [mm]; 0 for an open contact."""
-        a, slope, drop = self._rates(contact_radius, radius, curvature)
+        a, slope, drop = self._rates(contact_radius, radius)
         return np.asarray(2.0 * math.pi * a / (slope - 0.5 * drop))[()]
 
     def entry_radius(self, radius: Values) -> FloatArray:
         """Return the contact radius [mm] after the jump into contact at d = 0."""
         return self.contact_radius(np.zeros(np.shape(radius)), radius)
 
-    def pull_off_radius(self, radius: Values, curvature: Values = 0.0) -> FloatArray:
+    def pull_off_radius(self, radius: Values) -> FloatArray:
         """Return the contact radius [mm] at which the load has its (negative) minimum: c = 3/2 s/a."""
-        return self._radius_where(self._edge, 1.5, radius, curvature)
+        return self._radius_where(self._edge, 1.5, radius)
 
-    def break_radius(self, radius: Values, curvature: Values = 0.0) -> FloatArray:
+    def break_radius(self, radius: Values) -> FloatArray:
         """Return the contact radius [mm] of smallest indentation, where the branch ends: c = 1/2 s/a."""
-        return self._radius_where(self._edge, 0.5, radius, curvature)
+        return self._radius_where(self._edge, 0.5, radius)
 
-    def zero_load_radius(self, radius: Values, curvature: Values = 0.0) -> FloatArray:
+    def zero_load_radius(self, radius: Values) -> FloatArray:
         """Return the radius [mm] of the stable contact at zero load: P_cap/(2 a E*) = s."""
-        return self._radius_where(lambda a, *cap: self.cap.load(a, *cap) / (2.0 * a), 1.0, radius, curvature)
+        return self._radius_where(lambda a, cap: self.cap.load(a, cap) / (2.0 * a), 1.0, radius)
 
-    def _edge(self, contact_radius: FloatArray, radius: Values, curvature: Values) -> FloatArray:
+    def _edge(self, contact_radius: FloatArray, radius: Values) -> FloatArray:
         """Return a c [mm]."""
-        return contact_radius * self.profile_slope(contact_radius, radius, curvature)
+        return contact_radius * self.profile_slope(contact_radius, radius)
 
-    def _rates(self, contact_radius: Values, radius: Values, curvature: Values) -> tuple[FloatArray, ...]:
+    def _rates(self, contact_radius: Values, radius: Values) -> tuple[FloatArray, ...]:
         """Return a [mm], c [-] and s/a [-]; for open contacts c = 1 and s/a = 0."""
         a = np.asarray(contact_radius, dtype=np.float64)
         with np.errstate(invalid="ignore", divide="ignore"):
-            slope = np.where(a > 0.0, self.profile_slope(a, radius, curvature), 1.0)
+            slope = np.where(a > 0.0, self.profile_slope(a, radius), 1.0)
             drop = np.where(a > 0.0, self.deficit(a) / a, 0.0)
         return a, slope, drop
 
     def _radius_where(
-        self,
-        value: Callable[..., FloatArray],
-        share: float,
-        radius: Values,
-        curvature: Values,
-        depth: Values = 0.0,
+        self, value: Callable[..., FloatArray], share: float, radius: Values, depth: Values = 0.0
     ) -> FloatArray:
-        """Return the contact radius a at which value(a, radius, curvature) is depth + share s, to rounding.
+        """Return the contact radius a at which value(a, radius) is depth + share s, to rounding.
 
         The unknown is the logarithm of the cap's indentation, in which that of the ratio is almost linear.
         """
-        summit, *others = np.broadcast_arrays(radius, curvature, depth)
-        given = [np.arange(summit.size).reshape(summit.shape), *others]
+        summit, given = np.broadcast_arrays(radius, depth)
+        args = [np.arange(summit.size).reshape(summit.shape), given]
         top = np.log(np.asarray(self.cap.largest_indentation(summit), dtype=np.float64))
 
-        def at(x: FloatArray, which: IntArray, extra: FloatArray, deep: FloatArray) -> FloatArray:
+        def at(x: FloatArray, which: IntArray, deep: FloatArray) -> FloatArray:
             own = summit.ravel()[which]
-            a = self.cap.contact_radius(np.exp(x), own, extra)
-            return np.asarray(np.log(value(a, own, extra) / (deep + share * self.deficit(a))))
+            a = self.cap.contact_radius(np.exp(x), own)
+            return np.asarray(np.log(value(a, own) / (deep + share * self.deficit(a))))
 
         ends = np.isfinite(top)  # a cap without end has no bound
-        if (ends & (at(np.where(ends, top, 0.0), *given) < 0.0)).any():
+        if (ends & (at(np.where(ends, top, 0.0), *args) < 0.0)).any():
             raise InvalidInput(
                 f"adhesion_energy = {self.adhesion_energy:g} N/mm pulls the contact beyond the range of "
                 f"{self.cap!r}; use a smaller energy or a wider profile"
             )
-        guess = np.minimum(np.log(others[1] + np.cbrt(self.length**2 * sizes_of(summit))), top - 1.0)
-        bracket = elementwise.bracket_root(at, guess, guess + 0.5, xmax=top, args=given).bracket
-        x = elementwise.find_root(at, bracket, args=given).x
-        return np.asarray(self.cap.contact_radius(np.exp(x), summit, others[0]))[()]
+        guess = np.minimum(np.log(given + np.cbrt(self.length**2 * sizes_of(summit))), top - 1.0)
+        bracket = elementwise.bracket_root(at, guess, guess + 0.5, xmax=top, args=args).bracket
+        x = elementwise.find_root(at, bracket, args=args).x
+        return np.asarray(self.cap.contact_radius(np.exp(x), summit))[()]
 
 
 def of_sizes(method: Callable[[JKR, FloatArray], FloatArray], law: JKR, radius: FloatArray) -> FloatArray:

@@ -31,8 +31,7 @@ class Contact(Protocol):
 
     A user-defined law derives from this class and defines the methods that have no body here. Pass it to a
     model: ``Independent(contact=MyLaw())``. Most methods take the contact radius a [mm] and the summit radius
-    R [mm]. `curvature` [1/mm] is the curvature of the displacement due to other contacts, which adds
-    ``curvature rho^2 / 2`` to the profile. All methods are vectorised.
+    R [mm]. All methods are vectorised.
 
     Attributes
     ----------
@@ -96,15 +95,15 @@ class Contact(Protocol):
         """Return notes on the approximations of the law at the indentations (n,) [mm]."""
         return ()
 
-    def contact_radius(self, indentation: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
+    def contact_radius(self, indentation: Values, radius: Values) -> FloatArray:
         """Return the contact radius a [mm] at an indentation d [mm]; 0 for open contacts, d < 0."""
         ...
 
-    def indentation(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
+    def indentation(self, contact_radius: Values, radius: Values) -> FloatArray:
         """Return the indentation d [mm]."""
         ...
 
-    def load(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
+    def load(self, contact_radius: Values, radius: Values) -> FloatArray:
         """Return the rescaled load P/E* [mm^2]."""
         ...
 
@@ -112,15 +111,15 @@ class Contact(Protocol):
         """Return the real contact area pi a^2 [mm^2]."""
         return np.asarray(math.pi * np.square(contact_radius))[()]
 
-    def second_moment(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
+    def second_moment(self, contact_radius: Values, radius: Values) -> FloatArray:
         """Return the integral of ``p rho^2`` over the contact over E* [mm^4]; nan for laws of order 1."""
         return np.full(np.shape(contact_radius), math.nan)[()]
 
-    def stiffness(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
+    def stiffness(self, contact_radius: Values, radius: Values) -> FloatArray:
         """Return the contact stiffness over E*, d(P/E*)/dd [mm]."""
         ...
 
-    def area_slope(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
+    def area_slope(self, contact_radius: Values, radius: Values) -> FloatArray:
         """Return the derivative dA/dd of the real contact area [mm]; 0 for an open contact."""
         ...
 
@@ -132,10 +131,10 @@ class Contact(Protocol):
         missing = np.where(a > 0.0, indentation - self.indentation(a, radius), 0.0)
         return Contacts(self.load(a, radius) + stiffness * missing, self.area(a), stiffness, a)
 
-    def profile_slope(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
+    def profile_slope(self, contact_radius: Values, radius: Values) -> FloatArray:
         """Return the slope dd/da of the indentation of an elastic cap [-], for a > 0."""
         a = np.asarray(contact_radius, dtype=np.float64)
-        return np.asarray(2.0 * math.pi * a / self.area_slope(a, radius, curvature))
+        return np.asarray(2.0 * math.pi * a / self.area_slope(a, radius))
 
 
 def checked_contact(contact: object) -> Contact:

@@ -19,7 +19,7 @@ from metafem.models.boundary_elements.model import resolvable, within
 from metafem.models.curve import Curve, ModelError, controlled
 from metafem.models.error import DISPLACEMENTS, RADII, coupled, independent_errors, largest, unresolved
 from metafem.models.independent import Independent
-from metafem.models.interacting.model import DENSE_LIMIT
+from metafem.models.interacting.elastic import DENSE_LIMIT
 from metafem.models.model import WithoutGradients
 from metafem.notes import Level, Note, information
 from metafem.substrate import HalfSpace, Radial, Substrate

@@ -8,7 +8,7 @@ from functools import cache
 import numpy as np
 
 import metafem as mf
-from metafem.models.interacting.model import DENSE_LIMIT
+from metafem.models.interacting.elastic import DENSE_LIMIT
 from validation.check import Claim, Picture, Row, below, reported
 from validation.figures import panels
 from validation.methods import third_order

@@ -19,6 +19,7 @@ import metafem as mf
 from metafem.contact import Contact
 from metafem.contact.pedestal import pedestal_influence
 from metafem.models import Curve, Model
+from validation.methods.bent import Bent
 
 # Newton's steps to a contact radius, to rounding.
 MOST_STEPS = 20
@@ -91,36 +92,35 @@ def _third(surface: mf.Surface, model: Model, law: Contact, p: np.ndarray, a: np
     along_x, along_y, k = slope_x @ p, slope_y @ p, 0.5 * laplacian @ p
     closed, square = a > 0.0, along_x**2 + along_y**2
     wide, k = np.where(closed, a, 0.1 * radius), np.where(closed, k, 0.0)  # open contacts are masked below
-    wide = _radius_at(law, np.where(closed, p, law.load(wide, radius, k)), wide, radius, k)
-    carried = law.load(wide, radius, k)
-    own = _radius_at(law, carried, wide, radius, 0.0)
+    bent = Bent(law, k)
+    wide = _radius_at(bent, np.where(closed, p, bent.load(wide, radius)), wide, radius)
+    carried = bent.load(wide, radius)
+    own = _radius_at(law, carried, wide, radius)
     turn = law.area_slope(own, radius) / math.pi
-    slope, bend = _profile(law, wide, radius, k)
-    moment = law.second_moment(wide, radius, k)
+    slope, bend = _profile(bent, wide, radius)
+    moment = bent.second_moment(wide, radius)
     tilt = np.where(closed, 4.0 / 3.0 * own**3, 0.0)
     u = _influence(surface, model) @ p + 0.25 * laplacian.T @ np.where(closed, moment, 0.0)
     u -= slope_x.T @ (tilt * along_x) + slope_y.T @ (tilt * along_y) + 0.5 * closed * turn * square
     area = math.pi * np.where(closed, wide, 0.0) ** 2
     y = (bend - 1.0) * square / slope**2
     area *= np.where(y > 0.0, 1.0 / np.sqrt(1.0 + 4.0 * np.maximum(y, 0.0)), 1.0 - 2.0 * y)
-    depth = np.where(closed, law.indentation(wide, radius, k), 0.0)
+    depth = np.where(closed, bent.indentation(wide, radius), 0.0)
     return _Contact(u, carried, depth, np.zeros(len(a)), area)
 
 
-def _radius_at(
-    cap: Contact, p: np.ndarray, a: np.ndarray, radius: np.ndarray, k: np.ndarray | float
-) -> np.ndarray:
+def _radius_at(cap: Contact | Bent, p: np.ndarray, a: np.ndarray, radius: np.ndarray) -> np.ndarray:
     """Return the contact radius [mm] at which a cap without adhesion has a load; a: initial guess."""
     for _ in range(MOST_STEPS):
-        rate = 4.0 * math.pi * a**2 / cap.area_slope(a, radius, k)
-        a = a - (cap.load(a, radius, k) - p) / rate
+        rate = 4.0 * math.pi * a**2 / cap.area_slope(a, radius)
+        a = a - (cap.load(a, radius) - p) / rate
     return a
 
 
-def _profile(cap: Contact, a: np.ndarray, radius: np.ndarray, k: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _profile(cap: Bent, a: np.ndarray, radius: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the slope D' of the indentation over the contact radius, and a D''/D'."""
-    slope = cap.profile_slope(a, radius, k)
-    return slope, _relative_rate(lambda t: cap.profile_slope(a * t, radius, k)) / slope
+    slope = cap.profile_slope(a, radius)
+    return slope, _relative_rate(lambda t: cap.profile_slope(a * t, radius)) / slope
 
 
 def _relative_rate(value: Callable[[float], np.ndarray]) -> np.ndarray:

@@ -43,11 +43,7 @@ class Summits:
         self.cap, self.cell, self.depth = cap, cell, surface.gap / cell
         self.of_law = cap.summits(surface)  # what the law takes as the radius of each asperity, (n,) [mm]
         self.radius = sizes_of(self.of_law) / cell
-
-    @property
-    def paraboloids(self) -> bool:
-        """Whether the caps are paraboloids, for which closed forms exist."""
-        return self.cap == PARABOLOID
+        self.paraboloids = cap == PARABOLOID  # for which closed forms exist
 
     def widest(self) -> FloatArray:
         """Return the largest contact radii that the law describes, (n,); 10 R deep if it has no limit."""

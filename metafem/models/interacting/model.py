@@ -17,7 +17,6 @@ from metafem.contact.law import checked_contact
 from metafem.errors import InvalidInput, refuse_if
 from metafem.models.adhesion.curves import AdhesiveAsperities, adhesive_law
 from metafem.models.curve import Curve, Sensitivity, areas_one_by_one, controlled
-from metafem.models.interacting.elastic import DENSE_LIMIT as DENSE_LIMIT
 from metafem.models.interacting.elastic import ElasticCoupling
 from metafem.models.interacting.influence import Coupled
 from metafem.substrate import HalfSpace, Radial, Substrate

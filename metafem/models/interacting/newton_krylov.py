@@ -41,7 +41,6 @@ class Iterate:
 
     state: State
     residual: float
-    load: float  # of all contacts [mm^2]
     error: FloatArray  # of their equations, (n,) [mm]
     self_term: FloatArray
     coarse: Coarse
@@ -104,9 +103,9 @@ class ContactEquations:
             sharpen(self.law, state.block, state.closed, count)
             u[:] = self.sums.displacement(load, state.moment, -state.lever * x, -state.lever * y)
             u += self.self_term * load - 0.5 * state.lever_rate * (x**2 + y**2)
-        residual, total = measure(self.gap, approach, target, state.block, count)
+        residual, _ = measure(self.gap, approach, target, state.block, count)
         error = state.indentation + u - (approach - self.gap)
-        return Iterate(state, residual, total, error, self.self_term, self.coarse)
+        return Iterate(state, residual, error, self.self_term, self.coarse)
 
     def newton(self, z: FloatArray, approach: float, target: float) -> tuple[Iterate, float]:
         """Return the equilibrium at an approach or, if `target` > 0, at this load, and its approach."""
@@ -120,7 +119,7 @@ class ContactEquations:
                 break
             if at.residual <= GOAL:
                 break
-            missing = target - at.load if target > 0.0 else 0.0
+            missing = target - float(at.state.load.sum()) if target > 0.0 else 0.0
             start = at.uniform * (missing / float(at.uniform.sum()))
             goal = float(at.state.indentation.max()) * max(forcing * min(at.residual, 1.0), 0.3 * GOAL)
             loads, shift, rest, _ = self.solve(at, -at.error, start, target > 0.0, goal)

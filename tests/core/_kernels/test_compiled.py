@@ -87,8 +87,3 @@ def test_only_the_newest_versions_are_kept(folder):
     kept = {path.name for path in _caches.kept_kernels()}
     assert kept == {module.folder().name, *(f"{i:032x}" for i in range(5, 12))}
     assert foreign.is_dir()
-
-
-def test_a_folder_without_sources_has_no_version(tmp_path):
-    with pytest.raises(FileNotFoundError, match="no sources"):
-        version(tmp_path)

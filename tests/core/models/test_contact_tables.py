@@ -7,6 +7,7 @@ import metafem as mf
 from metafem._kernels import law as kernel
 from metafem.contact.law import area_change, contacts
 from metafem.models.contact_tables import tables
+from validation.methods.bent import Bent
 
 R = 0.526
 RHO = np.linspace(0.0, 0.45, 30)
@@ -34,16 +35,17 @@ def test_kernels_are_the_laws():
                 wide, d, bend, _, moment, inside = kernel.bent(*one_of, p, square, widening, k)
                 a = np.sqrt(wide)
                 assert inside
+                curved = Bent(law, k)
                 pairs += [
-                    (law.load(a, R, k), p),
-                    (law.indentation(a, R, k), d),
-                    (law.second_moment(a, R, k), 4 * moment),
+                    (curved.load(a, R), p),
+                    (curved.indentation(a, R), d),
+                    (curved.second_moment(a, R), 4 * moment),
                 ]
                 assert bend == pytest.approx(np.sqrt(square) / a, rel=10 * rtol)
                 # w = a d^2 - int (D + k s^2)^2 ds, for which dw = d dP
                 step = 1e-5 * a
                 energies = [kernel.complementary(*one_of, 3, z, s * s, k) for s in (a + step, a - step)]
-                work = d * (law.load(a + step, R, k) - law.load(a - step, R, k))
+                work = d * (curved.load(a + step, R) - curved.load(a - step, R))
                 assert energies[0] - energies[1] == pytest.approx(work, rel=1e-6)
             worst = max(worst, *(abs(x / y - 1.0) for x, y in pairs))
         assert worst < rtol
@@ -83,10 +85,10 @@ def test_tables_of_a_sphere_reach_to_its_equator():
         p, _, square, widening = kernel.pressed(*one_of, float(law.indentation(a, R)))
         for k in (0.0, 0.02 / R, 0.1 / R):
             wide, d, _, _, moment, _ = kernel.bent(*one_of, p, square, widening, k)
-            radius = np.sqrt(wide)
-            assert law.load(radius, R, k) == pytest.approx(p, rel=1e-9)
-            assert law.indentation(radius, R, k) == pytest.approx(d, rel=1e-9)
-            assert law.second_moment(radius, R, k) == pytest.approx(4 * moment, rel=1e-9)
+            radius, curved = np.sqrt(wide), Bent(law, k)
+            assert curved.load(radius, R) == pytest.approx(p, rel=1e-9)
+            assert curved.indentation(radius, R) == pytest.approx(d, rel=1e-9)
+            assert curved.second_moment(radius, R) == pytest.approx(4 * moment, rel=1e-9)
 
 
 def test_slopes_change_the_areas_of_powers():

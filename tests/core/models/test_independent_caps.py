@@ -58,10 +58,10 @@ def test_a_sphere_is_pressed_up_to_its_equator_and_not_beyond():
 
 def test_loads_beyond_what_a_law_can_carry_do_not_converge():
     class Limited(Read):
-        def load(self, contact_radius, radius, curvature=0.0):
-            return np.minimum(super().load(contact_radius, radius, curvature), 0.01)
+        def load(self, contact_radius, radius):
+            return np.minimum(super().load(contact_radius, radius), 0.01)
 
-        def stiffness(self, contact_radius, radius, curvature=0.0):
+        def stiffness(self, contact_radius, radius):
             return 0.0 * np.asarray(contact_radius)
 
     with pytest.raises(mf.NotConverged):

@@ -15,6 +15,7 @@ import numpy as np
 
 import metafem as mf
 from metafem.models.load_equation import LoadEquation
+from validation.methods.bent import Bent
 
 MAX_STEPS, MAX_CUTS, GOAL = 100, 30, 3e-14
 
@@ -33,7 +34,7 @@ class Twin:
         """Contact radius a at which the load with an extra curvature is that without it at a0."""
         a = own
         for _ in range(100):
-            step = (self.law.load(a, self.radius, curvature) - load) / self.load_slope(a, curvature)
+            step = (Bent(self.law, curvature).load(a, self.radius) - load) / self.load_slope(a, curvature)
             a = a - np.where(own > 0.0, step, 0.0)
             if (np.abs(step) <= 1e-15 * own).all():
                 break
@@ -41,8 +42,8 @@ class Twin:
 
     def load_slope(self, a, curvature):
         """dP/da = 2 a dd/da, with dd/da = 2 pi a/(dA/dd); 1 for open contacts."""
-        slope = self.law.area_slope(a, self.radius, curvature)
-        return np.where(a > 0.0, 4.0 * np.pi * a**2 / np.where(a > 0.0, slope, 1.0), 1.0)
+        slope = Bent(self.law, curvature).area_slope(np.where(a > 0.0, a, 0.1), self.radius)
+        return np.where(a > 0.0, 4.0 * np.pi * a**2 / slope, 1.0)
 
     def on_slope(self, a, curvature, slope):
         """Areas of contacts on slopes; the derivative of D' = dd/da is that of a polynomial through 7 points.
@@ -52,7 +53,7 @@ class Twin:
         """
         closed = a > 0.0
         steps, own = 0.02 * np.arange(-3, 4), np.where(closed, a, 0.1)
-        slopes = [self.law.profile_slope(own * np.exp(step), self.radius, curvature) for step in steps]
+        slopes = [Bent(self.law, curvature).profile_slope(own * np.exp(step), self.radius) for step in steps]
         bend = np.polynomial.polynomial.polyfit(steps, np.log(slopes), 6)[1]
         y = (bend - 1.0) * (slope / slopes[3]) ** 2
         factor = np.where(y > 0.0, 1.0 / np.sqrt(1.0 + 4.0 * np.maximum(y, 0.0)), 1.0 - 2.0 * y)
@@ -72,13 +73,14 @@ class Twin:
         gx, gy, laplacian = self.fields
         slope_x, slope_y, curvature = gx @ load, gy @ load, 0.5 * laplacian @ load
         a = self.disturbed_radius(load, own, curvature)
-        moment = law.second_moment(a, radius, curvature)
+        bent = Bent(law, curvature)
+        moment = bent.second_moment(a, radius)
         tilted = 4.0 / 3.0 * own**3
         rate = law.area_slope(own, radius) / np.pi  # dT/dp
         shift = -gx.T @ (tilted * slope_x) - gy.T @ (tilted * slope_y)
         raised = -0.5 * rate * (slope_x**2 + slope_y**2)
         u = self.point @ load + 0.25 * laplacian.T @ moment + shift + raised
-        error = np.where(closed, law.indentation(a, radius, curvature), z) + u - (approach - self.gap)
+        error = np.where(closed, bent.indentation(a, radius), z) + u - (approach - self.gap)
         # d2W/dp2 without the second derivative of T; dM/dp = 2 a^2/3, and dM/dk = -16 a^5/45 at a given load
         bend = (a**2 / 3.0)[:, None] * 0.5 * laplacian
         coupling = self.point + bend + bend.T - laplacian.T @ ((2.0 / 45.0 * a**5)[:, None] * laplacian)

@@ -10,6 +10,7 @@ from metafem.caps.shapes import sphere_profile
 from metafem.models.boundary_elements.cells import Summits
 from tests.models.interacting.dense_twin import Twin
 from tests.models.scenes import Read, lattice, scene, single_contact
+from validation.methods.bent import Bent
 
 RADIUS, CONTACT = 0.526, 0.2
 RHO = np.linspace(0.0, 0.45, 80)
@@ -32,8 +33,8 @@ def test_areas_from_moments_hold_for_any_extra_curvature():
     surface = scene(radius=np.full(6, RADIUS))
     a = np.linspace(0.1, 0.2, 6)
     for law in (*LAWS, Read(mf.Power(2.0))):
-        kappa = np.linspace(-0.1, 0.4, 6) * law.indentation(a, RADIUS) / a**2
-        load, moment = (f(a, RADIUS, kappa) for f in (law.load, law.second_moment))
+        bent = Bent(law, np.linspace(-0.1, 0.4, 6) * law.indentation(a, RADIUS) / a**2)
+        load, moment = bent.load(a, RADIUS), bent.second_moment(a, RADIUS)
         summits = Summits(surface, law, 0.01)
         found = summits.areas(0.5 * moment / load / 1e-4, load / 1e-4, np.zeros(6))
         np.testing.assert_allclose(1e-4 * found, np.pi * a**2, rtol=1e-12)
