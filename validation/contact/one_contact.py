@@ -13,6 +13,7 @@ from metafem.contact import Contact
 from metafem.reference import sneddon_sphere
 from validation.check import Claim, Picture, Row, below, near
 from validation.figures import panels
+from validation.methods.bent import Bent
 from validation.published import paper
 from validation.sources import closed_form, known_input, second_method
 
@@ -68,7 +69,8 @@ def claim() -> Claim:
         ]  # fmt: skip
     hertz, sharp = mf.Hertz(), RADIUS / (1.0 + CURVATURE * RADIUS)
     for what in ("load", "indentation", "second_moment", "area_slope"):
-        pair = getattr(hertz, what)(RADII, RADIUS, CURVATURE), getattr(hertz, what)(RADII, sharp)
+        bent = Bent(hertz, CURVATURE)
+        pair = getattr(bent, what)(RADII, RADIUS), getattr(hertz, what)(RADII, sharp)
         words = f"paraboloid with an extra curvature: {what.replace('_', ' ')}, largest relative error"
         rows.append(below(words, _error(*pair), ROUNDING, SHARP))
     rows += [*_adhesive(), *_states()]
