@@ -22,6 +22,7 @@ Values = FloatArray | float
 # underflow for small contacts.
 STEEPEST = 32.0
 
+# Refusal of Hertz's law for caps such as those of power 4.
 NO_CURVATURE = "has no finite curvature at its summit, which this contact law needs; use contact = Elastic()"
 
 
@@ -202,6 +203,7 @@ class Sphere(Cap):
         return square * angle + second, square**2 * angle / 3.0 + fourth
 
 
+# Default cap of surfaces.
 SPHERE = Sphere()
 
 
