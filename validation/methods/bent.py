@@ -1,18 +1,15 @@
 """Elastic contacts of caps with an extra curvature, which the field of the neighbours adds."""
 
 import math
-from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from metafem.contact import Contact
 
-
-@dataclass(frozen=True)
-class Bent:
+class Bent(NamedTuple):
     """A law whose caps have the profile f + k rho²/2: D, P and M of a paraboloid are added to theirs."""
 
-    law: Contact
+    law: Any  # without adhesion
     curvature: np.ndarray | float  # k [1/mm]
 
     def load(self, a: np.ndarray, radius: np.ndarray) -> np.ndarray:
