@@ -78,8 +78,8 @@ def height_errors(ax: Axes, position: FloatArray, error: FloatArray, missing: Fl
 def errors_over_height(ax: Axes, height: FloatArray, error: FloatArray, sd: FloatArray) -> None:
     """Draw height errors (n,) against designed heights [mm]."""
     ax.axhline(0.0, color=QUIET, lw=0.8)
-    micrometres = (MICROMETRES * values for values in (height, error, sd))
-    ax.errorbar(*micrometres, fmt="o", ms=3.5, lw=0.8, color=ACHIEVED)
+    height, error, sd = (MICROMETRES * values for values in (height, error, sd))
+    ax.errorbar(height, error, sd, fmt="o", ms=3.5, lw=0.8, color=ACHIEVED)
     ax.set(xlabel="designed height [µm]", ylabel="height error [µm]")
 
 

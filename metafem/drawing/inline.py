@@ -65,10 +65,12 @@ def themed(text: str) -> str:
     text = IDENTIFIER.sub(lambda found: f' id="{names[found[1]]}"' if found[1] in names else "", text)
     text = REFERENCE.sub(lambda found: found[1] + names[found[2]], text)
     text = NO_ROTATION.sub("", text)
-    text = COORDINATES.sub(
-        lambda found: LONG_NUMBER.sub(lambda number: f"{float(number[0]):.2f}", found[0]), text
-    )
+    text = COORDINATES.sub(lambda found: LONG_NUMBER.sub(_rounded, found[0]), text)
     text = COLOUR.sub(lambda found: f"var({VARIABLES[found[0]]}, {found[0]})", text)
     fonts = FONT.search(text)
     style = f' style="font-family: {fonts[1]}"' if fonts else ""
     return FONT.sub("", text).replace("<svg ", f'<svg role="img"{style} ', 1)
+
+
+def _rounded(number: re.Match[str]) -> str:
+    return f"{round(float(number[0]), 2) + 0.0:g}"  # the sum has no negative zero

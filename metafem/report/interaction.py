@@ -25,7 +25,7 @@ MOST_COMPARED = 1500
 
 
 def compared(design: Design) -> tuple[dict[str, FrictionLaw], tuple[Note, ...]]:
-    """Return the laws of a design by the name of the model, the independent one first, and notes.
+    """Return the laws of a design by the names of their models, the independent one first, and notes.
 
     The models are independent asperities, asperities on the half-space and, with a block, on the bonded layer
     and the true block. The design's own law is added if its model is a different one. The true block is
@@ -35,9 +35,10 @@ def compared(design: Design) -> tuple[dict[str, FrictionLaw], tuple[Note, ...]]:
     own = design.law
     if design.surface.count > MOST_COMPARED:
         return {}, ()
-    laws, notes = laws_on_substrates(design.surface, own.load, contact_of(own.model), wait=False)
-    if own.model not in [law.model for law in laws.values()]:
-        laws[own.model.name] = own
+    contact = contact_of(own.model)
+    found, notes = laws_on_substrates(design.surface, own.load, contact, wait=False)
+    # all have the same contacts, so that their names go without them
+    laws = {law.model.name.replace(f", {contact!r}", ""): law for law in (*found.values(), own)}
     return (laws if len(laws) > 1 else {}), tuple(notes)
 
 
@@ -57,7 +58,7 @@ def interaction_figure(laws: Mapping[str, FrictionLaw]) -> Figure:
 
 def interaction_rows(laws: Mapping[str, FrictionLaw]) -> list[tuple[str, ...]]:
     """Return the model, the rms and the largest change of A0, and the decrease of the last separation."""
-    rows = []
+    rows: list[tuple[str, ...]] = []
     (_, independent), *others = laws.items()
     for name, law in others:
         change = law.area / independent.area - 1.0

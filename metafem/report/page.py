@@ -19,7 +19,7 @@ from metafem.progress import doing
 from metafem.report import figures, words
 from metafem.report.html import render
 from metafem.report.interaction import MOST_COMPARED, compared, interaction_figure, interaction_rows
-from metafem.report.studies import exactness_section, measured_section, summary
+from metafem.report.studies import study_sections
 from metafem.report.words import Row
 
 if TYPE_CHECKING:
@@ -66,7 +66,7 @@ def page(
         "law": drawn(figures.law_figure(design), "Target and achieved friction law"),
         "heights": drawn(figures.height_figure(design), "Summit heights at their sites"),
         "contacts": drawn(figures.contact_figure(design), "Real contacts at three loads"),
-        "exactness": exactness_section(studies),
+        **study_sections(design, studies),
     }
     if friction is not None:
         sliding = onset(surface, design.law.model, load=float(design.law.load[-1]))
@@ -78,10 +78,6 @@ def page(
     if laws:
         parts["interaction"] = drawn(interaction_figure(laws), "Change by elastic interaction")
         parts["interactions"] = interaction_rows(laws)
-    if "measured" in studies:
-        parts["measured"] = measured_section(design, studies["measured"])
-    if "explained" in studies:
-        parts["explanation"] = summary(studies["explained"])
     return render(
         "page.html",
         design=design,

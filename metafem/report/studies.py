@@ -148,6 +148,16 @@ QUESTIONS: Mapping[str, Question] = {
 }
 
 
+def study_sections(design: Design, studies: Mapping[str, Dataset]) -> dict[str, Any]:
+    """Return the sections on the accuracy of the part, the measured laws and what explains them, by name."""
+    sections: dict[str, Any] = {"exactness": exactness_section(studies)}
+    if "measured" in studies:
+        sections["measured"] = measured_section(design, studies["measured"])
+    if "explained" in studies:
+        sections["explanation"] = summary(studies["explained"])
+    return sections
+
+
 def exactness_section(studies: Mapping[str, Dataset]) -> dict[str, Any]:
     """Return questions, figures and summaries of the studies, the questions not studied, and a sentence."""
     answers = [
