@@ -53,7 +53,7 @@ def _draw_difference(design: Design, ax: Axes) -> None:
     ax.axhline(0.0, color=QUIET, lw=0.8)
     ax.plot(target.load, 100.0 * difference, "o" if few(target) else "-", color=ACHIEVED)
     ax.spines[["top", "right"]].set_visible(False)
-    ax.set_ylabel(f"A0 against\n{'the target' if design.density is None else 'density law'} [%]")
+    ax.set_ylabel("difference [%]")
     if np.abs(difference).max() < 1e-9:
         ax.set_ylim(-1.0, 1.0)
         ax.annotate("all points are met to 1e-9", (0.02, 0.75), xycoords="axes fraction", color=QUIET)
