@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -25,8 +24,6 @@ from metafem.report.words import Row
 if TYPE_CHECKING:
     from xarray import Dataset
 
-NO_STUDIES: Mapping[str, Dataset] = MappingProxyType({})
-
 # Largest number of summits in the table; heights.csv lists all.
 MOST_LISTED = 200
 
@@ -36,7 +33,7 @@ def page(
     design: Design,
     hardness: float | None = None,
     *,
-    studies: Mapping[str, Dataset] = NO_STUDIES,
+    studies: Mapping[str, Dataset] | None = None,
 ) -> str:
     """Return the report of a design as one self-contained HTML text.
 
@@ -45,7 +42,7 @@ def page(
     design : Design
     hardness : float, optional
         Hardness H of the softer material [MPa]; default: None, without the plasticity index.
-    studies : mapping of str to xarray.Dataset
+    studies : mapping of str to xarray.Dataset, optional
         Studies of this design by name; the report shows their answers and figures. Default: none.
 
     Returns
@@ -66,7 +63,7 @@ def page(
         "law": drawn(figures.law_figure(design), "Target and achieved friction law"),
         "heights": drawn(figures.height_figure(design), "Summit heights at their sites"),
         "contacts": drawn(figures.contact_figure(design), "Real contacts at three loads"),
-        **study_sections(design, studies),
+        **study_sections(design, studies or {}),
     }
     if friction is not None:
         sliding = onset(surface, design.law.model, load=float(design.law.load[-1]))
@@ -81,7 +78,6 @@ def page(
     return render(
         "page.html",
         design=design,
-        achieved=design.status.name != "MISSED",
         tiles=_tiles(design),
         notes=words.all_notes(design, hardness),
         hardness=hardness,
@@ -90,7 +86,6 @@ def page(
         parameters=words.parameter_rows(design),
         inputs=_inputs(design),
         summits=_summits(design),
-        residual=f"{design.law.residual.max():.1e}",
         model_error=words.error_words(design.law.model_error),
         **parts,
     )

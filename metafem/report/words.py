@@ -127,11 +127,8 @@ def all_notes(design: Design, hardness: float | None = None) -> tuple[Note, ...]
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always", MetafemWarning)
             psi = plasticity_index(design.surface, hardness)
-        remedies = ("hardness", "radius")
-        found += [
-            Note(str(warning.message), Level.WARNING, INDEX, psi, ELASTIC_LIMIT, remedies)
-            for warning in caught
-        ]
+        numbers = (INDEX, psi, ELASTIC_LIMIT, ("hardness", "radius"))
+        found += [Note(str(warning.message), Level.WARNING, *numbers) for warning in caught]
     return tuple(sorted(found, key=lambda note: not note.warns))
 
 
