@@ -14,7 +14,7 @@ from metafem._validate import FloatArray
 from metafem.calibration.topography.cells import HeightMap, cells
 from metafem.drawing import calibration as lines
 from metafem.drawing import contacts as drawing
-from metafem.drawing import new_figure, topography
+from metafem.drawing import new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -128,10 +128,8 @@ def made_figure(
     figure = new_figure(10.0, 8.4)
     (sites, residual), (heights, laws) = figure.subplots(2, 2)
     design = made.design
-    topography.height_errors(
-        sites, design.position[made.site], made.height_error, design.position[made.missing]
-    )
-    topography.residual_map(residual, residuals(height_map, made), *height_map.extent)
-    topography.errors_over_height(heights, design.height[made.site], made.height_error, made.height_sd)
-    topography.made_law(laws, designed.rescaled_load, designed.area, law.area)
+    lines.height_errors(sites, design.position[made.site], made.height_error, design.position[made.missing])
+    lines.residual_map(residual, residuals(height_map, made), *height_map.extent)
+    lines.errors_over_height(heights, design.height[made.site], made.height_error, made.height_sd)
+    lines.made_law(laws, designed.rescaled_load, designed.area, law.area)
     return figure

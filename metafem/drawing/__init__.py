@@ -31,6 +31,10 @@ LARGEST_DOT, LEGEND_DOT, MOST_DOTS = 0.8, 11.0, 3
 # inch].
 MANY, RESOLUTION = 1000, 200
 
+# Margins of a figure on the left, on the right, below and above [inch]. On the left and below there is room
+# for the label of an axis and numbers of at most seven characters.
+MARGINS = (0.9, 0.2, 0.6, 0.2)
+
 # Fixed salt of the hashes by which matplotlib names the elements of an SVG: the names are equal in every run.
 SALT = "metafem"
 
@@ -135,12 +139,6 @@ def summits(ax: Axes, position: FloatArray, height: FloatArray, radius: FloatArr
             loc="upper center", bbox_to_anchor=(0.5, 0.0), borderaxespad=3.5,
             ncols=MOST_DOTS, columnspacing=1.0, handletextpad=0.0, frameon=False,
         )  # fmt: skip
-
-
-def empty_sites(ax: Axes, position: FloatArray) -> None:
-    """Draw rings at the sites (m, 2) [mm] without an asperity."""
-    x, y = position.T
-    ax.scatter(x, y, s=60, facecolors="none", edgecolors=QUIET, lw=0.8, rasterized=len(position) > MANY)
 
 
 def spacing(position: FloatArray) -> float:

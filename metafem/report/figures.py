@@ -1,18 +1,18 @@
-"""Figures of laws."""
+"""Figures of a design: its law, its friction coefficient, its heights and its contacts."""
 
 from __future__ import annotations
 
-from itertools import cycle
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from metafem.drawing import ACHIEVED, QUIET, TARGET, finished, new_figure, scaling
+from metafem import drawing
+from metafem._values import three_digits
+from metafem.drawing import ACHIEVED, LARGEST_DOT, MARGINS, QUIET, TARGET, finished, new_figure, scaling
 from metafem.inversion import Design, feasible_region
-from metafem.inversion.result import draw_laws, draw_target, few
+from metafem.inversion.result import draw_target, few
 from metafem.models.model import contact_of
-from metafem.report.comparison import Comparison
-from metafem.report.names import model_words
+from metafem.prediction import Onset, equilibrium
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -23,9 +23,12 @@ if TYPE_CHECKING:
 # Approximate number of loads at which sensitivities are drawn; a law usually has a hundred loads.
 SENSITIVITY_LOADS = 33
 
-# Margins on the left, on the right, below and above [inch]. On the left and below there are labels, and
-# numbers of at most seven characters.
-MARGINS = (0.9, 0.2, 0.6, 0.2)
+# The three loads of the contact views, as fractions of the largest load of the law.
+VIEWED_LOADS = (0.1, 0.4, 1.0)
+
+# Diameter of the rings that mark open summits, and smallest drawn diameter of contacts, over the distance
+# between summits. Smaller circles would be invisible.
+RING, LEAST_DOT = 0.3, 0.1
 
 
 def law_figure(design: Design) -> Figure:
@@ -33,7 +36,7 @@ def law_figure(design: Design) -> Figure:
     figure = new_figure(7.0, 5.6, (0.9, 0.8, 0.6, 0.6))
     ax, below = figure.subplots(2, 1, sharex=True, height_ratios=[3, 1], gridspec_kw={"hspace": 0.08})
     _draw_reach(design, ax)
-    draw_laws(design, ax, "achieved: " + model_words(design.law.model))
+    design.plot(ax)
     _draw_difference(design, below)
     for branch, _ in design.fits:
         below.axvspan(*branch.load_range, color=TARGET, alpha=0.06, lw=0)
@@ -50,7 +53,7 @@ def _draw_difference(design: Design, ax: Axes) -> None:
     ax.axhline(0.0, color=QUIET, lw=0.8)
     ax.plot(target.load, 100.0 * difference, "o" if few(target) else "-", color=ACHIEVED)
     ax.spines[["top", "right"]].set_visible(False)
-    ax.set_ylabel(f"A0 against\n{'the target' if design.density is None else 'density law'} [%]")
+    ax.set_ylabel("difference [%]")
     if np.abs(difference).max() < 1e-9:
         ax.set_ylim(-1.0, 1.0)
         ax.annotate("all points are met to 1e-9", (0.02, 0.75), xycoords="axes fraction", color=QUIET)
@@ -73,40 +76,41 @@ def _draw_reach(design: Design, ax: Axes) -> None:
     ax.set_ylim(top=1.5 * float(design.law.rescaled_friction[-1]))
 
 
-def force_figure(design: Design, friction: Friction) -> Figure:
-    """Draw the friction force and the friction coefficient F/P against the load [N], with the target."""
+def _force_axes(design: Design, ax: Axes) -> None:
+    """Add axes with the load [N] at the top and, with a Friction, the friction force [N] on the right."""
+    friction, modulus = design.surface.friction, design.surface.material.composite_modulus
+    ax.secondary_xaxis("top", functions=scaling(modulus)).set_xlabel("load P [N]")
+    ax.spines["right"].set_visible(friction is not None)
+    if friction is not None:
+        right = ax.secondary_yaxis("right", functions=scaling(friction.stress))
+        right.set_ylabel("friction F [N]")
+
+
+def coefficient_figure(design: Design, friction: Friction) -> Figure:
+    """Draw the friction coefficient F/P against the load [N], with the target."""
     law, target = design.law, design.target_law
-    modulus, strength = law.material.composite_modulus, friction.stress
-    figure = new_figure(9.0, 3.2, MARGINS)
-    left, right = figure.subplots(1, 2, gridspec_kw={"wspace": 0.25})
-    law.plot(left, units="N", label="achieved")
-    right.plot(law.load, law.friction_coefficient, color=ACHIEVED, lw=1.8, label="achieved")
+    ratio = friction.stress / law.material.composite_modulus
+    figure = new_figure(7.0, 3.0, MARGINS)
+    ax = figure.add_subplot()
+    ax.plot(law.load, law.friction_coefficient, color=ACHIEVED, lw=1.8, label="achieved")
+    load = target.load * law.material.composite_modulus
     if design.density is None:
-        load = target.load * modulus
-        force = strength * target.law(design.target_area)
-        draw_target(design, left, load, force)
-        draw_target(design, right, load, force / load)
-    label = "target slope dF/dP"
-    for branch, _ in design.fits if design.density is not None else ():
-        ends, slope = modulus * np.array(branch.load_range), branch.slope * strength / modulus
-        right.plot(ends, [slope, slope], color=TARGET, label=label)
-        label = "_nolegend_"
-    right.set(xlabel="load  P [N]", ylabel="friction coefficient  μ = F/P")
-    right.set_xlim(left=0.0)
-    right.set_ylim(bottom=0.0)
+        draw_target(design, ax, load, ratio * target.law(design.target_area) / target.load)
+    else:
+        for i, (branch, _) in enumerate(design.fits):
+            ends = law.material.composite_modulus * np.array(branch.load_range)
+            label = None if i else "target slope dF/dP"
+            ax.plot(ends, np.full(2, ratio * branch.slope), color=TARGET, label=label)
+    ax.set(xlabel="load  P [N]", ylabel="friction coefficient  μ = F/P")
+    ax.set_xlim(left=0.0)
+    ax.set_ylim(bottom=0.0)
     return finished(figure)
 
 
-def comparison_figure(comparisons: tuple[Comparison, ...]) -> Figure:
-    """Draw the change of A0 by elastic interaction, in percent of the independent law, against the load."""
+def onset_figure(sliding: Onset) -> Figure:
+    """Draw the friction force against the tangential displacement."""
     figure = new_figure(7.0, 3.0, MARGINS)
-    ax = figure.add_subplot()
-    ax.axhline(0.0, color=QUIET, lw=0.8)
-    for comparison, style in zip(comparisons, cycle(("-", "--", ":")), strict=False):
-        load, change = comparison.law.rescaled_load, 100.0 * comparison.difference
-        ax.plot(load, change, style, color=ACHIEVED, label=comparison.name)
-    ax.set(xlabel="rescaled load  P/E* [mm²]", ylabel="change of A0 [%]")
-    ax.set_xlim(left=0.0)
+    sliding.plot(figure.add_subplot())
     return finished(figure)
 
 
@@ -127,12 +131,33 @@ def sensitivity_figure(design: Design) -> Figure:
     return figure
 
 
-def _force_axes(design: Design, ax: Axes) -> None:
-    """Add axes with the load [N] at the top and, with a Friction, the friction force [N] on the right."""
-    friction, modulus = design.surface.friction, design.surface.material.composite_modulus
-    top = ax.secondary_xaxis("top", functions=scaling(modulus))
-    top.set_xlabel("load P [N]")
-    ax.spines["right"].set_visible(friction is not None)
-    if friction is not None:
-        right = ax.secondary_yaxis("right", functions=scaling(friction.stress))
-        right.set_ylabel("friction F [N]")
+def height_figure(design: Design) -> Figure:
+    """Draw the heights at their sites, with diameters proportional to the radii; empty sites as rings."""
+    figure = new_figure(5.0, 4.2, (0.7, 0.4, 0.8, 0.3))
+    ax = figure.add_subplot()
+    sites = design.template.position
+    empty = np.setdiff1d(np.arange(len(sites)), design.sites)
+    drawing.rings(ax, sites[empty], LARGEST_DOT * drawing.spacing(sites))
+    design.surface.plot(ax)
+    if empty.size:
+        ax.set_title(f"{empty.size} sites stay empty (rings)", fontsize=10, color=QUIET)
+    return figure
+
+
+def contact_figure(design: Design) -> Figure:
+    """Draw top views at three loads: contacts as discs to scale, summits that are not in contact as rings."""
+    figure = new_figure(9.6, 4.0, (0.7, 0.1, 0.6, 0.6))
+    axes = figure.subplots(1, len(VIEWED_LOADS), sharex=True, sharey=True, gridspec_kw={"wspace": 0.05})
+    position = design.surface.position
+    distance = drawing.spacing(position)
+    for ax, fraction in zip(axes, VIEWED_LOADS, strict=True):
+        state = equilibrium(design.surface, design.law.model, load=fraction * float(design.law.load[-1]))
+        closed = state.asperity_area > 0.0
+        diameter = 2.0 * np.sqrt(state.asperity_area[closed] / np.pi)
+        drawing.rings(ax, position[~closed], RING * distance)
+        drawing.circles(ax, position[closed], np.maximum(diameter, LEAST_DOT * distance))
+        drawing.plan(ax)
+        words = f"{closed.sum()} of {design.surface.count} in contact, {state.area:.3g} mm²"
+        ax.set_title(f"P = {three_digits(state.load)} N\n{words}", fontsize=10)
+        ax.label_outer()
+    return figure

@@ -12,7 +12,7 @@ import numpy as np
 
 import metafem as mf
 from metafem.drawing import ACHIEVED, QUIET, TARGET
-from metafem.report.study_figures import misalignment_figure
+from metafem.report.studies import misalignment_figure
 from validation.check import Claim, Difference, Picture, Reason, Row, below, near, reported
 from validation.methods.tilts import slope_scatter
 from validation.paper.pictures import INKS, inked

@@ -9,7 +9,7 @@ from scipy.special import ndtr
 
 import metafem as mf
 from metafem.drawing import ACHIEVED, QUIET, TARGET
-from metafem.report.study_figures import manufacturing_figure
+from metafem.report.studies import manufacturing_figure
 from validation.check import Check, Claim, Picture, Result, below, near, reported
 from validation.methods.independent import fitted_slope
 from validation.paper.fig4_linear import FROM, foot_load, table_heights

@@ -12,12 +12,11 @@ from jinja2 import UndefinedError
 
 import metafem as mf
 from metafem.drawing.inline import Drawn
-from metafem.report import all_notes, parameter_rows
+from metafem.report import all_notes, error_data, error_words, figures, fit_table, model_data, parameter_rows
 from metafem.report.figures import law_figure
-from metafem.report.fits import fit_table
 from metafem.report.html import headings, render
-from metafem.report.names import error_data, error_words, in_python, model_data, model_words
-from metafem.report.page import PARAMETERS, page
+from metafem.report.page import page
+from metafem.report.words import PARAMETERS
 
 LATTICE = mf.Surface.square_lattice(
     0.12, (4, 4), radius=0.526, material=mf.Material(1.36), friction=mf.Friction(0.358, 0.85),
@@ -26,7 +25,7 @@ LATTICE = mf.Surface.square_lattice(
 POINTS = mf.OperatingPoints([0.02, 0.05], [0.2, 0.45])
 
 
-FIGURES = ("law", "force", "height", "sensitivity", "contact", "comparison")
+FIGURES = ("law", "coefficient", "onset", "height", "sensitivity", "contact")
 
 
 def words_of(design, **options):
@@ -34,8 +33,9 @@ def words_of(design, **options):
     module = import_module("metafem.report.page")
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(module, "drawn", lambda figure, title: Drawn(title, "", ""))
+        patch.setattr(module, "interaction_figure", lambda *_: None)
         for name in FIGURES:
-            patch.setattr(module, f"{name}_figure", lambda *_: None)
+            patch.setattr(figures, f"{name}_figure", lambda *_: None)
         return page(design, **options)
 
 
@@ -63,7 +63,7 @@ def test_the_page_states_the_numbers_of_the_design():
         ["block", "12 × 10 × 3", "mm"], ["largest height h_m", "120", "µm"], ["offset h_0", "84", "µm"],
         ["height step", "6", "µm"], ["height error", "0.9", "µm"], ["given height of site 5", "100", "µm"],
         ["sites that stay empty by the specification", "3", ""],
-        ["load at which the plane reaches the base plane", f"{base:.4g}", "N"],
+        ["load at which the plane touches the base", f"{base:.4g}", "N"],
     ):  # fmt: skip
         assert row in rows
     heights = 1e3 * surface.height
@@ -72,9 +72,9 @@ def test_the_page_states_the_numbers_of_the_design():
     assert sites.startswith(f"{surface.count} of 16")
     assert span == f"{heights.min():.1f} – {heights.max():.1f} µm"
     assert load == f"{law.load[-1]:.3g} N"
-    start = rows.index(["site", "x [mm]", "y [mm]", "height [µm]"]) + 1
+    start = rows.index(["site", "x [mm]", "y [mm]", "height [µm]", "radius [µm]"]) + 1
     assert rows[start : start + surface.count] == [
-        [str(site), f"{x:.4f}", f"{y:.4f}", f"{height:.2f}"]
+        [str(site), f"{x:.4f}", f"{y:.4f}", f"{height:.2f}", "526"]
         for site, (x, y), height in zip(design.sites, surface.position, heights, strict=True)
     ]
     assert f"All {surface.count} summits" in text
@@ -100,7 +100,7 @@ def test_the_page_states_the_numbers_of_the_design():
             f"{sinking:.1f} µm",
         ]  # fmt: skip
     assert "the true block is left out" in text
-    assert "Model: independent, in Python Independent()" in text
+    assert "Model: independent, in Python <code>Independent()</code>" in text
     assert f"residual of the equilibria: {law.residual.max():.1e}" in unescape(text)
     onset = mf.onset(surface, load=float(law.load[-1]))
     for number in (onset.sliding_displacement * 1e3, onset.friction_force[-1], onset.stiffness):
@@ -114,6 +114,8 @@ def test_the_page_is_self_contained():
     links = re.findall(r"""(?:src|href)="([^"]*)"|url\(([^)]*)\)""", text)
     assert {(first or second)[0] for first, second in links} <= {"#", "d"}  # elements, and data
     assert text.count("<svg") == 7
+    names = re.findall(' id="([^"]*)"', text)
+    assert len(names) == len(set(names))
     for anchor, title in headings(text):  # at the side, and unfolded where it is narrow
         assert text.count(f'<a href="#{anchor}">{title}</a>') == 2
 
@@ -167,17 +169,14 @@ def test_other_inputs_are_stated():
     surface = design.surface.replaced(radius=radius, height=np.linspace(0.1, 0.16, len(radius)))
     law = mf.friction_law(surface, load=design.law.load)
     other = replace(design, surface=surface, law=law, tools=mf.RadiusRange(0.2, 0.8, 0.01))
-    ranged = replace(design, tools=mf.PowerRange(1.2, 6.0))
-    tools = replace(design, tools=(mf.Tool(0.3), mf.Tool(0.5, mf.Power(4))))
+    given = replace(design, tools=(mf.Tool(0.3), mf.Tool(0.5)))
+    tools_row = "tools to choose from, lengths in mm"
     for changed, rows in (
         (other,
-         [["summit radius R", "300 – 800", "µm"], ["radii to choose from", "200 – 800 in steps of 10", "µm"],
+         [["summit radius R", "300 – 800", "µm"],
+          [tools_row, "RadiusRange(low=0.2, high=0.8, step=0.01)", ""],
           ["site", "x [mm]", "y [mm]", "height [µm]", "radius [µm]"]]),
-        (ranged,
-         [["exponents of power caps to choose from", "1.2 – 6 in steps of 0.1, coefficient 0.5", ""]]),
-        (tools,
-         [["tools to choose from",
-           "Sphere() of R = 300 µm; Power(exponent=4.0, coefficient=0.5) of R = 500 µm", ""]]),
+        (given, [[tools_row, "(Tool(radius=0.3, cap=Sphere()), Tool(radius=0.5, cap=Sphere()))", ""]]),
     ):  # fmt: skip
         found = rows_of(words_of(changed))
         assert all(row in found for row in rows)
@@ -214,19 +213,10 @@ def test_warnings_come_first_and_make_the_page_red():
     assert '<section class="warned">' not in text
 
 
-def test_models_are_written_in_words_and_in_python():
-    for model, words, code in (
-        (mf.Independent(), "independent", "Independent()"),
-        (mf.Interacting(order=1), "half-space, order 1", "Interacting(order=1)"),
-        (mf.Independent(mf.JKR(1.604e-5, mf.Elastic())), "independent, JKR, w = 16 mJ/m², Elastic()",
-         "Independent(contact=JKR(adhesion_energy=1.604e-05, cap=Elastic()))"),
-        (mf.Independent(mf.KogutEtsion(10.0)), "independent, Kogut and Etsion, hardness 10 MPa",
-         "Independent(contact=KogutEtsion(hardness=10.0))"),
-        (mf.Independent(mf.JacksonGreen(4.0)), "independent, Jackson and Green, yield strength 4 MPa",
-         "Independent(contact=JacksonGreen(yield_strength=4.0))"),
-    ):  # fmt: skip
-        assert (model_words(model), in_python(model)) == (words, code)
-        assert model_data(model) == {"name": model.name, "python": code}
+def test_models_and_their_errors_are_data():
+    jkr = mf.Independent(mf.JKR(1.604e-5, mf.Elastic()))
+    code = "Independent(contact=JKR(adhesion_energy=1.604e-05, cap=Elastic()))"
+    assert model_data(jkr) == {"name": jkr.name, "python": code}
     error = mf.equilibrium(LATTICE, mf.Interacting(1), load=0.02).model_error
     assert error_data(error) == {"value": float(error), "source": "order 3 on the half-space"}
     assert error_words(error).startswith(f"estimated error of A0(P): {100.0 * error:.2g}"[:30])

@@ -1,0 +1,211 @@
+"""The studies of a design in the report: questions, answers and figures, and its measured laws."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from itertools import cycle
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from metafem import drawing
+from metafem._values import MICROMETRES
+from metafem.drawing import ACHIEVED, MARGINS, MEASURED, MEASURED_BESIDE, QUIET, TARGET, finished, new_figure
+from metafem.drawing.calibration import measured, residuals
+from metafem.drawing.inline import drawn
+from metafem.inversion import Design
+from metafem.studies.summaries import summary
+from metafem.studies.summaries.measurements import features
+from metafem.studies.summaries.parameters import in_words, main_quantity, shares
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from xarray import Dataset
+
+# Margins with room for a legend above the axes, where it covers no bars [inch].
+ABOVE = (0.9, 0.2, 0.6, 0.4)
+LEGEND_ABOVE: dict[str, Any] = {
+    "loc": "lower center", "bbox_to_anchor": (0.5, 1.0), "ncols": 2, "frameon": False,
+}  # fmt: skip
+
+# With fewer inputs than this, the bars are as wide as with this number of inputs.
+FEW_BARS = 3
+
+# Studies by the label that they have in the figure, such as the name of the surface; "" for no label.
+Labelled = Mapping[str, "Dataset"]
+
+# Largest number of shuffled placements that are drawn; in the source paper's Fig. S2, about as many can be
+# distinguished.
+MOST_SHUFFLES = 20
+
+# Approximate number of error bars on a law.
+BARS = 12
+
+COLOURS = (ACHIEVED, TARGET)
+
+# The axes of the measured law end at this multiple of the largest value that is shown.
+ROOM = 1.08
+
+# Figs. S2 and S3 of the source paper (doi:10.1126/science.adk4234) show slopes, but the paper does not state
+# the loads of the fits.
+SOURCE = (
+    "The default, 25 to 100 % of the load at which the plane reaches the lowest asperity, is the choice of "
+    "metafem; the source paper does not print its range."
+)
+
+
+def manufacturing_figure(studies: Labelled) -> Figure:
+    """Draw mean slope over nominal slope against the SD of the heights, with bars of ± SD, as in Fig. S3."""
+    figure = new_figure(7.0, 3.2, MARGINS)
+    ax = figure.add_subplot()
+    ax.axhline(1.0, color=QUIET, lw=0.8)
+    for (label, study), colour in zip(studies.items(), cycle(COLOURS), strict=False):
+        nominal, study = float(study["nominal_slope"]), study.sortby("height_sd")
+        ax.errorbar(
+            MICROMETRES * study["height_sd"].values,
+            study["slope_mean"].values / nominal,
+            study["slope_sd"].values / nominal,
+            fmt="o-", ms=3, lw=1.2, capsize=2, color=colour, label=label or None,
+        )  # fmt: skip
+    ax.set(xlabel="standard deviation of the heights  SD(dh) [µm]", ylabel="mean slope over nominal, ± SD")
+    return finished(figure)
+
+
+def misalignment_figure(studies: Labelled) -> Figure:
+    """Draw the SD of the slope over the nominal slope against the largest angle, as in Fig. S2."""
+    figure = new_figure(7.0, 3.2, MARGINS)
+    ax = figure.add_subplot()
+    for (label, study), colour in zip(studies.items(), cycle(COLOURS), strict=False):
+        angle = np.append(0.0, np.degrees(study["angle"].values))
+        scatter = 100.0 * study["slope_sd"].values / float(study["nominal_slope"])
+        made, *shuffled = np.pad(scatter, ((0, 0), (1, 0)))
+        ax.plot(angle, made, color=colour, lw=1.8, label=f"{label} as made".strip())
+        for i, each in enumerate(shuffled[:MOST_SHUFFLES]):
+            name = f"{label} shuffled".strip() if i == 0 else None
+            ax.plot(angle, each, "--", color=colour, lw=0.6, alpha=0.6, label=name)
+    ax.set(xlabel="largest angle  |φ| [°]", ylabel="SD of the slope over nominal [%]")
+    ax.set_xlim(left=0.0)
+    ax.set_ylim(bottom=0.0)
+    return finished(figure)
+
+
+def uncertainty_figure(study: Dataset) -> Figure:
+    """Draw the law with its error bars, and the share of each input in the variance."""
+    figure = new_figure(9.0, 3.3, ABOVE)
+    left, right = figure.subplots(1, 2, gridspec_kw={"wspace": 0.55})
+    name = main_quantity(study)
+    shown = "area" if name == "deviation" else name
+    load, mean, sd = (study[each].values for each in ("rescaled_load", f"{shown}_mean", f"{shown}_sd"))
+    drawing.law(left, load, mean, forces=False)
+    if shown == "friction_force":
+        left.set_ylabel("friction force  F [N]")
+    some = slice(None, None, -max(1, len(load) // BARS))
+    left.errorbar(load[some], mean[some], sd[some], fmt="none", capsize=2, lw=1.2, color=ACHIEVED)
+    if "deviation_sd" in study:
+        moments = [f"rescaled_{name}_{moment}" for name in ("load", "friction") for moment in ("mean", "sd")]
+        x, dx, y, dy = (study[each].values for each in moments)
+        left.errorbar(x, y, dy, dx, fmt="o", ms=3, lw=1.2, color=TARGET, label="measured")
+    total, first = shares(study, name, "total"), shares(study, name, "first_order")
+    names = [in_words(str(label)).removeprefix("the ") for label in study["parameter"].values]
+    labels = [name.replace(" and ", "\nand ") for name in names]  # correlated inputs are one bar
+    right.barh(labels, 100.0 * total, color=QUIET, label="with others")
+    right.barh(labels, 100.0 * first, height=0.5, color=ACHIEVED, label="alone")
+    right.set_ylim(max(len(labels), FEW_BARS) - 0.5, -0.5)
+    right.legend(**LEGEND_ABOVE)
+    right.set_xlabel("share of the variance [%]")
+    right.set_xlim(left=0.0)
+    return finished(figure)
+
+
+class Question(NamedTuple):
+    """A question, the command of the study that answers it, and the study's figure with its caption."""
+
+    text: str
+    command: str
+    figure: Callable[[Dataset], Figure]
+    caption: str
+
+
+QUESTIONS: Mapping[str, Question] = {
+    "manufacturing": Question(
+        "How accurate must the heights be?",
+        "metafem study manufacturing DIR",
+        lambda study: manufacturing_figure({"": study}),
+        "Mean slope over the nominal one, with bars of one standard deviation, against errors of heights.",
+    ),
+    "misalignment": Question(
+        "How level must the plane be?",
+        "metafem study misalignment DIR",
+        lambda study: misalignment_figure({"": study}),
+        "Standard deviation of the slope over the nominal slope against the largest angle of the plane.",
+    ),
+    "uncertainty": Question(
+        "Which input matters most?",
+        "metafem study uncertainty DIR --sd composite_modulus=0.04MPa --sd radius=2um",
+        uncertainty_figure,
+        "Left: the law with bars of one standard deviation. Right: the share of each input in the variance.",
+    ),
+}
+
+
+def study_sections(design: Design, studies: Mapping[str, Dataset]) -> dict[str, Any]:
+    """Return the sections on the accuracy of the part, the measured laws and what explains them, by name."""
+    sections: dict[str, Any] = {"exactness": exactness_section(studies)}
+    if "measured" in studies:
+        sections["measured"] = measured_section(design, studies["measured"])
+    if "explained" in studies:
+        sections["explanation"] = summary(studies["explained"])
+    return sections
+
+
+def exactness_section(studies: Mapping[str, Dataset]) -> dict[str, Any]:
+    """Return questions, figures and summaries of the studies, the questions not studied, and a sentence."""
+    answers = [
+        (asked.text, drawn(asked.figure(studies[name]), asked.text, asked.caption), summary(studies[name]))
+        for name, asked in QUESTIONS.items()
+        if name in studies
+    ]
+    missing = [(asked.text, asked.command) for name, asked in QUESTIONS.items() if name not in studies]
+    # studies that compare models have no slope, and their range is empty
+    ranges = {tuple(study.attrs.get("load_range", ())) for study in studies.values()} - {()}
+    words = " and ".join("{:.4g} to {:.4g} mm²".format(*each) for each in sorted(ranges))
+    fitted = f"Slopes are fitted over the rescaled loads P/E* = {words}. {SOURCE}" if words else ""
+    return {"answers": answers, "missing": missing, "fitted": fitted}
+
+
+def measured_section(design: Design, study: Dataset) -> dict[str, Any]:
+    """Return the figure, the tables and the sentence of the measured laws."""
+    names = {"composite_modulus": "E*", "shear_strength": "σ", "area_ratio": "B"}
+    return {
+        "summary": summary(study),
+        "features": features(study),
+        "differs": not study["fits"].values.all(),
+        "figure": drawn(measured_figure(design, study), "Measured and designed friction law"),
+        # the parameters whose errors the standard deviations include
+        "included": " and ".join(names[name] for name in str(study.attrs["parameters"]).split()),
+    }
+
+
+def measured_figure(design: Design, study: Dataset) -> Figure:
+    """Draw the design's law with the measured points, and below it the deviations over their SD."""
+    figure = new_figure(7.0, 5.6, ABOVE)
+    ax, below = figure.subplots(2, 1, sharex=True, height_ratios=[3, 1], gridspec_kw={"hspace": 0.08})
+    design.law.plot(ax, label="design")
+    for label, colour in zip(map(str, study["law"].values), (MEASURED, MEASURED_BESIDE), strict=False):
+        one = study.isel(point=np.flatnonzero(study["of_law"].values == label))
+        x, x_sd = one["rescaled_load"].values, one["rescaled_load_sd"].values
+        y, y_sd = one["rescaled_friction"].values, one["rescaled_friction_sd"].values
+        measured(ax, x, y, x_sd, y_sd, f"measured: {label}", colour)
+        residuals(below, x, (one["deviation"] / one["deviation_sd"]).values, colour)
+    for branch, _ in design.fits:
+        for each in (ax, below):
+            each.axvspan(*branch.load_range, color=QUIET, alpha=0.08, lw=0)
+    below.set(xlabel=ax.get_xlabel(), ylabel="deviation\n[s.d.]")
+    ax.set_xlabel("")
+    end = ROOM * float((study["rescaled_load"] + study["rescaled_load_sd"]).max())
+    ax.set_xlim(0.0, end)
+    shown = np.interp(end, design.law.rescaled_load, design.law.rescaled_friction)
+    ax.set_ylim(0.0, ROOM * max(float(study["rescaled_friction"].max()), float(shown)))
+    # above the axes, because measured points may lie in any corner
+    ax.legend(**LEGEND_ABOVE | {"ncols": 3})
+    return finished(figure)
