@@ -15,8 +15,8 @@ from metafem.explorer.text.fields import shown
 from metafem.explorer.text.names import on_page
 from metafem.files import Specification, parsed, planned, section_forms, toml_table
 from metafem.inversion import Design, OperatingPoints, SampledLaw
-from metafem.inversion.targets.target import Target
-from metafem.inversion.targets.wording import Wording
+from metafem.inversion import Target
+from metafem.inversion.wording import Wording
 from metafem.models import Independent, Model
 from metafem.models.model import contact_of
 from metafem.surface import Surface
@@ -257,7 +257,7 @@ def _law_of(
     try:
         law = target.curve()
         if not law.is_open:
-            return law.load, law.base
+            return law.load, law.middle
     except InvalidInput:
         pass  # a target without a range of loads, whose law depends on the surface
     try:

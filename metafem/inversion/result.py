@@ -13,24 +13,19 @@ import numpy as np
 from metafem import drawing
 from metafem._validate import FloatArray, IntArray
 from metafem._values import Value, span
-from metafem.contact import Contact
 from metafem.drawing import TARGET
 from metafem.drawing.card import card
 from metafem.errors import refuse_if
-from metafem.inversion.assessment import (
-    DesignStatus,
-    largest_misfit,
-    misfit_text,
-)
-from metafem.inversion.candidate import Branch, Parameter
-from metafem.inversion.height_density import ExponentialDensity
+from metafem.inversion.candidate import Branch
+from metafem.inversion.density import ExponentialDensity
+from metafem.inversion.from_density import law_of
+from metafem.inversion.laws import Target
 from metafem.inversion.limits import Limits, Pinned
-from metafem.inversion.search.target_law import TargetLaw
-from metafem.inversion.strategies import exponential
-from metafem.inversion.strategies.mixture import Mixture
-from metafem.inversion.targets.target import Target
-from metafem.inversion.tools.ranges import PowerRange, RadiusRange
-from metafem.inversion.tools.tool import Tool
+from metafem.inversion.problem import Parameter
+from metafem.inversion.refinement import MISSED, REACHED
+from metafem.inversion.status import DesignStatus, misfit_text
+from metafem.inversion.target_law import TargetLaw
+from metafem.inversion.tools import PowerRange, RadiusRange, Tool
 from metafem.models.model import contact_of
 from metafem.notes import Note, late, printed_count
 from metafem.prediction import BranchFit, FrictionLaw
@@ -38,6 +33,9 @@ from metafem.surface import Surface
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+# Name of the misfit under the next better model in notes.
+DOUBT = "misfit under the next model"
 
 # A plot marks the loads of a target individually up to this number.
 MOST_MARKED = 10
@@ -164,7 +162,7 @@ class Design(Value):
         pinned = {"pinned": f"{len(self.pinned) - empty} with a given height, {empty} empty"}
         return {
             **{name: self._loads(loads) for name, loads in self.target.marked_loads.items()},
-            "status": self.status.value,
+            "status": self.verdict,
             "misfit": f"{misfit_text(self.misfit)}, {self.misfit_meaning}",
             "asperities": f"{surface.count:,} on {self.template.count:,} sites{empty_sites_words(self)}",
             "heights": span(surface.height, "mm"),
@@ -184,17 +182,13 @@ class Design(Value):
     @property
     def target_law(self) -> TargetLaw:
         """Reference law of `misfit`: the law of the height density if there is one, otherwise the target."""
-        if self.density is None:
-            return self.target.curve()
+        law = self.target.curve()
+        if law is not None:
+            return law
+        assert self.density is not None
         branches = tuple(branch for branch, _ in self.fits)
-        return exponential.law_of(
-            self.density, branches, Mixture.of(self.surface.radius, self._without_adhesion)
-        )
-
-    @property
-    def _without_adhesion(self) -> Contact:
-        """Law of one contact without adhesion, for the material of the surface."""
-        return contact_of(self.law.model).bound(self.surface).without_adhesion
+        radius = float(self.surface.cap.summit_radius(self.surface.radius)[0])
+        return law_of(self.density, branches, self.surface.count, radius)
 
     @cached_property
     def target_area(self) -> FloatArray:
@@ -204,7 +198,17 @@ class Design(Value):
     @property
     def largest_misfit(self) -> float:
         """Largest misfit [-] that counts as reached: 1 % plus the target's errors, or 10 % for a density."""
-        return largest_misfit(self.target_law, self.density is not None)
+        return MISSED if self.density is not None else REACHED + self.target_law.noise
+
+    @property
+    def verdict(self) -> str:
+        """Status in one line, or what outweighs it: another model misses the target, or the base touches."""
+        first = self.notes[0] if self.notes else None
+        if first is not None and first.quantity == DOUBT:
+            return first.text
+        if self.status is DesignStatus.MISSED and self.misfit <= self.largest_misfit:
+            return "missed: the base plane would touch at loads of the target"
+        return self.status.value
 
     @property
     def misfit_meaning(self) -> str:
@@ -256,7 +260,7 @@ def draw_laws(design: Design, ax: Axes, label: str = "achieved") -> None:
     design.law.plot(ax, label=label)
     if design.density is None:
         law = design.target_law
-        draw_target(design, ax, law.load, law.law(design.target_area) if law.is_open else law.base)
+        draw_target(design, ax, law.load, law.law(design.target_area) if law.is_open else law.middle)
     else:
         _draw_density(design, ax)
     for branch, _ in design.fits:
@@ -270,8 +274,8 @@ def draw_target(design: Design, ax: Axes, load: FloatArray, friction: FloatArray
     `load` and `friction`, (k,), are the values of `design.target_law` in any units.
     """
     law = design.target_law
-    if law.ends is not None:
-        lowest, highest = (friction / law.base * end for end in law.ends)
+    if law.is_band:
+        lowest, highest = (friction / law.middle * end for end in (law.lower, law.upper))
         ax.plot(
             load, lowest, "--", marker="." if few(law) else "", color=TARGET, label="target: between these"
         )
@@ -291,7 +295,7 @@ def draw_target(design: Design, ax: Axes, load: FloatArray, friction: FloatArray
 def _draw_density(design: Design, ax: Axes) -> None:
     """Draw the law of the height density, and straight lines with the target slopes next to its branches."""
     law, words = design.target_law, "law of the height density"
-    ax.plot(law.load, law.base, color="black", ls=(0, (2, 3)), lw=1.0, label=words)
+    ax.plot(law.load, law.middle, color="black", ls=(0, (2, 3)), lw=1.0, label=words)
     for i, (branch, fit) in enumerate(design.fits):
         load = np.array(branch.load_range)
         middle = fit.intercept + fit.slope * load.mean()

@@ -4,7 +4,7 @@ import numpy as np
 
 import metafem as mf
 from metafem.inversion.adjustment.refinement import shift
-from metafem.inversion.assessment import EXACT
+from metafem.inversion.refinement import EXACT
 from metafem.inversion.candidate import Candidate
 from metafem.inversion.problem import Problem
 from metafem.inversion.search.target_law import TargetLaw
