@@ -27,6 +27,7 @@ from metafem.errors import InvalidInput
 from metafem.inversion.problem import NONE, Asperities, Problem
 from metafem.inversion.target_law import LateResidual, TargetLaw
 from metafem.models import Sensitivity
+from metafem.models.independent import load_equation
 from metafem.models.model import has_paraboloids
 from metafem.progress import each
 
@@ -164,9 +165,8 @@ def _with_base(
     def whole() -> FloatArray:
         stiffness = np.zeros(len(height))
         if weight:
-            at = contacts(problem.tools.law, found.indentation[-1], summits)
-            stiffness = np.where(found.indentation[-1] > 0.0, at.stiffness, 0.0)
-            stiffness /= stiffness.sum()
+            stiffness = _rates(problem, found.indentation[-1:], summits)[1][0]
+            stiffness = stiffness / stiffness.sum()
         return np.vstack([jacobian(), -weight / top * stiffness])
 
     return np.append(r, weight * missing), whole
@@ -330,36 +330,34 @@ def exchanges(at: Asperities, problem: Problem, law: TargetLaw) -> Iterator[Aspe
     that of its own load. The heights then reduce the residual as in an undamped step.
     """
     tools, some = problem.tools, at.sites
-    which, height = at.tool[some], at.height[some]
+    which, every = at.tool[some], np.repeat(np.arange(len(tools)), len(some))
     try:
-        found = problem.independent.sensitivity_of(height, tools.summits[which], law.load)
-        depth = found.indentation
-        other = [_rates(problem, depth, tools.summits[t]) for t in range(len(tools))]
-    except InvalidInput:
+        found = problem.independent.sensitivity_of(at.height[some], tools.summits[which], law.load)
+        load, _, area, _ = _rates(problem, np.tile(found.indentation, len(tools)), tools.summits[every])
+    except InvalidInput:  # beyond the range of a contact law
         return
-    own = _rates(problem, depth, tools.summits[which])
-    slope = own[3].sum(axis=1) / own[1].sum(axis=1)
+    own_load, stiffness, own_area, growth = _rates(problem, found.indentation, tools.summits[which])
+    slope = growth.sum(axis=1) / stiffness.sum(axis=1)
     r, jacobian = law.residual(found.curve.area, lambda: found.gradient)
-    q, _ = np.linalg.qr(jacobian()[:, (found.gradient != 0.0).any(axis=0)])
     scale = np.sqrt(law.weight) / law.law(found.curve.area)
-    predicted = np.empty((len(tools), len(some)))
-    for t, part in enumerate(other):
-        change = part[2] - own[2] - slope[:, None] * (part[0] - own[0])
-        total = r[:, None] + scale[:, None] * change
-        total -= q @ (q.T @ total)
-        predicted[t] = (total**2).sum(axis=0)
-    predicted[which, np.arange(len(some))] = np.inf
-    for flat in np.argsort(predicted, axis=None)[:TRIED_EXCHANGES]:
-        t, i = np.unravel_index(flat, predicted.shape)
+    change = (area - np.tile(own_area, len(tools))) - slope[:, None] * (load - np.tile(own_load, len(tools)))
+    total = r[:, None] + scale[:, None] * change
+    q, _ = np.linalg.qr(jacobian()[:, (found.gradient != 0.0).any(axis=0)])
+    total -= q @ (q.T @ total)
+    predicted = (total**2).sum(axis=0)
+    predicted[every == np.tile(which, len(tools))] = np.inf
+    for row in np.argsort(predicted, kind="stable")[:TRIED_EXCHANGES].tolist():
         tool = at.tool.copy()
-        tool[some[i]] = t
+        tool[some[row % len(some)]] = every[row]
         yield Asperities(at.height, tool)
 
 
 def _rates(problem: Problem, depth: FloatArray, summits: Any) -> tuple[FloatArray, ...]:
     """Return loads [mm^2], dP/dd [mm], areas [mm^2] and dA/dd [mm] of contacts (k, n); 0 if open."""
     law = problem.tools.law
-    at = contacts(law, depth, np.broadcast_to(summits, depth.shape))
-    growth = law.area_slope(at.contact_radius, np.broadcast_to(summits, depth.shape))
-    closed = depth > 0.0
+    if not law.adhesive:
+        return load_equation(law).rates(depth, summits)
+    size, closed = np.broadcast_to(summits, depth.shape), depth > 0.0
+    at = contacts(law, depth, size)
+    growth = law.area_slope(at.contact_radius, size)
     return tuple(np.where(closed, part, 0.0) for part in (at.load, at.stiffness, at.area, growth))
