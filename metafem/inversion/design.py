@@ -138,7 +138,7 @@ def design(
         find = from_density if problem.law is None else inverted
         candidate = find(problem, generator)
     candidate = refined(problem, candidate, generator)
-    candidate = on_steps(problem, candidate)
+    candidate = on_steps(problem, candidate, generator)
     return assessed(problem, candidate)
 
 

@@ -60,8 +60,9 @@ ADDING, REMOVING, MOST_ADDED, ANYWHERE = 0.5, 0.3, 5, 0.3
 # asperities and loads, so many that all of them together evaluate this number of contacts.
 PATIENCE, LEAST_PATIENCE, GAIN, CONTACTS = 40, 4, 0.05, 2_000_000
 
-# Restarts agree if two of them end within this factor, and the largest number of restarts.
-AGREE, MOST_RESTARTS = 1.2, 4
+# Restarts agree if this number of them end within this factor of the best; the largest number of restarts, and
+# the number of random changes from the best asperities to a new start.
+AGREEING, AGREE, MOST_RESTARTS, FAR = 3, 1.1, 8, 5
 
 # Number of exchanges of tools that are tried by descents, those with the least predicted misfit.
 TRIED_EXCHANGES = 6
@@ -251,15 +252,23 @@ def search(
     patience = min(patience, max(LEAST_PATIENCE, int(CONTACTS / HERTZ.steps / contacts_of_one)))
     ends: list[float] = []
     for restart in range(MOST_RESTARTS if patience else 0):
-        if best.misfit <= goal:
+        if best.misfit <= goal or sum(end <= AGREE * best.misfit for end in ends) >= AGREEING:
             break
-        start = found[restart] if restart < len(found) else best
+        start = found[restart] if restart < len(found) else _far(residual, best, problem, goal, rng)
         one = _changed(residual, start, problem, goal, rng, law, patience)
-        if any(abs(np.log(one.misfit / end)) < np.log(AGREE) for end in ends):
-            break
         best = min(best, one, key=lambda each: each.misfit)
         ends.append(one.misfit)
     return best
+
+
+def _far(
+    residual: Residual, best: Found, problem: Problem, goal: float, rng: np.random.Generator
+) -> Found:
+    """Return the result of a descent from asperities far from the best ones."""
+    at = best.asperities
+    for _ in range(FAR):
+        at = changed(at, problem, rng)
+    return descend(residual, at, problem, goal)
 
 
 def _changed(

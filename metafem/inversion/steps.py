@@ -29,16 +29,23 @@ PAIRED, EVALUATED = 64, 24
 # largest number of repetitions.
 MOST_STEPPED, REPETITIONS = 512, 60
 
+# Misfit at which a search over steps ends, number of random changes of a few asperities that are tried above
+# it, under a model with interaction, largest number of asperities of one, and probability that one is removed.
+STEP_GOAL, KICKS, KICKS_MODEL, MOST_KICKED, REMOVED = 1e-3, 20, 3, 3, 0.3
+
 # If the misfit is the largest difference, the sum of this power of the differences is minimised. For a
 # hundred differences, the corresponding root of the sum is at most 1.8 times the largest difference.
 LARGEST_POWER = 8
+
+# Number of spare asperities that may be added.
+SPARE = 3
 
 # Largest number of levels to which an asperity is added, evenly spaced, and depth of an absent asperity below
 # the lowest level over the span of the heights.
 ADDED_TO, ABSENT = 60, 100.0
 
 
-def on_steps(problem: Problem, candidate: Candidate) -> Candidate:
+def on_steps(problem: Problem, candidate: Candidate, rng: np.random.Generator) -> Candidate:
     """Return the candidate with heights on the steps of the limits, if the limits have a height step.
 
     Prescribed heights stay as they are.
@@ -46,7 +53,7 @@ def on_steps(problem: Problem, candidate: Candidate) -> Candidate:
     if problem.limits.height_step is None or (candidate.stepped and not problem.model.couples):
         return candidate
     search = _Steps(problem, candidate)
-    at = search.asperities(search.best())
+    at = search.asperities(search.best(rng))
     free = np.setdiff1d(at.sites, list(problem.held))
     levels, counts = np.unique(at.height[free], return_counts=True)
     steps: dict[str, Parameter] = {"step_levels": levels, "step_counts": counts.astype(np.int64)}
@@ -56,22 +63,22 @@ def on_steps(problem: Problem, candidate: Candidate) -> Candidate:
 
 @dataclass(frozen=True, eq=False)
 class _Steps:
-    """Search over the level indices of the asperities, and of one spare asperity; -1 is an absent one."""
+    """Search over the level indices of the asperities, and of spare ones; -1 is an absent one."""
 
     problem: Problem
     candidate: Candidate
 
     @cached_property
     def sites(self) -> IntArray:
-        """Sites of the asperities and of a spare one, increasing."""
+        """Sites of the asperities and of the spare ones, increasing."""
         on = self.candidate.asperities.sites
         vacant = np.setdiff1d(self.problem.open, on)
         ignores = getattr(self.problem.model.gradient_model, "ignores_open", True)
-        return np.sort(np.append(on, vacant[:1])) if ignores else on
+        return np.sort(np.append(on, vacant[:SPARE])) if ignores else on
 
     @cached_property
     def whole(self) -> Asperities:
-        """The asperities with the spare one, which has the tool of the lowest."""
+        """The asperities with the spare ones, which have the tool of the lowest."""
         at = self.candidate.asperities
         tool, on = at.tool.copy(), at.sites
         spare = np.setdiff1d(self.sites, on)
@@ -123,16 +130,29 @@ class _Steps:
         power = LARGEST_POWER // 2 if self.candidate.law.pointwise else 1
         return np.asarray((squared**power).sum(axis=-1))
 
-    def best(self) -> IntArray:
+    def best(self, rng: np.random.Generator) -> IntArray:
         """Return the level indices (n,) with the smallest sum that was found."""
         levels, at = self.levels[:-1], self.candidate.asperities
         step = float(levels[1] - levels[0]) if len(levels) > 1 else 1.0
         exact = (self.whole.height[self.sites] - levels[0]) / step
         trials = np.array([np.clip(np.rint(exact + shift), 0, len(levels) - 1) for shift in SHIFTS])
-        trials = np.where(at.exists[self.sites], trials, NONE).astype(np.int64)
-        index, residual = self._least(trials)
-        changes = REPETITIONS if len(self.sites) <= MOST_STEPPED else 0
-        for _ in each("change of steps", range(1 if self.problem.draft else changes), at_most=True):
+        index, residual = self._least(np.where(at.exists[self.sites], trials, NONE).astype(np.int64))
+        if len(self.sites) > MOST_STEPPED:
+            return index
+        index, residual = self._descended(index, residual)
+        kicks = 0 if self.problem.draft else KICKS_MODEL if self.problem.model.couples else KICKS
+        for _ in each("random change", range(kicks), at_most=True):
+            if self.total(residual) <= self.total(np.full_like(residual, STEP_GOAL)):
+                break
+            kicked = self._kicked(index, rng)
+            found = self._descended(kicked, self.residuals(kicked[None])[0])
+            if self.total(found[1]) < self.total(residual):
+                index, residual = found
+        return index
+
+    def _descended(self, index: IntArray, residual: FloatArray) -> tuple[IntArray, FloatArray]:
+        """Return level indices (n,) after changes that lower the sum, and their residual (k,)."""
+        for _ in each("change of steps", range(1 if self.problem.draft else REPETITIONS), at_most=True):
             trials = self._predicted(index, residual)
             if not len(trials):
                 break
@@ -140,7 +160,19 @@ class _Steps:
             if not self.total(new_residual) < self.total(residual):
                 break
             index, residual = new, new_residual
-        return index
+        return index, residual
+
+    def _kicked(self, index: IntArray, rng: np.random.Generator) -> IntArray:
+        """Return level indices (n,) of which a few asperities have others, near those of an asperity."""
+        free = np.flatnonzero(~self.held)
+        which = rng.choice(free, min(len(free), int(rng.integers(1, MOST_KICKED + 1))), replace=False)
+        near = rng.choice(index[index != NONE], len(which)) + rng.integers(-2, 3, len(which))
+        kicked = index.copy()
+        kicked[which] = np.clip(near, 0, len(self.levels) - 2)
+        gone = which[rng.random(len(which)) < REMOVED]
+        if (kicked != NONE).sum() > len(gone):
+            kicked[gone] = NONE
+        return kicked
 
     def _least(self, trials: IntArray) -> tuple[IntArray, FloatArray]:
         """Return the trial with the smallest sum, (n,), and its residual (k,)."""
