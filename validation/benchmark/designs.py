@@ -97,7 +97,7 @@ def any_law(number: int) -> Scene:
 def unseen(number: int) -> Scene:
     """Return the law of a surface of one of nine kinds."""
     kind, rng = UNSEEN[number % len(UNSEEN)], np.random.default_rng([41, number])
-    count = int(rng.integers(5, 201) if kind == "5 to 200" else rng.integers(9, 65))
+    count = round(np.exp(rng.uniform(*np.log([5, 200 if kind == "5 to 200" else 64]))))
     depth = rng.exponential(0.02, count) if rng.random() < 0.5 else rng.uniform(0.0, 0.08, count)
     if kind == "clusters":
         depth = rng.choice(rng.uniform(0.0, 0.08, int(rng.integers(2, 5))), count) + rng.normal(
@@ -183,7 +183,7 @@ def on_steps(number: int) -> Scene:
 def two_summits(number: int) -> Scene:
     """Return a law of two contacts, and after a wide step of more, with similar or unlike tools."""
     rng, limits = np.random.default_rng([4, number]), mf.Limits(0.12, offset=0.06)
-    tools = ([0.2, 0.4, 0.8], [0.48, 0.5, 0.526, 0.55])[number % 2]
+    tools = ([0.2, 0.4, 0.8], [0.48, 0.5, 0.526, 0.55], [0.2, 0.6, 2.0])[number % 3]
     step = rng.uniform(0.02, 0.05)
     depth = np.concatenate(
         [[0.0, rng.uniform(0.0, 2e-3)], step + np.minimum(rng.exponential(0.02, 14), 0.06)]
