@@ -64,8 +64,9 @@ PATIENCE, LEAST_PATIENCE, GAIN, CONTACTS = 40, 4, 0.05, 2_000_000
 # the number of random changes from the best asperities to a new start.
 AGREEING, AGREE, MOST_RESTARTS, FAR = 3, 1.1, 8, 5
 
-# Number of exchanges of tools that are tried by descents, those with the least predicted misfit.
-TRIED_EXCHANGES = 6
+# Number of exchanges of one tool that are combined to exchanges of two, and number of exchanges that are tried
+# by descents, each with the least predicted misfits.
+PAIRED, TRIED_EXCHANGES = 300, 12
 
 
 @dataclass(frozen=True)
@@ -333,7 +334,7 @@ def changed(at: Asperities, problem: Problem, rng: np.random.Generator) -> Asper
 
 
 def exchanges(at: Asperities, problem: Problem, law: TargetLaw) -> Iterator[Asperities]:
-    """Yield asperities of which one has another tool, for the least predicted misfits of independent ones.
+    """Yield asperities of which one or two have another tool, for the least predicted misfits of independent ones.
 
     To first order, another tool changes A0 at a fixed load by the change of its own area, less dA0/dP times
     that of its own load. The heights then reduce the residual as in an undamped step.
@@ -350,14 +351,22 @@ def exchanges(at: Asperities, problem: Problem, law: TargetLaw) -> Iterator[Aspe
     r, jacobian = law.residual(found.curve.area, lambda: found.gradient)
     scale = np.sqrt(law.weight) / law.law(found.curve.area)
     change = (area - np.tile(own_area, len(tools))) - slope[:, None] * (load - np.tile(own_load, len(tools)))
-    total = r[:, None] + scale[:, None] * change
-    q, _ = np.linalg.qr(jacobian()[:, (found.gradient != 0.0).any(axis=0)])
-    total -= q @ (q.T @ total)
-    predicted = (total**2).sum(axis=0)
-    predicted[every == np.tile(which, len(tools))] = np.inf
-    for row in np.argsort(predicted, kind="stable")[:TRIED_EXCHANGES].tolist():
+    # without what the heights can change, and in an orthonormal basis of the rest
+    q, _ = np.linalg.qr(jacobian()[:, (found.gradient != 0.0).any(axis=0)], mode="complete")
+    rest = q[:, int((found.gradient != 0.0).any(axis=0).sum()) :].T
+    r, change = rest @ r, rest @ (scale[:, None] * change)
+    single = ((r[:, None] + change) ** 2).sum(axis=0)
+    single[every == np.tile(which, len(tools))] = np.inf
+    row = np.argsort(single, kind="stable")[:PAIRED]
+    row = row[np.isfinite(single[row])]
+    both = single[row][:, None] + single[row] - r @ r + 2.0 * change[:, row].T @ change[:, row]
+    both[(row % len(some))[:, None] == row % len(some)] = np.inf
+    both[np.tri(len(row), dtype=bool)] = np.inf
+    np.fill_diagonal(both, single[row])
+    for flat in np.argsort(both, axis=None, kind="stable")[:TRIED_EXCHANGES].tolist():
         tool = at.tool.copy()
-        tool[some[row % len(some)]] = every[row]
+        for one in row[list(divmod(flat, len(row)))].tolist():
+            tool[some[one % len(some)]] = every[one]
         yield Asperities(at.height, tool)
 
 
