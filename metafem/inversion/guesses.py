@@ -133,11 +133,9 @@ def of_several_tools(
             height = -rng.uniform(0.0, min(DEEP * float(depth[0]), problem.limits.span), number)
             yield placed(problem, height, rng.integers(len(tools), size=number), rng)
     if tools.same_shape:  # radii that increase or decrease with the depth
-        for ramp in (
-            np.linspace(0.0, len(tools) - 1.0, len(load)),
-            np.linspace(len(tools) - 1.0, 0.0, len(load)),
-        ):
-            which = ramp.round().astype(np.int64)
+        order = np.argsort([tool.radius for tool in tools.all], kind="stable")
+        ramp = order[np.linspace(0.0, len(tools) - 1.0, len(load)).round().astype(np.int64)]
+        for which in (ramp, ramp[::-1]):
             height, sample = in_order(tools.law, load, friction, tools.summits[which], count)
             yield placed(problem, height, which[sample], rng)
     yield from by_least_squares(problem, load, friction, rng)

@@ -262,9 +262,7 @@ def search(
     return best
 
 
-def _far(
-    residual: Residual, best: Found, problem: Problem, goal: float, rng: np.random.Generator
-) -> Found:
+def _far(residual: Residual, best: Found, problem: Problem, goal: float, rng: np.random.Generator) -> Found:
     """Return the result of a descent from asperities far from the best ones."""
     at = best.asperities
     for _ in range(FAR):

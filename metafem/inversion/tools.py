@@ -325,7 +325,8 @@ def _listed(given: Given | None, template: Surface) -> list[Tool]:
                 raise InvalidInput(words, key=f"tools[{i}]", value=shown(value))
             value = Tool(check.number(f"tools[{i}]", value, above=0.0), _common_cap(template))
         found.append(value)
-    return sorted(dict.fromkeys(found), key=lambda tool: tool.radius)
+    different = list(dict.fromkeys(found))
+    return different if isinstance(values[0], Tool) else sorted(different, key=lambda tool: tool.radius)
 
 
 def _common_cap(template: Surface) -> Cap:
