@@ -30,7 +30,7 @@ from metafem.progress import doing
 if TYPE_CHECKING:
     from metafem.files.part.plan import Part
     from metafem.inversion import Design
-    from metafem.inversion.candidate import Branch
+    from metafem.inversion.problem import Branch
     from metafem.notes import Note
     from metafem.prediction import BranchFit
 

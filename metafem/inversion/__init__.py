@@ -9,9 +9,8 @@ from metafem.inversion.infeasible import (
 from metafem.inversion.laws import Band, OperatingPoints, PowerLaw, SampledLaw, Target
 from metafem.inversion.limits import Limits
 from metafem.inversion.lines import BilinearLaw, LinearLaw, MultilinearLaw
-from metafem.inversion.result import Design
+from metafem.inversion.result import Design, DesignStatus
 from metafem.inversion.sites import arrange
-from metafem.inversion.status import DesignStatus
 from metafem.inversion.tools import PowerRange, RadiusRange, Tool
 
 __all__ = [

@@ -15,15 +15,14 @@ from metafem._values import percent
 from metafem.caps import Power
 from metafem.contact import Contact
 from metafem.errors import Infeasible, refuse_if
-from metafem.inversion.candidate import Branch, Candidate
+from metafem.inversion.bounds import ROUNDING
 from metafem.inversion.from_density import from_density
 from metafem.inversion.infeasible import achievable_friction_coefficients, nearest_law, prove, remedies
 from metafem.inversion.laws import Target
 from metafem.inversion.limits import Limits
-from metafem.inversion.problem import Parameter, Problem, misfit
+from metafem.inversion.problem import Branch, Candidate, Parameter, Problem, misfit
 from metafem.inversion.refinement import EXACT, GOAL, MISSED, REACHED, inverted, refined, unmet
-from metafem.inversion.result import DOUBT, Design
-from metafem.inversion.status import DesignStatus, misfit_text
+from metafem.inversion.result import DOUBT, Design, DesignStatus, misfit_text
 from metafem.inversion.steps import on_steps
 from metafem.inversion.target_law import TargetLaw
 from metafem.inversion.tools import Given, PowerRange
@@ -133,7 +132,7 @@ def design(
     try:
         prove(problem)
     except Infeasible as reason:
-        raise Infeasible(f"{reason}{remedies(problem, _meets)}", reason.nearest) from None
+        raise _with_hints(problem, reason) from None
     with doing("inverting the law"):
         find = from_density if problem.law is None else inverted
         candidate = find(problem, generator)
@@ -142,10 +141,32 @@ def design(
     return assessed(problem, candidate)
 
 
+def _with_hints(problem: Problem, reason: Infeasible) -> Infeasible:
+    """Return the refusal of a target with remedies, and with a nearest target that a design meets."""
+    line, nearest = problem.target, reason.nearest
+    words = f"{reason}{remedies(problem, _meets)}"
+    if line.lines:
+        given = problem.template, problem.limits, problem.tools.argument, problem.uncoupled.contact
+        try:
+            ends = achievable_load_range(line, *given)
+        except Infeasible:
+            return Infeasible(words)
+        inside = line.wording.inside(*ends)
+        return Infeasible(f"{words}; the line is reached from {inside}", replace(line, load_range=ends))
+    if nearest is not None and not _meets(replace(problem, target=nearest)):
+        law, found = problem.law, inverted(problem, np.random.default_rng(0))
+        area = problem.uncoupled.curve(problem.surface(found.asperities), law.load).area
+        nearest = line.near(law.load, area)
+    return Infeasible(words, nearest)
+
+
 def _meets(problem: Problem) -> bool:
     """Return whether independent asperities of a problem that was changed by a hint meet its target."""
+    if problem.bounds.convex and nearest_law(problem.law, problem.bounds)[0] > REACHED:
+        return False
     found = inverted(problem, np.random.default_rng(0))
-    return misfit(problem, found.asperities, problem.law) <= (EXACT if problem.target.exact else REACHED)
+    size = misfit(problem, found.asperities, problem.law, problem.uncoupled)
+    return size <= (EXACT if problem.target.exact else REACHED)
 
 
 @doing("computing the law of the heights")
@@ -235,10 +256,11 @@ def _status(problem: Problem, candidate: Candidate, misfit: float, touching: boo
 def _refuse_missed(problem: Problem, law: TargetLaw, area: FloatArray, misfit: float) -> None:
     """Raise Infeasible for points, samples outside the bounds, or a band, that the law misses.
 
-    Heights on steps are only missed: a finer step may meet the target.
+    Heights on steps, and other heights beside given ones, are only missed.
     """
     target = problem.target
-    if misfit <= REACHED + law.noise or not target.refused or problem.limits.height_step is not None:
+    free = problem.limits.height_step is None and not problem.held
+    if misfit <= REACHED + law.noise or not target.refused or not free:
         return
     if target.exact:
         raise unmet(problem, area)
@@ -324,6 +346,16 @@ def design_notes(problem: Problem, candidate: Candidate, found: Design) -> tuple
         notes.append(Note(text, quantity=LOW, value=low, bound=0.0, remedies=("offset",)))
     if found.misfit > REACHED:
         notes += _missed(problem, candidate, found)
+    if found.misfit > REACHED and problem.held:
+        many = (
+            "the height of 1 site is"
+            if len(problem.held) == 1
+            else f"the heights of {len(problem.held)} sites are"
+        )
+        words = f"{many} given, and the misfit is {misfit_text(found.misfit)}: give other heights, or fewer of them"
+        notes.append(Note(words, quantity="misfit", value=found.misfit, bound=REACHED, remedies=("pinned",)))
+    if problem.target.refused and not problem.target.exact and not candidate.law.is_band:
+        notes += _outside(problem, candidate.law)
     return tuple(dict.fromkeys((*notes, *found.law.notes)))
 
 
@@ -351,6 +383,23 @@ def _doubt(problem: Problem, candidate: Candidate, found: Design) -> list[Note]:
     where = "on the block" if on_block else "with interaction"
     text = f"met under {model.name} asperities; {where} {percent(abs(difference[i]), '.2g')} off at {load}"
     return [Note(text, quantity=DOUBT, value=size, bound=found.largest_misfit, remedies=("model",))]
+
+
+def _outside(problem: Problem, law: TargetLaw) -> list[Note]:
+    """Return a note on samples that no surface meets."""
+    distance, friction = nearest_law(law, problem.bounds, problem.margin)
+    if distance <= ROUNDING:
+        return []
+    difference = np.abs(friction / law.lower - 1.0)
+    most = int(difference.argmax())
+    many = f"{int((difference > ROUNDING).sum())} of {len(difference)}"
+    return [
+        information(
+            f"no surface meets all samples: {many} differ from the nearest law within the bounds, by up to "
+            f"{percent(float(difference[most]))} (sample {most + 1}); the design has the least rms difference "
+            "that was found"
+        )
+    ]
 
 
 def _missed(problem: Problem, candidate: Candidate, found: Design) -> list[Note]:
@@ -444,7 +493,7 @@ def achievable_load_range(
                 part = 0.5 * (inside + outside)
                 ends = centre * (first / centre) ** part, centre * (last / centre) ** part
                 trial = replace(problem, target=replace(line, load_range=ends))
-                reached = nearest_law(trial.law, trial.bounds)[0] <= REACHED and _meets(trial)
+                reached = _meets(trial)
                 inside, outside = (part, outside) if reached else (inside, part)
                 if reached and ends[1] / ends[0] > widest:
                     best, widest = ends, ends[1] / ends[0]

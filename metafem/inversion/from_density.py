@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from metafem.errors import Infeasible
-from metafem.inversion.candidate import Branch, Candidate
 from metafem.inversion.density import (
     FINEST_SCALE_IN_SD,
     Crossing,
@@ -20,7 +19,7 @@ from metafem.inversion.density import (
     uniform_slope,
 )
 from metafem.inversion.guesses import placed
-from metafem.inversion.problem import Parameter, Problem, misfit
+from metafem.inversion.problem import Branch, Candidate, Parameter, Problem, misfit
 from metafem.inversion.target_law import TargetLaw
 from metafem.notes import Note
 

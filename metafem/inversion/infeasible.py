@@ -40,13 +40,14 @@ FURTHEST, BEYOND = 30.0, (1.02, 1.1, 1.3, 1.7)
 BISECTIONS = 12
 
 
-def nearest_law(law: TargetLaw, bounds: Bounds) -> tuple[float, FloatArray]:
-    """Return the least relative distance s [-] of a law within the bounds from a target, and that law (k,).
+def nearest_law(law: TargetLaw, bounds: Bounds, margin: float = 0.0) -> tuple[float, FloatArray]:
+    """Return the largest relative distance [-] of a target from the nearest law within the bounds, and that law.
 
-    The frictions F_k, the free parameters c and s solve the linear program: minimise s where
-    ``lower + free c - s w <= F <= upper + free c + s w``, F lies within the bounds, and F/p^b does not fall
-    with the least local exponent b. w is the target, or the middle of the bounds if it has free parameters.
-    A law without free parameters must also not rise faster than N asperities that all come into contact.
+    The frictions F_k, the free parameters c and the distances s_k solve the linear program: minimise the sum
+    of s where ``lower + free c - s w <= F <= upper + free c + s w``, F lies within the bounds, and F/p^b does
+    not fall with the least local exponent b. w is the target, or the middle of the bounds if it has free
+    parameters. Few s differ from 0, so that few points move. A law without free parameters must also not rise
+    faster than N asperities that all come into contact. All bounds are wider by a relative margin.
     """
     load, target = law.load, law.middle
     if not bounds.convex:
@@ -54,22 +55,19 @@ def nearest_law(law: TargetLaw, bounds: Bounds) -> tuple[float, FloatArray]:
     low, high = bounds.friction(load)
     w = np.sqrt(low * high) if law.is_open else target
     k, q = law.free.shape
-    one, free, s = np.eye(k), law.free / w[:, None], np.ones((k, 1))
+    one, free, nothing = np.eye(k), law.free / w[:, None], np.zeros((k - 1, k + q))
     power = w / load**bounds.least_exponent
-    rising = one[:-1] - one[1:] * (power[1:] / power[:-1])[:, None]
-    rows = np.block([
-        [one, -free, -s],
-        [-one, free, -s],
-        [rising, np.zeros((k - 1, q + 1))],
-    ])  # fmt: skip
+    rising = (1.0 - margin) * one[:-1] - one[1:] * (power[1:] / power[:-1])[:, None]
+    rows = np.block([[one, -free, -one], [-one, free, -one], [rising, nothing]])
     right = np.concatenate([law.upper / w, -law.lower / w, np.zeros(k - 1)])
-    limits = [*zip(low / w, high / w, strict=True), *[(None, None)] * q, (0.0, None)]
-    found = linprog(np.append(np.zeros(k + q), 1.0), rows, right, bounds=limits, method="highs")
+    ends = zip(low / w * (1.0 - margin), high / w * (1.0 + margin), strict=True)
+    limits = [*ends, *[(None, None)] * q, *[(0.0, None)] * k]
+    found = linprog(np.append(np.zeros(k + q), np.ones(k)), rows, right, bounds=limits, method="highs")
     if found.x is None:  # the bounds exclude each other by rounding
         return 0.0, target
-    distance, friction = float(found.x[-1]), found.x[:k] * w
+    distance, friction = float(found.x[-k:].max()), found.x[:k] * w
     if not law.is_open:
-        jump = bounds.highest_after(load, target if not law.is_band else friction)
+        jump = bounds.highest_after(load, friction if law.is_band else target) * (1.0 + margin)
         distance = max(distance, float((np.minimum(friction, law.lower) / jump).max()) - 1.0)
         friction = np.minimum(friction, jump)
     return distance, friction
@@ -81,16 +79,18 @@ def prove(problem: Problem) -> None:
     if law is None:
         return
     last, most = float(law.load[-1]), problem.bounds.largest_load(problem.limits)
-    if last > most * (1.0 + problem.margin):
+    if last > most and last > most * (1.0 + problem.margin):
         raise Infeasible(
-            f"load {wording.loads(last)} is beyond {wording.loads(most)}, at which the plane reaches the base "
-            f"plane with {problem.count} summits of the largest height; raise max_height or offset, or use "
-            "more asperities"
+            f"load {wording.loads(last)} is beyond {wording.loads(most)}, at which the plane reaches the "
+            f"base plane with {problem.count} summits of the largest height; raise max_height or offset, or "
+            "use more asperities"
         )
-    distance, friction = nearest_law(law, problem.bounds)
-    if distance <= ROUNDING or law.noise or distance <= problem.margin + ROUNDING:
+    if law.noise or nearest_law(law, problem.bounds)[0] <= ROUNDING:
         return
     margin = problem.margin
+    distance, friction = nearest_law(law, problem.bounds, margin)
+    if distance <= ROUNDING:
+        return
     extra = f" (the model's interaction leaves a margin of {percent(margin)})" if margin else ""
     scope = f"for any surface of at most {problem.count} asperities of {problem.tools}{extra}"
     words = _broken(law, friction, problem.bounds, problem.target.wording)

@@ -1,11 +1,11 @@
-"""Definition of an inversion problem: checked arguments with defaults, and asperities on its sites."""
+"""An inversion problem: checked arguments with defaults, asperities on its sites, and candidates for it."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -15,15 +15,20 @@ from numpy.typing import NDArray
 from metafem import _validate as check
 from metafem._validate import FloatArray, IntArray
 from metafem.inversion.bounds import Bounds
+from metafem.inversion.density import ExponentialDensity
 from metafem.inversion.laws import Target
 from metafem.inversion.limits import Limits, pinned_heights
 from metafem.inversion.target_law import TargetLaw
 from metafem.inversion.tools import Given, Tools, default_contact, refuse_misfits
 from metafem.models import Independent, Model
 from metafem.models.model import contact_of
+from metafem.notes import Note
 from metafem.surface import Surface
 
 Parameter = float | int | FloatArray | IntArray
+
+# Number of loads at which the slope of a straight branch is fitted.
+BRANCH_POINTS = 76
 
 # The interaction margin is computed at these fractions of the last load of the target.
 MARGIN_LOADS = np.array([0.25, 0.5, 1.0])
@@ -73,6 +78,50 @@ class Asperities:
         every = self.height.copy()
         every[self.sites] = height
         return Asperities(every, self.tool)
+
+
+@dataclass(frozen=True)
+class Branch:
+    """A straight branch of the target: slope [-] and intercept [mm^2] over a range of rescaled loads.
+
+    The intercept is None if the target leaves it free.
+    """
+
+    slope: float
+    load_range: tuple[float, float]
+    intercept: float | None = None
+
+    @property
+    def load(self) -> FloatArray:
+        """Rescaled loads at which the slope is fitted, (76,) [mm^2]."""
+        return np.linspace(*self.load_range, BRANCH_POINTS)
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """Asperities, the law of the target or of a height density, and data for the design.
+
+    - `parameters`: quantities of the design that hold for these asperities alone, such as levels.
+    - `found`: quantities that were found on the way.
+    - `stepped`: whether the heights are on the levels of the limits.
+    - `refined`: whether the heights were changed under the model.
+    - `unrounded` [-]: misfit before the heights were rounded to steps.
+    """
+
+    asperities: Asperities
+    law: TargetLaw
+    parameters: Mapping[str, Parameter] = field(default_factory=dict)
+    found: Mapping[str, Parameter] = field(default_factory=dict)
+    branches: tuple[Branch, ...] = ()
+    density: ExponentialDensity | None = None
+    notes: tuple[Note, ...] = ()
+    stepped: bool = False
+    refined: bool = False
+    unrounded: float | None = None
+
+    def with_asperities(self, at: Asperities) -> Candidate:
+        """Return the candidate with other asperities, without the parameters of the former ones."""
+        return replace(self, asperities=at, parameters={})
 
 
 @dataclass(frozen=True, eq=False)

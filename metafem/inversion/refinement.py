@@ -8,10 +8,9 @@ import numpy as np
 
 from metafem._values import percent
 from metafem.errors import Infeasible, NotConverged
-from metafem.inversion.candidate import Branch, Candidate
 from metafem.inversion.guesses import frictions, of_one_tool, of_several_tools, placed
 from metafem.inversion.levels import LEVEL_DROP, Level, levels_through
-from metafem.inversion.problem import Asperities, Parameter, Problem, misfit
+from metafem.inversion.problem import Asperities, Branch, Candidate, Parameter, Problem, misfit
 from metafem.inversion.search import (
     GOAL,
     NEAR,

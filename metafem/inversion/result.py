@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
+from enum import Enum
 from functools import cached_property, partial
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
@@ -12,18 +13,16 @@ import numpy as np
 
 from metafem import drawing
 from metafem._validate import FloatArray, IntArray
-from metafem._values import Value, span
+from metafem._values import Value, percent, span
 from metafem.drawing import TARGET
 from metafem.drawing.card import card
 from metafem.errors import refuse_if
-from metafem.inversion.candidate import Branch
 from metafem.inversion.density import ExponentialDensity
 from metafem.inversion.from_density import law_of
 from metafem.inversion.laws import Target
 from metafem.inversion.limits import Limits, Pinned
-from metafem.inversion.problem import Parameter
-from metafem.inversion.refinement import MISSED, REACHED
-from metafem.inversion.status import DesignStatus, misfit_text
+from metafem.inversion.problem import Branch, Parameter
+from metafem.inversion.refinement import EXACT, MISSED, REACHED
 from metafem.inversion.target_law import TargetLaw
 from metafem.inversion.tools import PowerRange, RadiusRange, Tool
 from metafem.models.model import contact_of
@@ -37,8 +36,25 @@ if TYPE_CHECKING:
 # Name of the misfit under the next better model in notes.
 DOUBT = "misfit under the next model"
 
+# Number of digits that identify any double-precision number.
+MOST_DIGITS = 17
+
 # A plot marks the loads of a target individually up to this number.
 MOST_MARKED = 10
+
+
+class DesignStatus(Enum):
+    """Status of a design; the value is the message."""
+
+    EXACT = "exact: the law meets the target to 1e-9"
+    REACHED = "reached: the law meets the target within 1 %"
+    WITHIN_ERRORS = "reached: the law meets the samples within 1 % and their stated errors"
+    REFINED = "refined: the heights were adjusted until the law met the target within 1 %"
+    APPROXIMATE = "approximate: the heights follow a density whose law has the target's slopes at large loads"
+    MISSED = (
+        "missed: the misfit is above 1 % (and the errors of the samples), or above 10 % for the heights of a "
+        "density, or the base plane would touch"
+    )
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -318,3 +334,19 @@ def empty_sites_words(design: Design) -> str:
     if filled == design.template.count or unknown:
         return ""
     return "; one more asperity in contact would exceed the target"
+
+
+def misfit_text(misfit: float, digits: int = 2) -> str:
+    """Return a misfit in percent, or a statement that it is within the tolerance of exact designs.
+
+    The text has enough digits to show on which side of a limit the misfit lies: 1.003 % is not "1 %".
+    """
+    if misfit <= EXACT:
+        return "below 1e-9"
+    enough = (n for n in range(digits, MOST_DIGITS) if _above(float(f"{misfit:.{n}g}")) == _above(misfit))
+    return percent(misfit, f".{next(enough, digits)}g")
+
+
+def _above(misfit: float) -> list[bool]:
+    """Return whether a misfit exceeds `REACHED`, and whether it exceeds `MISSED`."""
+    return [misfit > limit for limit in (REACHED, MISSED)]

@@ -17,12 +17,10 @@ import numpy as np
 from metafem import _validate as check
 from metafem._validate import FloatArray, IntArray
 from metafem._values import percent
-from metafem.inversion.candidate import Candidate
 from metafem.inversion.design import assessed
-from metafem.inversion.problem import NONE, Asperities, Problem
+from metafem.inversion.problem import NONE, Asperities, Candidate, Problem
 from metafem.inversion.refinement import refined
-from metafem.inversion.result import DOUBT, Design
-from metafem.inversion.status import DesignStatus
+from metafem.inversion.result import DOUBT, Design, DesignStatus
 from metafem.models.model import contact_of
 from metafem.notes import information
 from metafem.progress import doing, each

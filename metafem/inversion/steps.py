@@ -13,8 +13,7 @@ from functools import cached_property
 import numpy as np
 
 from metafem._validate import FloatArray, IntArray
-from metafem.inversion.candidate import Candidate
-from metafem.inversion.problem import NONE, Asperities, Parameter, Problem, misfit
+from metafem.inversion.problem import NONE, Asperities, Candidate, Parameter, Problem, misfit
 from metafem.progress import each
 from metafem.surface import Surface
 

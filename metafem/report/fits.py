@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from metafem._values import percent
 from metafem.inversion import Design
-from metafem.inversion.candidate import Branch
+from metafem.inversion.problem import Branch
 from metafem.prediction import BranchFit
 
 

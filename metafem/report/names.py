@@ -13,7 +13,7 @@ from metafem._values import percent
 from metafem.contact import JKR, Contact, Hertz, JacksonGreen, KogutEtsion
 from metafem.errors import MetafemWarning
 from metafem.inversion import Design, plasticity_index
-from metafem.inversion.status import misfit_text
+from metafem.inversion.result import misfit_text
 from metafem.inversion.infeasible import ELASTIC_LIMIT, INDEX
 from metafem.models import Model
 from metafem.models.curve import ModelError
