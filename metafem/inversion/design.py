@@ -493,7 +493,7 @@ def achievable_load_range(
                 part = 0.5 * (inside + outside)
                 ends = centre * (first / centre) ** part, centre * (last / centre) ** part
                 trial = replace(problem, target=replace(line, load_range=ends))
-                reached = _meets(trial)
+                reached = nearest_law(trial.law, trial.bounds)[0] <= ROUNDING and _meets(trial)
                 inside, outside = (part, outside) if reached else (inside, part)
                 if reached and ends[1] / ends[0] > widest:
                     best, widest = ends, ends[1] / ends[0]

@@ -78,11 +78,10 @@ def placed(
     height = np.maximum(highest + height - height.max(), problem.foot)
     left = np.ones(len(height), dtype=bool)
     for site, given in problem.held.items():
-        nearest = int(np.where(left, np.abs(height - given), np.inf).argmin())
+        distance = np.abs(height - given)
+        nearest = int(np.where(left, distance, np.inf).argmin() if left.any() else distance.argmin())
         every[site], which[site] = given, tool[nearest]
         left[nearest] = False
-        if not left.any():
-            break
     # the order of the sites depends on the template alone, so that a site that becomes empty moves no other
     order = rng.permutation(problem.template.count)
     free = order[np.isin(order, np.setdiff1d(problem.open, list(problem.held)))]

@@ -29,6 +29,9 @@ from metafem.surface import Surface
 # Plasticity index below which contacts are mostly elastic, according to Greenwood and Williamson.
 ELASTIC_LIMIT = 0.6
 
+# A nearest law is inside its bounds by this part of its distance from the target.
+INSIDE = 1e-3
+
 # Its name in notes and figures.
 INDEX = "plasticity index"
 
@@ -94,7 +97,8 @@ def prove(problem: Problem) -> None:
     extra = f" (the model's interaction leaves a margin of {percent(margin)})" if margin else ""
     scope = f"for any surface of at most {problem.count} asperities of {problem.tools}{extra}"
     words = _broken(law, friction, problem.bounds, problem.target.wording)
-    raise Infeasible(f"{words}, {scope}", problem.target.near(law.load, friction))
+    inside = friction if law.is_open else friction + INSIDE * (friction - law.law(friction))
+    raise Infeasible(f"{words}, {scope}", problem.target.near(law.load, inside))
 
 
 def _broken(law: TargetLaw, friction: FloatArray, bounds: Bounds, wording: Wording) -> str:

@@ -9,9 +9,11 @@ import numpy as np
 from metafem._values import percent
 from metafem.errors import Infeasible, NotConverged
 from metafem.inversion.guesses import frictions, of_one_tool, of_several_tools, placed
+from metafem.inversion.infeasible import nearest_law
 from metafem.inversion.levels import LEVEL_DROP, Level, levels_through
 from metafem.inversion.problem import Asperities, Branch, Candidate, Parameter, Problem, misfit
 from metafem.inversion.search import (
+    AGREEING,
     GOAL,
     NEAR,
     NEARLY,
@@ -93,10 +95,17 @@ def inverted(problem: Problem, rng: np.random.Generator) -> Candidate:
         )
         for slope, ends in problem.target.branches
     )
-    at = _nearest(problem, law, rng).asperities
-    if not problem.held:  # a common shift changes no law; the highest asperities leave the most clearance
-        at = at.with_heights(at.height[at.sites] + problem.limits.top - at.height[at.sites].max())
-    return Candidate(at, law, branches=branches)
+    return Candidate(_raised(problem, _nearest(problem, law, rng).asperities), law, branches=branches)
+
+
+def _raised(problem: Problem, at: Asperities) -> Asperities:
+    """Return the asperities raised together to the largest height, where the base is farthest from the plane.
+
+    A common shift changes no law, except that of a model that includes the compliance of the caps.
+    """
+    if problem.held:
+        return at
+    return at.with_heights(at.height[at.sites] + problem.limits.top - at.height[at.sites].max())
 
 
 def _nearest(problem: Problem, law: TargetLaw, rng: np.random.Generator) -> Found:
@@ -106,11 +115,15 @@ def _nearest(problem: Problem, law: TargetLaw, rng: np.random.Generator) -> Foun
     guesses, goal = frictions(sought, problem.bounds), NEARLY if exact else GOAL
     best: Found | None = None
     residual, several = independent_residual(problem, sought), len(problem.tools) > 1
+    # no surface meets a target outside the bounds, and one restart tells how near surfaces come
+    outside = nearest_law(sought, problem.bounds)[0] > goal
+    agreeing, most = (1, PATIENCE // 2) if outside else (AGREEING, PATIENCE)
     for tool in problem.tools.tried.tolist():
         starts = (
             start for friction in guesses for start in of_one_tool(problem, sought.load, friction, tool, rng)
         )
-        one = search(residual, starts, problem, goal, rng, patience=0 if several else patience(problem))
+        tries = 0 if several else patience(problem, most)
+        one = search(residual, starts, problem, goal, rng, patience=tries, agreeing=agreeing)
         best = one if best is None or one.misfit < best.misfit else best
         if best.misfit <= goal:
             break
@@ -119,7 +132,7 @@ def _nearest(problem: Problem, law: TargetLaw, rng: np.random.Generator) -> Foun
         starts = [best.asperities]
         for friction in guesses:
             starts += of_several_tools(problem, sought.load, friction, rng)
-        mixed = search(residual, starts, problem, goal, rng, sought, patience(problem))
+        mixed = search(residual, starts, problem, goal, rng, sought, patience(problem, most), agreeing)
         best = min(best, _with_fewer_tools(problem, residual, mixed, goal), key=lambda one: one.misfit)
     return _to_rounding(problem, residual, best, rng) if exact else best
 
@@ -188,7 +201,7 @@ def refined(problem: Problem, candidate: Candidate, rng: np.random.Generator) ->
     if not changes and before <= MISSED:
         return candidate
     with doing("refining the heights under the model"):
-        found = _refined(problem, candidate, before, rng)
+        found = _raised(problem, _refined(problem, candidate, before, rng))
     if found is candidate.asperities or misfit(problem, found, candidate.law) >= before:
         return candidate
     start = candidate.asperities

@@ -237,11 +237,12 @@ def search(
     rng: np.random.Generator,
     law: TargetLaw | None = None,
     patience: int = PATIENCE,
+    agreeing: int = AGREEING,
 ) -> Found:
     """Return the best asperities of descents from initial guesses, exchanges of tools and random changes.
 
-    The search ends at the goal, or when restarts agree. law: that of independent asperities, by which
-    exchanges of tools are predicted; without it the tools are fixed.
+    The search ends at the goal, or when a number of restarts agree. law: that of independent asperities, by
+    which exchanges of tools are predicted; without it the tools are fixed.
     """
     found: list[Found] = []
     for start in starts:
@@ -253,7 +254,7 @@ def search(
     patience = min(patience, max(LEAST_PATIENCE, int(CONTACTS / HERTZ.steps / contacts_of_one)))
     ends: list[float] = []
     for restart in range(MOST_RESTARTS if patience else 0):
-        if best.misfit <= goal or sum(end <= AGREE * best.misfit for end in ends) >= AGREEING:
+        if best.misfit <= goal or sum(end <= AGREE * best.misfit for end in ends) >= agreeing:
             break
         start = found[restart] if restart < len(found) else _far(residual, best, problem, goal, rng)
         one = _changed(residual, start, problem, goal, rng, law, patience)
