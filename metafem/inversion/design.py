@@ -153,10 +153,11 @@ def _with_hints(problem: Problem, reason: Infeasible) -> Infeasible:
             return Infeasible(words)
         inside = line.wording.inside(*ends)
         return Infeasible(f"{words}; the line is reached from {inside}", replace(line, load_range=ends))
-    if nearest is not None and not _meets(replace(problem, target=nearest)):
+    if nearest is None or not _meets(replace(problem, target=nearest)):
         law, found = problem.law, inverted(problem, np.random.default_rng(0))
-        area = problem.uncoupled.curve(problem.surface(found.asperities), law.load).area
-        nearest = line.near(law.load, area)
+        nearest = line.near(
+            law.load, problem.uncoupled.curve(problem.surface(found.asperities), law.load).area
+        )
     return Infeasible(words, nearest)
 
 
