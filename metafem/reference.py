@@ -5,7 +5,7 @@
   load P/P_c and area A/A_c are relative to those of a Hertz contact at first yield. The displacement of a
   layer is computed by quadrature of its Hankel integral.
 - Equations S3 to S8 as printed by Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234. For
-  small arguments they lose digits by cancellation; `metafem.inversion.height_density` evaluates them without.
+  small arguments they lose digits by cancellation; `metafem.inversion.density` evaluates them without.
 """
 
 from __future__ import annotations

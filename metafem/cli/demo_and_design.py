@@ -30,7 +30,7 @@ from metafem.progress import doing
 if TYPE_CHECKING:
     from metafem.files.part.plan import Part
     from metafem.inversion import Design
-    from metafem.inversion.candidate import Branch
+    from metafem.inversion.problem import Branch
     from metafem.notes import Note
     from metafem.prediction import BranchFit
 
@@ -182,7 +182,7 @@ def _print_design(result: Design, folder: Path, notes: tuple[Note, ...]) -> None
 
 def _fit_data(result: Design, branch: Branch, fit: BranchFit) -> dict[str, float | None]:
     """Return target and fitted slope of a branch, and friction coefficients if the surface has a Friction."""
-    from metafem.inversion.targets.wording import Wording
+    from metafem.inversion.wording import Wording
 
     data: dict[str, float | None] = {
         "target": branch.slope,

@@ -14,9 +14,8 @@ from metafem.explorer.session import State
 from metafem.explorer.text.fields import shown
 from metafem.explorer.text.names import on_page
 from metafem.files import Specification, parsed, planned, section_forms, toml_table
-from metafem.inversion import Design, OperatingPoints, SampledLaw
-from metafem.inversion.targets.target import Target
-from metafem.inversion.targets.wording import Wording
+from metafem.inversion import Design, OperatingPoints, SampledLaw, Target
+from metafem.inversion.wording import Wording
 from metafem.models import Independent, Model
 from metafem.models.model import contact_of
 from metafem.surface import Surface
@@ -254,12 +253,9 @@ def _law_of(
     If the target has open parameters or no load range, the law of its design is returned, or None if there is
     no such design.
     """
-    try:
-        law = target.curve()
-        if not law.is_open:
-            return law.load, law.base
-    except InvalidInput:
-        pass  # a target without a range of loads, whose law depends on the surface
+    law = target.curve()  # None without a range of loads, where the law depends on the surface
+    if law is not None and not law.is_open:
+        return law.load, law.middle
     try:
         found = _designed(replace(specification, target=target), draft).law
     except MetafemError:

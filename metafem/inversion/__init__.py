@@ -1,23 +1,17 @@
 """Design of asperity heights that produce a target friction law."""
 
-from metafem.inversion.assessment import DesignStatus
-from metafem.inversion.design import design
-from metafem.inversion.feasibility import (
+from metafem.inversion.design import achievable_load_range, design
+from metafem.inversion.infeasible import (
     achievable_friction_coefficients,
     feasible_region,
     plasticity_index,
 )
+from metafem.inversion.laws import Band, OperatingPoints, PowerLaw, SampledLaw, Target
 from metafem.inversion.limits import Limits
-from metafem.inversion.result import Design
+from metafem.inversion.lines import BilinearLaw, LinearLaw, MultilinearLaw
+from metafem.inversion.result import Design, DesignStatus
 from metafem.inversion.sites import arrange
-from metafem.inversion.strategies.proportional import achievable_load_range
-from metafem.inversion.targets.band import Band
-from metafem.inversion.targets.laws import OperatingPoints, PowerLaw, SampledLaw
-from metafem.inversion.targets.multilinear import MultilinearLaw
-from metafem.inversion.targets.straight import BilinearLaw, LinearLaw
-from metafem.inversion.targets.target import Target
-from metafem.inversion.tools.ranges import PowerRange, RadiusRange
-from metafem.inversion.tools.tool import Tool
+from metafem.inversion.tools import PowerRange, RadiusRange, Tool
 
 __all__ = [
     "Band",

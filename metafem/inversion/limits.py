@@ -5,15 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
-from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
 from metafem import _validate as check
 from metafem._given import Given, shown
-from metafem._validate import FloatArray, IntArray
+from metafem._validate import FloatArray
 from metafem.errors import InvalidInput, refuse_if
 from metafem.surface import Surface
 
@@ -99,69 +97,25 @@ class Limits:
         return self.offset + self.min_height
 
 
-@dataclass(frozen=True, eq=False)
-class Pins:
-    """A template, and its sites that must be empty or have a prescribed height.
-
-    An inversion uses only the sites that may have an asperity, and numbers them anew: `open` (m,) holds
-    their numbers in the template. The sites ``open[rows]`` have the prescribed heights `heights` (k,) [mm].
-    """
-
-    template: Surface
-    pinned: Pinned
-
-    @classmethod
-    def given(cls, template: Surface, limits: Limits) -> Pins:
-        """Return the pins of the limits, or raise InvalidInput if they do not match the template."""
-        pinned: Any = limits.pinned
-        words = "a mapping of site numbers to heights [mm] or None, for example {9: 0.15, 3: None}"
-        check.instance("pinned", pinned, Mapping, words)
-        found: dict[int, float | None] = {}
-        last = template.count - 1
-        for site, height in pinned.items():
-            name = f"pinned[{shown(site)}]"
-            whole = isinstance(site, (int, np.integer)) and not isinstance(site, (bool, np.timedelta64))
-            known = whole and 0 <= site <= last
-            refuse_if(not known, f"{name} is not a site: the template has the sites 0 to {last}")
-            found[int(site)] = None if height is None else _checked_height(name, height, limits)
-            flat = height is not None and found[int(site)] == 0.0 and template.block is not None
-            refuse_if(flat, f"{name} = 0 is no summit of a part; write None for an empty site")
-        pins = cls(template, MappingProxyType(dict(sorted(found.items()))))
-        words = f"pinned leaves all {template.count} sites empty; leave out at least one site"
-        refuse_if(not pins.open.size, words)
-        return pins
-
-    @cached_property
-    def open(self) -> IntArray:
-        """Sites of the template that may have an asperity, increasing, (m,)."""
-        empty = [site for site, height in self.pinned.items() if height is None]
-        return np.setdiff1d(np.arange(self.template.count), np.array(empty, dtype=np.int64))
-
-    @cached_property
-    def rows(self) -> IntArray:
-        """Indices in `open` of the sites with prescribed heights, increasing, (k,)."""
-        sites = [site for site, height in self.pinned.items() if height is not None]
-        return np.searchsorted(self.open, np.array(sites, dtype=np.int64))
-
-    @cached_property
-    def heights(self) -> FloatArray:
-        """Prescribed heights above the base plane at the sites `rows`, (k,) [mm]."""
-        return np.array([height for height in self.pinned.values() if height is not None], dtype=np.float64)
-
-    def placed(self, permutation: IntArray) -> IntArray:
-        """Return a permutation of all template sites without the empty sites, as indices in `open`, (m,)."""
-        number = np.full(self.template.count, -1)
-        number[self.open] = np.arange(len(self.open))
-        found = number[permutation]
-        return np.asarray(found[found >= 0])
-
-    @cached_property
-    def reduced(self) -> Surface:
-        """The template without the empty sites."""
-        template, some = self.template, self.open
-        if len(some) == template.count:
-            return template
-        return template.only(some)
+def pinned_heights(template: Surface, limits: Limits) -> dict[int, float | None]:
+    """Return the prescribed heights by site [mm], increasing, or raise InvalidInput if they do not match."""
+    pinned: Any = limits.pinned
+    words = "a mapping of site numbers to heights [mm] or None, for example {9: 0.15, 3: None}"
+    check.instance("pinned", pinned, Mapping, words)
+    found: dict[int, float | None] = {}
+    last = template.count - 1
+    for site, height in pinned.items():
+        name = f"pinned[{shown(site)}]"
+        whole = isinstance(site, (int, np.integer)) and not isinstance(site, (bool, np.timedelta64))
+        known = whole and 0 <= site <= last
+        refuse_if(not known, f"{name} is not a site: the template has the sites 0 to {last}")
+        found[int(site)] = None if height is None else _checked_height(name, height, limits)
+        flat = height is not None and found[int(site)] == 0.0 and template.block is not None
+        refuse_if(flat, f"{name} = 0 is no summit of a part; write None for an empty site")
+    empty = sum(height is None for height in found.values())
+    words = f"pinned leaves all {template.count} sites empty; leave out at least one site"
+    refuse_if(empty == template.count, words)
+    return dict(sorted(found.items()))
 
 
 def _checked_height(name: str, height: Any, limits: Limits) -> float:

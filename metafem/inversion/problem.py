@@ -1,89 +1,46 @@
-"""Definition of an inversion problem: checked arguments, with defaults."""
+"""An inversion problem: checked arguments with defaults, asperities on its sites, and candidates for it."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from metafem import _validate as check
-from metafem.contact import Contact
+from metafem._validate import FloatArray, IntArray
 from metafem.inversion.bounds import Bounds
-from metafem.inversion.limits import Limits, Pins
-from metafem.inversion.search.levenberg_marquardt import DEFAULTS, OTHER_LAWS, SearchOptions
-from metafem.inversion.targets.target import Target
-from metafem.inversion.tools import kit
-from metafem.inversion.tools.kit import Choice, Given, Kit
-from metafem.inversion.tools.kit_bounds import KitBounds
-from metafem.inversion.tools.radii import Radii
-from metafem.inversion.tools.tool import Tool
+from metafem.inversion.density import ExponentialDensity
+from metafem.inversion.laws import Target
+from metafem.inversion.limits import Limits, pinned_heights
+from metafem.inversion.target_law import TargetLaw
+from metafem.inversion.tools import Given, Tools, default_contact, refuse_misfits
 from metafem.models import Independent, Model
-from metafem.models.model import contact_of, has_paraboloids
+from metafem.models.model import contact_of
+from metafem.notes import Note
 from metafem.surface import Surface
+
+Parameter = float | int | FloatArray | IntArray
+
+# Number of loads at which the slope of a straight branch is fitted.
+BRANCH_POINTS = 76
 
 # The interaction margin is computed at these fractions of the last load of the target.
 MARGIN_LOADS = np.array([0.25, 0.5, 1.0])
 
+# Smallest height of a summit of a part over the largest height: about the resolution of a machine.
+SMALLEST = 1e-3
 
-@dataclass(frozen=True)
-class Effort:
-    """Numbers of trials in the searches of a design; most trials are random changes."""
+# Tool index of a site without an asperity.
+NONE = -1
 
-    # Restarts for independent asperities, about 10 ms each. Most laws of real surfaces need few or none.
-    restarts: int = 30
-    # The same for adhesive asperities, about 30 ms each.
-    adhesive_restarts: int = 10
-    # Misfits at which the random search for operating points without levels ends. A descent to rounding
-    # follows. If it ends at a kink, the next misfit gives another initial guess.
-    free_goals: tuple[float, ...] = (1e-2, 1e-3, 1e-4, 1e-5, 1e-11)
-    # Maximum number of loads at which heights of independent asperities are sought. Initial guesses take
-    # .4 ms for each load.
-    searched_loads: int = 1_000_000
-    # Maximum number of initial guesses for operating points under another model.
-    refined_guesses: int = 4
-    # Maximum number of steps of a descent to rounding under another model.
-    refined_steps: int = DEFAULTS.most_exact_steps
-    # Restarts under another model, where a descent takes ten times as long as for independent asperities.
-    refined_restarts: int = 3
-    # Restarts for independent asperities whose target is divided by a ratio of laws, about 3 ms each.
-    ratio_restarts: int = 10
-    # Initial guesses for mixtures of tools of several shapes, about 10 ms each.
-    mixtures: int = 20
-    # Restarts for each trial of the load range of a line. Most ranges that are too wide use all restarts.
-    range_restarts: int = 4
-    # Random changes of the other heights if a design with prescribed heights misses the target, about 5 ms
-    # each.
-    pinned_changes: int = 8
-    # Maximum number of changes of heights on steps, and number of candidates evaluated for each change.
-    step_changes: int = 60
-    evaluated_steps: int = 24
-    # Number of loads of a design's law, and step between the loads at which the slopes of its branches are
-    # fitted. Under another model each load of 400 asperities takes a millisecond.
-    law_points: int = 100
-    branch_step: int = 1
-    # Maximum number of loads at which heights are refined under another model, unless they must meet points.
-    refined_loads: int = 1000
-    # Misfit at which the refinement under another model ends, if this is above its usual goal.
-    refined_goal: float = 0.0
-
-
-# Effort of a draft, which is shown while the user drags a handle; operating points that are dragged under a
-# model with interaction are met within 1 %.
-DRAFT = Effort(
-    restarts=2, adhesive_restarts=1, free_goals=(1e-2,), searched_loads=15, refined_guesses=1,
-    refined_steps=20, refined_restarts=0, ratio_restarts=2, mixtures=4, range_restarts=0, pinned_changes=1,
-    step_changes=1, evaluated_steps=6, law_points=25, branch_step=5, refined_loads=15, refined_goal=2e-3,
-)  # fmt: skip
-
-WHOLE = Effort()
-
-# Effort of designs in the current context.
-EFFORT: ContextVar[Effort] = ContextVar("effort", default=WHOLE)
+# Whether designs in the current context are drafts, which are shown while the user drags a point.
+_DRAFT: ContextVar[bool] = ContextVar("draft", default=False)
 
 
 @contextmanager
@@ -92,28 +49,92 @@ def drafting() -> Iterator[None]:
 
     If a draft raises Infeasible with `by_search` True, a full design may still reach the target.
     """
-    token = EFFORT.set(DRAFT)
+    token = _DRAFT.set(True)
     try:
         yield
     finally:
-        EFFORT.reset(token)
+        _DRAFT.reset(token)
+
+
+@dataclass(frozen=True, eq=False)
+class Asperities:
+    """Heights [mm] above the base plane on all sites, (N,), and the index of the tool of each, or `NONE`."""
+
+    height: FloatArray
+    tool: IntArray
+
+    @property
+    def exists(self) -> NDArray[np.bool_]:
+        """Whether there is an asperity at each site, (N,)."""
+        return np.asarray(self.tool != NONE)
+
+    @property
+    def sites(self) -> IntArray:
+        """Sites with an asperity, increasing, (n,)."""
+        return np.flatnonzero(self.tool != NONE)
+
+    def with_heights(self, height: FloatArray) -> Asperities:
+        """Return the asperities with other heights (n,) on the same sites."""
+        every = self.height.copy()
+        every[self.sites] = height
+        return Asperities(every, self.tool)
+
+
+@dataclass(frozen=True)
+class Branch:
+    """A straight branch of the target: slope [-] and intercept [mm^2] over a range of rescaled loads.
+
+    The intercept is None if the target leaves it free.
+    """
+
+    slope: float
+    load_range: tuple[float, float]
+    intercept: float | None = None
+
+    @property
+    def load(self) -> FloatArray:
+        """Rescaled loads at which the slope is fitted, (76,) [mm^2]."""
+        return np.linspace(*self.load_range, BRANCH_POINTS)
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """Asperities, the law of the target or of a height density, and data for the design.
+
+    - `parameters`: quantities of the design that hold for these asperities alone, such as levels.
+    - `found`: quantities that were found on the way.
+    - `stepped`: whether the heights are on the levels of the limits.
+    - `refined`: whether the heights were changed under the model.
+    - `unrounded` [-]: misfit before the heights were rounded to steps.
+    """
+
+    asperities: Asperities
+    law: TargetLaw
+    parameters: Mapping[str, Parameter] = field(default_factory=dict)
+    found: Mapping[str, Parameter] = field(default_factory=dict)
+    branches: tuple[Branch, ...] = ()
+    density: ExponentialDensity | None = None
+    notes: tuple[Note, ...] = ()
+    stepped: bool = False
+    refined: bool = False
+    unrounded: float | None = None
+
+    def with_asperities(self, at: Asperities) -> Candidate:
+        """Return the candidate with other asperities, without the parameters of the former ones."""
+        return replace(self, asperities=at, parameters={})
 
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """A target, and all constraints on the surface that must meet it.
-
-    The template contains only the sites that may have an asperity, in the order of `pins.open`.
-    """
+    """A target, and all constraints on the surface that must meet it."""
 
     target: Target
     template: Surface
-    tools: Choice
+    tools: Tools
     model: Model
     limits: Limits
-    pins: Pins
-    options: SearchOptions = DEFAULTS
-    effort: Effort = WHOLE
+    pinned: Mapping[int, float | None]
+    draft: bool = False
 
     @classmethod
     def checked(
@@ -132,47 +153,21 @@ class Problem:
         check.instance("target", target, Target, kinds)
         check.instance("template", template, Surface, "a metafem.Surface")
         bounds = Limits(max_height=float(template.height.max())) if limits is None else limits
-        choice, template = kit.chosen(tools, template)
-        solver: Model = Independent(kit.default_contact(tools)) if model is None else model
-        checks: tuple[tuple[str, Any, Any, str], ...] = (
-            ("model", solver, Model, "a model such as metafem.Independent()"),
-            ("limits", bounds, Limits, "metafem.Limits"),
-        )
-        for each in checks:
-            check.instance(*each)
-        pins = Pins.given(template, bounds)
-        template = pins.reduced
-        kit.refuse_misfits(choice, template, bounds.top, contact_of(solver))
-        options = DEFAULTS if has_paraboloids(solver) else OTHER_LAWS
+        solver: Any = Independent(default_contact(tools)) if model is None else model
+        check.instance("model", solver, Model, "a model such as metafem.Independent()")
+        check.instance("limits", bounds, Limits, "metafem.Limits")
+        pinned = pinned_heights(template, bounds)
+        choice = Tools.of(tools, template, contact_of(solver))
+        refuse_misfits(choice, template, bounds.top)
         # messages state loads in N and in mm^2
         any_kind: Any = target
         target = replace(any_kind, wording=target.wording.of_part(template.material))
-        return cls(target, template, choice, solver, bounds, pins, options, EFFORT.get())
+        return cls(target, template, choice, solver, bounds, pinned, _DRAFT.get())
 
     @cached_property
-    def _pressed(self) -> tuple[Contact, Any]:
-        return kit.pressed(self.tools, self.template, contact_of(self.model))
-
-    @property
-    def contact(self) -> Contact:
-        """Law of one contact of the tools, for the material of the template; see `pressed`."""
-        return self._pressed[0]
-
-    @property
-    def radii(self) -> Radii:
-        """The choice of radii, if all caps have the same shape."""
-        assert isinstance(self.tools, Radii)
-        return self.tools
-
-    @property
-    def tool_summits(self) -> Any:
-        """What the methods of `contact` take as `radius`, for each tool of a kit."""
-        return self._pressed[1]
-
-    def alone(self, tool: Tool) -> Problem:
-        """Return the problem in which all asperities are made by one tool."""
-        pins = replace(self.pins, template=tool.on(self.pins.template))
-        return replace(self, template=tool.on(self.template), pins=pins, tools=Radii.of(tool.radius))
+    def law(self) -> TargetLaw | None:
+        """Law of the target; None if that of a height density is sought."""
+        return self.target.curve()
 
     @cached_property
     def uncoupled(self) -> Independent:
@@ -181,40 +176,69 @@ class Problem:
 
     @cached_property
     def independent(self) -> Independent:
-        """Model of lists of heights: independent asperities with the law `contact`, not for surfaces."""
-        return Independent(contact=self.contact)
+        """Model of lists of heights: independent asperities with the law of the tools, not for surfaces."""
+        return Independent(contact=self.tools.law)
 
     @cached_property
     def bounds(self) -> Bounds:
         """Bounds on the friction of independent asperities up to the last load of the target."""
-        if isinstance(self.tools, Kit):
-            return KitBounds.of(tuple(self.alone(tool).bounds for tool in self.tools.tools), self.contact)
-        unlimited = Bounds(self.contact, self.tools, self.count, 0.0)
-        last = self.target.last_load or unlimited.largest_load(self.limits)
+        unlimited = Bounds(self.tools, self.count, 0.0)
+        last = unlimited.largest_load(self.limits) if self.law is None else float(self.law.load[-1])
         return replace(unlimited, last=last)
 
-    @property
-    def restarts(self) -> int:
-        """Number of restarts of a search for independent asperities."""
-        return self.effort.adhesive_restarts if self.contact.adhesive else self.effort.restarts
+    @cached_property
+    def open(self) -> IntArray:
+        """Sites that may have an asperity, increasing."""
+        empty = [site for site, height in self.pinned.items() if height is None]
+        return np.setdiff1d(np.arange(self.template.count), np.array(empty, dtype=np.int64))
+
+    @cached_property
+    def held(self) -> dict[int, float]:
+        """Prescribed heights above the base plane [mm], by site."""
+        return {site: height for site, height in self.pinned.items() if height is not None}
 
     @property
     def count(self) -> int:
-        """Number of sites N, which is the maximum number of asperities."""
-        return self.template.count
+        """Number of sites that may have an asperity."""
+        return len(self.open)
 
-    def interaction_margin(self) -> float:
-        """Return twice the largest relative change of A0 [-] that interaction causes for equal heights.
+    @property
+    def foot(self) -> float:
+        """Smallest height above the base plane [mm]; caps of a part need a height."""
+        if self.template.block is None:
+            return self.limits.foot
+        return max(self.limits.foot, SMALLEST * self.limits.top)
+
+    def alone(self, tool: int) -> Problem:
+        """Return the problem in which all asperities are made by one tool."""
+        return replace(self, tools=self.tools.only(tool))
+
+    def surface(self, at: Asperities) -> Surface:
+        """Return the surface of the existing asperities."""
+        some, which = at.sites, at.tool[at.sites]
+        radius, cap = self.tools.radius(which), self.tools.cap(which)
+        return self.template.only(some, height=at.height[some], radius=radius, cap=cap)
+
+    @cached_property
+    def margin(self) -> float:
+        """Twice the largest relative change of A0 [-] that interaction causes for equal heights.
 
         The change is evaluated at three loads up to the last load of the target. A target is refused only if
         it exceeds a bound for independent asperities by more than this margin.
         """
-        last = self.target.last_load
-        if not self.model.couples or self.count == 1 or last is None:
+        if not self.model.couples or self.law is None:
             return 0.0
-        if isinstance(self.tools, Kit):
-            return max(self.alone(tool).interaction_margin() for tool in self.tools.tools)
-        equal = self.template.replaced(height=np.zeros(self.count), radius=self.tools.high)
-        load = last * MARGIN_LOADS
-        change = self.model.curve(equal, load).area / self.uncoupled.curve(equal, load).area - 1.0
-        return 2.0 * float(np.abs(change).max())
+        load, most = float(self.law.load[-1]) * MARGIN_LOADS, 0.0
+        for tool in {0, len(self.tools) - 1}:
+            every = Asperities(np.zeros(self.template.count), np.full(self.template.count, NONE))
+            every.tool[self.open] = tool
+            equal = self.surface(every)
+            change = self.model.curve(equal, load).area / self.uncoupled.curve(equal, load).area - 1.0
+            most = max(most, 2.0 * float(np.abs(change).max()))
+        return most
+
+
+def misfit(problem: Problem, at: Asperities, law: TargetLaw, model: Any = None) -> float:
+    """Return the misfit [-] of asperities under a model; default: that of the problem."""
+    solver = problem.model if model is None else model
+    return law.misfit(solver.curve(problem.surface(at), law.load).checked().area)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
+from enum import Enum
 from functools import cached_property, partial
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
@@ -12,25 +13,18 @@ import numpy as np
 
 from metafem import drawing
 from metafem._validate import FloatArray, IntArray
-from metafem._values import Value, span
-from metafem.contact import Contact
+from metafem._values import Value, percent, span
 from metafem.drawing import TARGET
 from metafem.drawing.card import card
 from metafem.errors import refuse_if
-from metafem.inversion.assessment import (
-    DesignStatus,
-    largest_misfit,
-    misfit_text,
-)
-from metafem.inversion.candidate import Branch, Parameter
-from metafem.inversion.height_density import ExponentialDensity
+from metafem.inversion.density import ExponentialDensity
+from metafem.inversion.from_density import law_of
+from metafem.inversion.laws import Target
 from metafem.inversion.limits import Limits, Pinned
-from metafem.inversion.search.target_law import TargetLaw
-from metafem.inversion.strategies import exponential
-from metafem.inversion.strategies.mixture import Mixture
-from metafem.inversion.targets.target import Target
-from metafem.inversion.tools.ranges import PowerRange, RadiusRange
-from metafem.inversion.tools.tool import Tool
+from metafem.inversion.problem import Branch, Parameter
+from metafem.inversion.refinement import EXACT, MISSED, REACHED
+from metafem.inversion.target_law import TargetLaw
+from metafem.inversion.tools import PowerRange, RadiusRange, Tool
 from metafem.models.model import contact_of
 from metafem.notes import Note, late, printed_count
 from metafem.prediction import BranchFit, FrictionLaw
@@ -39,8 +33,28 @@ from metafem.surface import Surface
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+# Name of the misfit under the next better model in notes.
+DOUBT = "misfit under the next model"
+
+# Number of digits that identify any double-precision number.
+MOST_DIGITS = 17
+
 # A plot marks the loads of a target individually up to this number.
 MOST_MARKED = 10
+
+
+class DesignStatus(Enum):
+    """Status of a design; the value is the message."""
+
+    EXACT = "exact: the law meets the target to 1e-9"
+    REACHED = "reached: the law meets the target within 1 %"
+    WITHIN_ERRORS = "reached: the law meets the samples within 1 % and their stated errors"
+    REFINED = "refined: the heights were adjusted until the law met the target within 1 %"
+    APPROXIMATE = "approximate: the heights follow a density whose law has the target's slopes at large loads"
+    MISSED = (
+        "missed: the misfit is above 1 % (and the errors of the samples), or above 10 % for the heights of a "
+        "density, or the base plane would touch"
+    )
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -164,7 +178,7 @@ class Design(Value):
         pinned = {"pinned": f"{len(self.pinned) - empty} with a given height, {empty} empty"}
         return {
             **{name: self._loads(loads) for name, loads in self.target.marked_loads.items()},
-            "status": self.status.value,
+            "status": self.verdict,
             "misfit": f"{misfit_text(self.misfit)}, {self.misfit_meaning}",
             "asperities": f"{surface.count:,} on {self.template.count:,} sites{empty_sites_words(self)}",
             "heights": span(surface.height, "mm"),
@@ -184,17 +198,13 @@ class Design(Value):
     @property
     def target_law(self) -> TargetLaw:
         """Reference law of `misfit`: the law of the height density if there is one, otherwise the target."""
-        if self.density is None:
-            return self.target.curve()
+        law = self.target.curve()
+        if law is not None:
+            return law
+        assert self.density is not None
         branches = tuple(branch for branch, _ in self.fits)
-        return exponential.law_of(
-            self.density, branches, Mixture.of(self.surface.radius, self._without_adhesion)
-        )
-
-    @property
-    def _without_adhesion(self) -> Contact:
-        """Law of one contact without adhesion, for the material of the surface."""
-        return contact_of(self.law.model).bound(self.surface).without_adhesion
+        radius = float(self.surface.cap.summit_radius(self.surface.radius)[0])
+        return law_of(self.density, branches, self.surface.count, radius)
 
     @cached_property
     def target_area(self) -> FloatArray:
@@ -204,7 +214,17 @@ class Design(Value):
     @property
     def largest_misfit(self) -> float:
         """Largest misfit [-] that counts as reached: 1 % plus the target's errors, or 10 % for a density."""
-        return largest_misfit(self.target_law, self.density is not None)
+        return MISSED if self.density is not None else REACHED + self.target_law.noise
+
+    @property
+    def verdict(self) -> str:
+        """Status in one line, or what outweighs it: another model misses the target, or the base touches."""
+        first = self.notes[0] if self.notes else None
+        if first is not None and first.quantity == DOUBT:
+            return first.text
+        if self.status is DesignStatus.MISSED and self.misfit <= self.largest_misfit:
+            return "missed: the base plane would touch at loads of the target"
+        return self.status.value
 
     @property
     def misfit_meaning(self) -> str:
@@ -256,7 +276,7 @@ def draw_laws(design: Design, ax: Axes, label: str = "achieved") -> None:
     design.law.plot(ax, label=label)
     if design.density is None:
         law = design.target_law
-        draw_target(design, ax, law.load, law.law(design.target_area) if law.is_open else law.base)
+        draw_target(design, ax, law.load, law.law(design.target_area) if law.is_open else law.middle)
     else:
         _draw_density(design, ax)
     for branch, _ in design.fits:
@@ -270,8 +290,8 @@ def draw_target(design: Design, ax: Axes, load: FloatArray, friction: FloatArray
     `load` and `friction`, (k,), are the values of `design.target_law` in any units.
     """
     law = design.target_law
-    if law.ends is not None:
-        lowest, highest = (friction / law.base * end for end in law.ends)
+    if law.is_band:
+        lowest, highest = (friction / law.middle * end for end in (law.lower, law.upper))
         ax.plot(
             load, lowest, "--", marker="." if few(law) else "", color=TARGET, label="target: between these"
         )
@@ -291,7 +311,7 @@ def draw_target(design: Design, ax: Axes, load: FloatArray, friction: FloatArray
 def _draw_density(design: Design, ax: Axes) -> None:
     """Draw the law of the height density, and straight lines with the target slopes next to its branches."""
     law, words = design.target_law, "law of the height density"
-    ax.plot(law.load, law.base, color="black", ls=(0, (2, 3)), lw=1.0, label=words)
+    ax.plot(law.load, law.middle, color="black", ls=(0, (2, 3)), lw=1.0, label=words)
     for i, (branch, fit) in enumerate(design.fits):
         load = np.array(branch.load_range)
         middle = fit.intercept + fit.slope * load.mean()
@@ -314,3 +334,19 @@ def empty_sites_words(design: Design) -> str:
     if filled == design.template.count or unknown:
         return ""
     return "; one more asperity in contact would exceed the target"
+
+
+def misfit_text(misfit: float, digits: int = 2) -> str:
+    """Return a misfit in percent, or a statement that it is within the tolerance of exact designs.
+
+    The text has enough digits to show on which side of a limit the misfit lies: 1.003 % is not "1 %".
+    """
+    if misfit <= EXACT:
+        return "below 1e-9"
+    enough = (n for n in range(digits, MOST_DIGITS) if _above(float(f"{misfit:.{n}g}")) == _above(misfit))
+    return percent(misfit, f".{next(enough, digits)}g")
+
+
+def _above(misfit: float) -> list[bool]:
+    """Return whether a misfit exceeds `REACHED`, and whether it exceeds `MISSED`."""
+    return [misfit > limit for limit in (REACHED, MISSED)]

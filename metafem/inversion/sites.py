@@ -17,12 +17,12 @@ import numpy as np
 from metafem import _validate as check
 from metafem._validate import FloatArray, IntArray
 from metafem._values import percent
-from metafem.inversion.adjustment.refinement import refined
-from metafem.inversion.assessment import assess
-from metafem.inversion.design import candidate_of, problem_of
-from metafem.inversion.result import Design
+from metafem.inversion.design import assessed
+from metafem.inversion.problem import NONE, Asperities, Candidate, Problem
+from metafem.inversion.refinement import refined
+from metafem.inversion.result import DOUBT, Design, DesignStatus
 from metafem.models.model import contact_of
-from metafem.notes import information, when_read
+from metafem.notes import information
 from metafem.progress import doing, each
 from metafem.surface import STEEPEST, Surface
 
@@ -76,7 +76,7 @@ def arrange(design: Design, tilt: float, rng: Any = 0) -> Design:
     check.instance("design", design, Design, "a metafem.Design")
     angle = check.number("tilt", tilt, above=0.0, at_most=STEEPEST)
     design.surface.refuse_tilt()
-    generator, problem = check.generator(rng), problem_of(design)
+    generator = check.generator(rng)
     load = design.target_law.load
     some = np.unique(np.linspace(0, len(load) - 1, min(len(load), LOADS)).round().astype(np.int64))
     held = np.array([site for site, height in design.pinned.items() if height is not None])
@@ -86,19 +86,31 @@ def arrange(design: Design, tilt: float, rng: Any = 0) -> Design:
     found = search.best(first, generator)
     surface = found.surface
     rms = {"tilt_before": first.misfit, "tilt_after": found.misfit}
-    changed = replace(design, surface=surface, parameters={**design.parameters, **rms})
-    candidate = candidate_of(changed, problem)
+    problem = Problem.checked(
+        design.target, design.template, design.law.model, design.limits, tools=design.tools
+    )
+    candidate = _candidate(design, surface, problem, rms)
     if not (held.size or candidate.stepped):
         candidate = refined(problem, candidate, generator)
-        surface = candidate.surface(problem.template)
-    state = assess(problem, candidate, surface)
     words = f"a tilt of {math.degrees(angle):.3g} deg changes A0 by {percent(found.misfit)} (rms)"
     note = information(f"{words}; before heights were exchanged between sites it was {percent(first.misfit)}")
-    kept = [each for each in design.notes if each not in design.law.notes]
-    size = surface.count + len(state["law"].load)
-    notes = when_read(lambda: (*kept, *candidate.notes, note, *state["law"].notes), size=size)
-    sites = problem.pins.open[candidate.sites]
-    return replace(design, surface=surface, sites=sites, notes=notes, **state)
+    kept = tuple(each for each in design.notes if each not in design.law.notes and each.quantity != DOUBT)
+    new = tuple(each for each in candidate.notes if each not in kept)
+    return assessed(problem, replace(candidate, notes=(*kept, *new, note)))
+
+
+def _candidate(design: Design, surface: Surface, problem: Problem, rms: dict[str, float]) -> Candidate:
+    """Return the candidate with the heights of a surface on the sites of a design."""
+    made = {(tool.radius, tool.cap): i for i, tool in enumerate(problem.tools.all)}
+    height, tool = np.zeros(design.template.count), np.full(design.template.count, NONE)
+    height[design.sites] = surface.height
+    pairs = ((radius, surface.cap.one(i)) for i, radius in enumerate(surface.radius.tolist()))
+    tool[design.sites] = [made[pair] for pair in pairs]
+    return Candidate(
+        Asperities(height, tool), design.target_law, found={**design.parameters, **rms},
+        branches=tuple(branch for branch, _ in design.fits), density=design.density,
+        stepped=design.limits.height_step is not None, refined=design.status is DesignStatus.REFINED,
+    )  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)

@@ -33,16 +33,25 @@ def tables(law: Contact, radius: Any) -> Law:
     if law == PARABOLOID:
         return kernel.hertz_law(np.array(radius, dtype=np.float64, order="C"))
     mixed = isinstance(law, Elastic) and isinstance(law.cap, Caps)
-    size = np.array(radius["radius"] if mixed else radius, dtype=np.float64, order="C")
+    kept, kinds = (_kept, _kinds) if isinstance(law, Hashable) else (_kept.__wrapped__, _kinds.__wrapped__)
+    size, laws = np.array(radius["radius"] if mixed else radius, dtype=np.float64, order="C"), kinds(law)
+    if all(one.similar for one in laws):
+        which = np.array(radius["cap"], order="C") if mixed else np.zeros(size.shape, dtype=np.int64)
+        return Law(size, which, size, kept(tuple((one, 1.0) for one in laws)))
     which, keys = np.zeros(size.shape, dtype=np.int64), list[tuple[Contact, float]]()
-    laws: list[Contact] = [Elastic(cap) for cap in law.cap.kinds] if mixed else [law]  # type: ignore[attr-defined]
     for k, one in enumerate(laws):
         own = radius["cap"] == k if mixed else np.full(size.shape, True)
-        kinds, inverse = np.unique(size[own], return_inverse=True)
+        sizes, inverse = np.unique(size[own], return_inverse=True)
         which[own] = len(keys) + (0 if one.similar else inverse)
-        keys += [(one, 1.0)] if one.similar else [(one, float(kind)) for kind in kinds]
-    kept = _kept if isinstance(law, Hashable) else _kept.__wrapped__
+        keys += [(one, 1.0)] if one.similar else [(one, float(each)) for each in sizes]
     return Law(size, which, size, kept(tuple(keys)))
+
+
+@lru_cache(maxsize=64)
+def _kinds(law: Any) -> tuple[Contact, ...]:
+    """Return the law of each kind of cap."""
+    mixed = isinstance(law, Elastic) and isinstance(law.cap, Caps)
+    return tuple(Elastic(cap) for cap in law.cap.kinds) if mixed else (law,)
 
 
 def rows_of(law: Law, rows: int | slice) -> Law:

@@ -8,7 +8,7 @@ import numpy as np
 
 from metafem._validate import FloatArray
 from metafem.inversion import Design
-from metafem.inversion.assessment import misfits
+from metafem.inversion.design import misfits
 from metafem.models import Model
 from metafem.prediction import Tolerances
 from metafem.studies.sampling.points import unit_points

@@ -190,5 +190,5 @@ def _redesign_figure(ax):
         (redesigned("Fig. 3"), "designed for the block with pedestals", "-"),
     ):
         ax.plot(load, MODELS[WHOLE].curve(design.surface, load).area, style, label=label)
-    ax.plot(target.load, target.base, "o", ms=8, color=INKS["Fig. 3"], label="operating points")
+    ax.plot(target.load, target.middle, "o", ms=8, color=INKS["Fig. 3"], label="operating points")
     ax.set(xlabel="rescaled load  P/E* [mm²]", ylabel="rescaled friction  F/(σB) [mm²]")

@@ -7,7 +7,7 @@ import numpy as np
 import metafem as mf
 from metafem import reference
 from metafem.drawing import ACHIEVED, QUIET, TARGET
-from metafem.inversion.height_density import ExponentialDensity, slope_excess
+from metafem.inversion.density import ExponentialDensity, slope_excess
 from validation.check import Claim, Picture, near
 from validation.figures import panels
 from validation.paper.pictures import INKS

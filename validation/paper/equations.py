@@ -10,7 +10,7 @@ from scipy.special import gammainc
 import metafem as mf
 from metafem import reference
 from metafem.drawing import ACHIEVED, TARGET
-from metafem.inversion.height_density import ExponentialDensity
+from metafem.inversion.density import ExponentialDensity
 from validation.check import Check, Claim, Picture, below
 from validation.figures import panels
 from validation.methods.densities import mean_power

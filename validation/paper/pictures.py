@@ -63,7 +63,7 @@ def law_and_slopes(name: str, designs: Mapping[str, mf.Design]) -> tuple[Figure,
     right.plot(middle, np.diff(area) / np.diff(load), color=ACHIEVED, lw=0.8, label="64 asperities")
     target = design.target_law
     right.plot(
-        0.5 * (target.load[1:] + target.load[:-1]), np.diff(target.base) / np.diff(target.load),
+        0.5 * (target.load[1:] + target.load[:-1]), np.diff(target.middle) / np.diff(target.load),
         color="black", ls=(0, (2, 3)), lw=1.2, label="height density",
     )  # fmt: skip
     for i, (branch, fit) in enumerate(design.fits):

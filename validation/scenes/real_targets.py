@@ -9,7 +9,7 @@ import numpy as np
 import metafem as mf
 from metafem._validate import FloatArray
 from metafem.contact import Contact
-from metafem.inversion.targets.target import Target
+from metafem.inversion import Target
 from metafem.models import Model
 from validation.scenes.random_contacts import largest_load
 

@@ -13,7 +13,7 @@ from metafem.explorer.text.handles import added, scene_of
 from metafem.explorer.text.kinds import near_design
 from metafem.explorer.text.marks import members
 from metafem.inversion import OperatingPoints
-from metafem.inversion.targets.wording import listed
+from metafem.inversion.wording import listed
 
 # Largest number of nearest laws, each of the refusal of the one before, that are tried.
 MOST_STEPS = 3

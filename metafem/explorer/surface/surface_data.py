@@ -13,7 +13,7 @@ from metafem.explorer.answer import Answer
 from metafem.explorer.surface.cap_data import cap_data, kind_of_cap, mould_data
 from metafem.explorer.surface.sites_text import asked_sites
 from metafem.inversion import Design, DesignStatus
-from metafem.inversion.assessment import misfit_text
+from metafem.inversion.result import misfit_text
 from metafem.models.interacting.influence import nearest_distance
 
 # Decimals of heights [um] and positions [mm]. One unit of the last decimal is smaller than a pixel.

@@ -16,7 +16,7 @@ from metafem.explorer.text.handles import RESOLUTION
 from metafem.explorer.text.marks import NEWTON_KEYS, Numbers, Scene, members
 from metafem.files import Specification
 from metafem.inversion import Design, Limits, Target
-from metafem.inversion.targets.wording import RESCALED, Wording
+from metafem.inversion.wording import RESCALED, Wording
 
 # Rescaled friction at rescaled loads [mm^2].
 Law = Callable[[FloatArray], FloatArray]

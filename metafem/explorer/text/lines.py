@@ -163,7 +163,7 @@ class LineHandles(Scene):
         """
         law = self.target.curve()
         if not law.is_open:
-            return law.load, law.base
+            return law.load, law.middle
         achieved = self.achieved(law.load)
         return law.load, law.law(law.load * max(self.slopes) if achieved is None else achieved)
 

@@ -16,7 +16,7 @@ from metafem.explorer.text.document import Document
 from metafem.explorer.text.written import EXACT, between, rounded, stated
 from metafem.files import Specification
 from metafem.inversion import Design
-from metafem.inversion.targets.wording import Wording
+from metafem.inversion.wording import Wording
 
 # Keys of the members of a target that a text can also give as forces or friction coefficients.
 NEWTON_KEYS = {

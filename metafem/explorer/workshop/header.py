@@ -20,7 +20,7 @@ from metafem.explorer.workshop.loading import load
 from metafem.explorer.workshop.new_part import NewPart
 from metafem.files import DEMOS, MODELS, demo_text
 from metafem.inversion import Design, DesignStatus
-from metafem.inversion.assessment import misfit_text
+from metafem.inversion.result import misfit_text
 
 # What the mouse, touch and keys do.
 HELP = Path(__file__).with_name("help.html")

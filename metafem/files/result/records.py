@@ -19,14 +19,14 @@ from metafem._given import printable, shown
 from metafem._validate import plain
 from metafem.contact import TabulatedContact
 from metafem.errors import InvalidInput, refuse_if
-from metafem.inversion import candidate, height_density
-from metafem.inversion.targets import wording
+from metafem.inversion import density, problem
+from metafem.inversion import wording
 from metafem.models.curve import ModelError
 
 # Modules whose dataclasses and enums may occur in a record.
 MODULES = (
     *(surface, caps, contact, substrate, models, prediction, notes),
-    *(inversion, candidate, height_density, wording),
+    *(inversion, problem, density, wording),
 )
 TYPES: Mapping[str, type] = {
     name: kind

@@ -18,7 +18,7 @@ from metafem.files.specification.fields import Section, key, optional
 from metafem.files.specification.models import model_named
 from metafem.files.specification.targets import AnyTarget
 from metafem.inversion import Limits
-from metafem.inversion.tools.kit import Given, chosen, default_contact, refuse_misfits
+from metafem.inversion.tools import Given, Tools, default_contact, refuse_misfits
 from metafem.models._resources import require_memory
 from metafem.progress import message
 from metafem.surface import Block, Friction, Material, PeriodicCell, Surface
@@ -153,7 +153,7 @@ def _refuse_impossible(template: Surface, part: PartOptions) -> None:
 def _refuse_tools(tools: Given, template: Surface, limits: Limits, contact: Contact) -> None:
     """Raise InvalidInput for tools whose caps overlap or are not described by the contact law."""
     try:
-        refuse_misfits(*chosen(tools, template), limits.top, contact)
+        refuse_misfits(Tools.of(tools, template, contact), template, limits.top)
     except InvalidInput as error:
         raise InvalidInput(f"do not suit: {error}", key="tools") from None
 

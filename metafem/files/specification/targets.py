@@ -31,7 +31,7 @@ from metafem.inversion import (
     SampledLaw,
     Target,
 )
-from metafem.inversion.targets.wording import RESCALED, Wording
+from metafem.inversion.wording import RESCALED, Wording
 from metafem.surface import Friction, Material
 
 # Example in errors about a load, which may be a rescaled load or a force.

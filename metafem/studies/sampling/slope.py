@@ -10,7 +10,7 @@ import numpy as np
 from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.errors import refuse_if
-from metafem.inversion.assessment import REACHED
+from metafem.inversion.refinement import REACHED
 from metafem.models import Independent, Model
 from metafem.models.model import contact_of
 from metafem.notes import Note, information

@@ -30,6 +30,7 @@ def written(noise, stated, seed=1):
     Path("spec.toml").write_text(f"{head}[limits]\n{limits}{tail.partition('[layout]')[2]}")
 
 
+@pytest.mark.slow
 def test_a_measured_table_with_error_bars_is_designed_in_one_step(run):
     written(0.03, True)
     data = run("design", "spec.toml", "-o", "part", "--json").data
@@ -41,6 +42,7 @@ def test_a_measured_table_with_error_bars_is_designed_in_one_step(run):
     assert run("compare", "part", "measured.csv").told
 
 
+@pytest.mark.slow
 def test_a_refusal_writes_the_nearest_law_which_is_met(run):
     written(0.06, False)
     error = run("design", "spec.toml", "-o", "part", "--json").missed["error"]

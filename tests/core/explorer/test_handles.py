@@ -52,7 +52,7 @@ def test_a_handle_is_on_the_law_goes_where_it_is_moved_and_comes_back(name):
     before = tomllib.loads(text)
     for each in found:
         if law is not None and not opened:
-            assert each.friction == pytest.approx(np.interp(each.load, law.load, law.base), rel=0.01)
+            assert each.friction == pytest.approx(np.interp(each.load, law.load, law.middle), rel=0.01)
         load = each.load * (1.02 if "x" in each.moves else 1.0)
         friction = each.friction * (1.03 if "y" in each.moves else 1.0)
         new = moved(scene(name), each.id, load, friction, RESOLUTION)

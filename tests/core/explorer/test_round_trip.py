@@ -18,7 +18,7 @@ from tests.explorer.scenes import EDITS, TABLE, TABLES, on_page, shown, text_of
         ("line", "units"),
         ("bilinear", "kind"),
         ("power", "drag"),
-        ("multilinear", "section"),
+        pytest.param("multilinear", "section", marks=pytest.mark.slow),
     ],
 )
 def test_undo_gives_back_the_text_and_its_design(name, edit):

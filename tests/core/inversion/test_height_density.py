@@ -12,7 +12,7 @@ from scipy.integrate import quad
 import metafem as mf
 from metafem import reference as printed
 from metafem.contact.law import contacts
-from metafem.inversion.height_density import (
+from metafem.inversion.density import (
     ExponentialDensity,
     equal_masses,
     scale_from_slope,

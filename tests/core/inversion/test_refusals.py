@@ -7,8 +7,8 @@ import pytest
 
 import metafem as mf
 from metafem.inversion import achievable_load_range
-from metafem.inversion.height_density import ExponentialDensity
-from metafem.inversion.targets.wording import Wording
+from metafem.inversion.density import ExponentialDensity
+from metafem.inversion.wording import Wording
 from tests.refusals import faults
 
 PAIR = mf.Material(2.0), mf.Friction(0.5)

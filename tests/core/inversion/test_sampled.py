@@ -6,7 +6,7 @@ import pytest
 import metafem as mf
 from metafem.inversion import DesignStatus
 from metafem.inversion.bounds import Bounds
-from metafem.inversion.feasibility import nearest_within
+from metafem.inversion.infeasible import nearest_within
 from metafem.inversion.tools.radii import Radii
 from validation.scenes.random_laws import LATTICE, RADIUS, random_law
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.inversion.assessment import misfit_text
-from metafem.inversion.targets.wording import Wording
+from metafem.inversion.result import misfit_text
+from metafem.inversion.wording import Wording
 
 PAIR = mf.Material(1.36), mf.Friction(0.358, 0.85)
 PER_SLOPE = 0.358 * 0.85 / 1.36

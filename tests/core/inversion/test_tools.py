@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.inversion.height_density import ExponentialDensity
+from metafem.inversion.density import ExponentialDensity
 from metafem.inversion.search.asperities import OfExponents, OfRadii
 from metafem.inversion.search.mixed_tools import grouped
 from metafem.inversion.search.target_law import TargetLaw

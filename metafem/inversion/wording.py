@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
 
 from numpy.typing import ArrayLike
 
@@ -51,6 +50,10 @@ class Wording:
         check.instance("material", material, Material, "a metafem.Material")
         check.instance("friction", friction, Friction, "a metafem.Friction")
         return cls(material.composite_modulus, friction.stress)
+
+    def of_part(self, material: Material) -> Wording:
+        """Return the wording that states loads both in mm^2 and in newtons, for a part made of a material."""
+        return replace(self, part_modulus=material.composite_modulus)
 
     @property
     def per_slope(self) -> float | None:
@@ -101,49 +104,6 @@ class Wording:
             for i, mu in enumerate(values.tolist())
         ]
 
-    def slopes(self, *slopes: float) -> str:
-        """Return slopes in words: ``slopes 6 and 9``."""
-        return f"{self.name(len(slopes))} {listed([f'{self.coefficient(slope):.6g}' for slope in slopes])}"
-
-    def slope_bound(self, slope: float, *, up: bool) -> str:
-        """Return a bound on slopes as text; `up` rounds it up, otherwise down, so that it is reachable."""
-        return f"{_rounded(self.coefficient(slope), up, None):.6g}"
-
-    def of_part(self, material: Material) -> Wording:
-        """Return the wording that states loads both in mm^2 and in newtons, for a part made of a material."""
-        return replace(self, part_modulus=material.composite_modulus)
-
-    def title_loads(self, *loads: float) -> str:
-        """Return rescaled loads in words for a title, in the unit of the target: ``0.05 to 0.2 mm²``."""
-        return _stated(loads, self.composite_modulus).replace("^2", "²")
-
-    def loads(self, *loads: float) -> str:
-        """Return rescaled loads in words: ``0.05 to 0.2 mm^2``, or ``0.068 N (0.05 mm^2)``."""
-        return self._in_both(lambda factor: _stated(loads, factor))
-
-    def load_bound(self, load: float, *, up: bool) -> str:
-        """Return a bound on loads in words; `up` rounds it up, otherwise down, so that it is reachable."""
-        return self._in_both(lambda factor: _stated((_rounded(load, up, factor),), factor))
-
-    def inside(self, low: float, high: float) -> str:
-        """Return a range of loads in words, with its ends rounded inwards."""
-        return self._in_both(
-            lambda factor: _stated((_rounded(low, True, factor), _rounded(high, False, factor)), factor)
-        )
-
-    def _in_both(self, words: Callable[[float | None], str]) -> str:
-        """Return loads in the unit of the target, followed by the other unit in brackets if E* is known.
-
-        `words` maps E* [MPa] to the loads in newtons, and None to the loads in mm^2.
-        """
-        if self.composite_modulus is not None:
-            return f"{words(self.composite_modulus)} ({words(None)})"
-        return words(None) + (f" ({words(self.part_modulus)})" if self.part_modulus else "")
-
-    def frictions(self, *frictions: float) -> str:
-        """Return rescaled frictions in words: ``0.84 to 1.68 mm^2``."""
-        return _stated(frictions, self.shear_stress)
-
     def rescaled(
         self,
         load: ArrayLike,
@@ -165,41 +125,44 @@ class Wording:
         force = check.increasing("friction_force", force) if rising else force
         return newtons / (self.composite_modulus or 1.0), force / (self.shear_stress or 1.0)
 
+    def slopes(self, *slopes: float) -> str:
+        """Return slopes in words: ``slopes 6 and 9``."""
+        return f"{self.name(len(slopes))} {listed([f'{self.coefficient(slope):.6g}' for slope in slopes])}"
+
+    def slope_bound(self, slope: float, *, up: bool) -> str:
+        """Return a bound on slopes as text; `up` rounds it up, otherwise down, so that it is reachable."""
+        return f"{_rounded(self.coefficient(slope), up, None):.6g}"
+
+    def title_loads(self, *loads: float) -> str:
+        """Return rescaled loads in words for a title, in the unit of the target: ``0.05 to 0.2 mm²``."""
+        return _stated(loads, self.composite_modulus).replace("^2", "²")
+
+    def loads(self, *loads: float) -> str:
+        """Return rescaled loads in words: ``0.05 to 0.2 mm^2``, or ``0.068 N (0.05 mm^2)``."""
+        return self._in_both(lambda factor: _stated(loads, factor))
+
+    def inside(self, low: float, high: float) -> str:
+        """Return a range of loads in words, with its ends rounded inwards."""
+        return self._in_both(
+            lambda factor: _stated((_rounded(low, True, factor), _rounded(high, False, factor)), factor)
+        )
+
+    def _in_both(self, words: Callable[[float | None], str]) -> str:
+        """Return loads in the unit of the target, followed by the other unit in brackets if E* is known.
+
+        `words` maps E* [MPa] to the loads in newtons, and None to the loads in mm^2.
+        """
+        if self.composite_modulus is not None:
+            return f"{words(self.composite_modulus)} ({words(None)})"
+        return words(None) + (f" ({words(self.part_modulus)})" if self.part_modulus else "")
+
+    def frictions(self, *frictions: float) -> str:
+        """Return rescaled frictions in words: ``0.84 to 1.68 mm^2``."""
+        return _stated(frictions, self.shear_stress)
+
 
 # Default wording: rescaled values.
 RESCALED = Wording()
-
-
-@dataclass(frozen=True)
-class Message:
-    """A sentence whose numbers are converted to the units of a wording when it is displayed.
-
-    Its parts are texts, other messages, and tuples. A tuple holds the name of a `Wording` method and the
-    rescaled values that this method states.
-
-    Examples
-    --------
-    >>> message = Message(("up to ", ("loads", 0.2)))
-    >>> str(message), message.worded(Wording(composite_modulus=1.5))
-    ('up to 0.2 mm^2', 'up to 0.3 N (0.2 mm^2)')
-    """
-
-    parts: Sequence[Any]
-    wording: Wording = RESCALED
-
-    def __str__(self) -> str:
-        return self.worded(None)
-
-    def worded(self, wording: Wording | None) -> str:
-        """Return the sentence in the units of a wording; default: the wording of the message."""
-        units = replace(wording or self.wording, part_modulus=self.wording.part_modulus)
-
-        def stated(part: Any) -> str:
-            if isinstance(part, Message):
-                return part.worded(wording)
-            return str(getattr(units, part[0])(*part[1:])) if isinstance(part, tuple) else part
-
-        return "".join(map(stated, self.parts))
 
 
 def _digits(value: float, digits: int) -> float:

@@ -1,38 +1,84 @@
-"""Targets defined by points, samples or a power law, in P/E* and F/(sigma B) [mm^2]."""
+"""Targets defined by points, samples, a power law or a band, in P/E* and F/(sigma B) [mm^2]."""
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, ClassVar
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from metafem import _validate as check
 from metafem._validate import FloatArray
-from metafem._values import Value, percent
-from metafem.errors import Infeasible
-from metafem.inversion.assessment import largest_misfit
-from metafem.inversion.bounds import ROUNDING
-from metafem.inversion.feasibility import broken_sample, margin_words, nearest_within, refuse_load
-from metafem.inversion.search.target_law import TargetLaw
-from metafem.inversion.strategies import operating_points
-from metafem.inversion.targets.target import Target
-from metafem.inversion.targets.wording import RESCALED, LoadRange, Message, Wording
-from metafem.notes import information
+from metafem._values import Value
+from metafem.inversion.target_law import TargetLaw
+from metafem.inversion.wording import RESCALED, LoadRange, Wording
 from metafem.surface import Friction, Material
-
-if TYPE_CHECKING:
-    from metafem.inversion.bounds import Bounds
-    from metafem.inversion.candidate import Candidate, Parameter
-    from metafem.inversion.problem import Problem
 
 # Number of loads at which a power law is compared with the law of a design.
 POINTS = 30
 
-# A note lists the samples outside the bounds up to this number; otherwise it states only how many there are.
-MOST_LISTED = 8
+
+class Target:
+    """Base class of target friction laws, in rescaled loads P/E* and frictions F/(sigma B) [mm^2].
+
+    A target is data: `curve` returns the law with its loads, its bounds and its free parameters.
+    """
+
+    # whether the law must pass through all points, to rounding
+    exact: ClassVar[bool] = False
+    # whether a target that a search misses is refused, with the nearest law, or else stated as missed
+    refused: ClassVar[bool] = False
+    # name of the free parameters of the law; "" if there are none
+    free_name: ClassVar[str] = ""
+
+    wording: Wording
+
+    def _set(self, wording: Wording, **members: Any) -> None:
+        """Set the attributes of a frozen target."""
+        check.instance("wording", wording, Wording, "a Wording, as from_friction_coefficient sets it")
+        for name, value in {**members, "wording": wording}.items():
+            object.__setattr__(self, name, value)
+
+    @property
+    def title(self) -> str:
+        """Description of the target in one line."""
+        raise NotImplementedError
+
+    @property
+    def last_load(self) -> float | None:
+        """Last rescaled load of the target [mm^2]; None if the height density determines it."""
+        law = self.curve()
+        return None if law is None else float(law.load[-1])
+
+    @property
+    def lines(self) -> tuple[tuple[float, float], ...]:
+        """Slope [-] of each line, and the load [mm^2] at which it starts; the first line starts at 0."""
+        return ()
+
+    @property
+    def branches(self) -> tuple[tuple[float, LoadRange], ...]:
+        """Slope [-] and range of rescaled loads [mm^2] of each straight branch."""
+        return ()
+
+    @property
+    def marked_loads(self) -> dict[str, tuple[tuple[float, ...], ...]]:
+        """Crossovers and load ranges of the target by name, as single loads or pairs of loads [mm^2]."""
+        return {}
+
+    def curve(self) -> TargetLaw | None:
+        """Return the law at the loads at which it is compared; None if a height density determines it."""
+        raise NotImplementedError
+
+    def near(self, load: FloatArray, friction: FloatArray) -> Target | None:
+        """Return the target of this kind with a law, (k,) each [mm^2]; None if there is none."""
+        return SampledLaw(load, friction, wording=self.wording)
+
+    @property
+    def law(self) -> tuple[FloatArray, FloatArray] | None:
+        """Rescaled loads and frictions, both (k,) [mm^2]; None if the target does not fix them completely."""
+        law = self.curve()
+        return None if law is None or law.is_open else (law.load, law.middle)
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -59,6 +105,7 @@ class OperatingPoints(Value, Target):
     """
 
     exact: ClassVar[bool] = True
+    refused: ClassVar[bool] = True
 
     rescaled_load: FloatArray
     rescaled_friction: FloatArray
@@ -89,17 +136,14 @@ class OperatingPoints(Value, Target):
         """Description of the target in one line."""
         return f"Friction law through {len(self.rescaled_load)} operating points"
 
-    @property
-    def last_load(self) -> float:
-        """Last rescaled load of the target [mm^2]."""
-        return float(self.rescaled_load[-1])
-
     def curve(self) -> TargetLaw:
         """Return the points as a target law."""
-        return TargetLaw.fixed(self.rescaled_load, self.rescaled_friction, pointwise=True)
+        return TargetLaw.of(self.rescaled_load, self.rescaled_friction, pointwise=True)
 
-    candidate = operating_points.candidate
-    judged = operating_points.judged
+    def near(self, load: FloatArray, friction: FloatArray) -> Target | None:
+        """Return the points of a law; None if its friction does not increase."""
+        rises = bool((np.diff(friction) > 0.0).all())
+        return OperatingPoints(load, friction, self.wording) if rises else None
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -137,6 +181,8 @@ class SampledLaw(Value, Target):
     >>> SampledLaw([0.1, 0.2], [0.9, 1.6], relative_error=[0.02, 0.01]).weight.round(6)
     array([ 2500., 10000.])
     """
+
+    refused: ClassVar[bool] = True
 
     rescaled_load: FloatArray
     rescaled_friction: FloatArray
@@ -186,51 +232,11 @@ class SampledLaw(Value, Target):
         """Description of the target in one line."""
         return f"Friction law given by {len(self.rescaled_load)} samples"
 
-    @property
-    def last_load(self) -> float:
-        """Last rescaled load of the target [mm^2]."""
-        return float(self.rescaled_load[-1])
-
     def curve(self) -> TargetLaw:
         """Return the samples as a target law, with their weights and errors."""
         error = self.relative_error
         noise = 0.0 if error is None else float(np.sqrt(np.average(error**2, weights=self.weight)))
-        return TargetLaw.fixed(self.rescaled_load, self.rescaled_friction, self.weight, noise=noise)
-
-    def guesses(self, law: TargetLaw, bounds: Bounds, fractions: tuple[float, ...]) -> list[FloatArray]:
-        """Return the frictions within the bounds that are nearest to the samples, (k,) [mm^2]."""
-        return [nearest_within(law.load, law.base, law.weight, bounds)]
-
-    def refuse(self, problem: Problem, margin: float) -> None:
-        """Raise Infeasible if a load is too large; `judged` checks the bounds on the friction."""
-        refuse_load(self.last_load, problem, self.wording)
-
-    def judged(self, problem: Problem, candidate: Candidate) -> Candidate:
-        """Return the candidate with a note on samples outside the bounds, or raise Infeasible.
-
-        The target is infeasible if samples are outside the bounds and the law misses the samples by too much.
-        """
-        load, wording, margin = self.rescaled_load, self.wording, 0.0
-        broken = broken_sample(load, self.rescaled_friction, problem, wording, margin)
-        if broken and (margin := problem.interaction_margin()):
-            broken = broken_sample(load, self.rescaled_friction, problem, wording, margin)
-        if not broken:
-            return candidate
-        law, surface = candidate.target_law, candidate.surface(problem.template)
-        area = problem.model.curve(surface, load).checked().area
-        misfit, most = law.misfit(area), largest_misfit(law)
-        near = nearest_within(load, law.base, law.weight, problem.bounds) / law.base
-        if misfit > most:
-            words = (
-                f"; the nearest law found misses the samples by {percent(misfit, '.3g')} rms, and "
-                f"at most {percent(most, '.3g')} is allowed"
-            )
-            raise Infeasible(
-                Message((broken, words)),
-                SampledLaw(load, area, self.weight, self.relative_error, wording),
-                by_search=law.misfit(near * law.base) <= most,
-            )
-        return replace(candidate, notes=(*candidate.notes, information(_outside(near - 1.0, margin))))
+        return TargetLaw.of(self.rescaled_load, self.rescaled_friction, weight=self.weight, noise=noise)
 
 
 @dataclass(frozen=True, init=False)
@@ -256,6 +262,8 @@ class PowerLaw(Target):
     >>> PowerLaw(1.2, (0.1, 0.4)).prefactor is None
     True
     """
+
+    free_name: ClassVar[str] = "prefactor"
 
     exponent: float
     load_range: LoadRange
@@ -297,69 +305,88 @@ class PowerLaw(Target):
         """The load range by name [mm^2]."""
         return {"load range": (self.load_range,)}
 
-    @property
-    def last_load(self) -> float:
-        """Last rescaled load of the target [mm^2]."""
-        return self.load_range[1]
-
     def curve(self) -> TargetLaw:
         """Return the power law at logarithmically spaced loads."""
         load = np.geomspace(*self.load_range, POINTS)
         shape = load**self.exponent
         if self.prefactor is not None:
-            return TargetLaw.fixed(load, self.prefactor * shape)
-        return TargetLaw(load, np.zeros(POINTS), shape[:, None], np.ones(POINTS))
+            return TargetLaw.of(load, self.prefactor * shape)
+        return TargetLaw.of(load, np.zeros(POINTS), free=shape[:, None])
 
-    def guesses(self, law: TargetLaw, bounds: Bounds, fractions: tuple[float, ...]) -> list[FloatArray]:
-        """Return the power law, or power laws with several prefactors within the bounds if C is free."""
-        if self.prefactor is not None:
-            return [law.base]
-        shape = law.free[:, 0]
-        least, most = _levels(bounds.region(law.load), shape)
-        return [shape * least * (most / least) ** fraction for fraction in fractions]
-
-    def open_parameters(self, law: TargetLaw, area: FloatArray) -> dict[str, Parameter]:
-        """Return the fitted prefactor [mm^(2 - 2 beta)] if it is free."""
-        return {"prefactor": float(law.open_parameters(area)[0])} if self.prefactor is None else {}
-
-    def refuse(self, problem: Problem, margin: float) -> None:
-        """Raise Infeasible if the exponent or prefactor exceeds a bound by more than a relative margin."""
-        (low, high), radii, wording = self.load_range, problem.tools, self.wording
-        refuse_load(high, problem, wording)
-        bounds = problem.bounds
-        least, most = bounds.least_exponent, bounds.largest_exponent(self.load_range)
-        slack = margin / math.log(high / low) + ROUNDING
-        if not least - slack <= self.exponent <= most + slack:
-            raise Infeasible(
-                f"exponent {self.exponent:g} over loads from {wording.loads(low, high)} cannot be reached: "
-                f"at least {least:.4g} and at most {most:.4g} with {problem.count} asperities of "
-                f"{'one radius' if radii.single else radii}"
-                f"{margin_words(margin)}",
-                PowerLaw(min(max(self.exponent, least), most), self.load_range, wording=wording),
-            )
-        if self.prefactor is None:
-            return
-        load = np.array(self.load_range)
-        point = f"prefactor = {self.prefactor:g}: the friction at ", ", ", ","
-        friction = self.prefactor * load**self.exponent
-        broken = broken_sample(load, friction, problem, wording, margin, point)
-        if broken:  # no nearest target is stated: a prefactor within the bounds may still be unreachable
-            raise Infeasible(Message((broken, "; without prefactor the design chooses it")))
+    def near(self, load: FloatArray, friction: FloatArray) -> Target | None:
+        """Return the power law with a free prefactor that is fitted to a law in logarithms."""
+        exponent = float(np.polyfit(np.log(load), np.log(friction), 1)[0])
+        return PowerLaw(exponent, self.load_range, wording=self.wording)
 
 
-def _levels(bounds: tuple[FloatArray, FloatArray], shape: FloatArray) -> tuple[float, float]:
-    """Return the smallest and largest factor for which a law (k,) lies between two bounds, (k,) each."""
-    low, high = bounds
-    return float((low / shape).max()), float((high / shape).min())
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class Band(Value, Target):
+    """Any law between two curves.
 
+    The search aims at the middle of the band, or at its inner half if the middle cannot be reached. The
+    misfit of a design is its largest relative distance from the band at a load of the target, and 0 within
+    the band.
 
-def _outside(difference: FloatArray, margin: float) -> str:
-    """Return a text on samples that no surface meets; `difference` (k,) [-] is that from the nearest law."""
-    rows, most = np.flatnonzero(np.abs(difference) > ROUNDING), int(np.abs(difference).argmax())
-    which = f" ({', '.join(map(str, rows + 1))})" if len(rows) <= MOST_LISTED else ""
-    largest = percent(float(abs(difference[most])))
-    return (
-        f"no surface meets all samples{margin_words(margin)}: {len(rows)} of {len(difference)}{which} differ "
-        f"from the nearest law within the bounds, by up to {largest} (sample {most + 1}); the design has the "
-        "least rms difference that was found"
-    )
+    Parameters
+    ----------
+    rescaled_load : array_like, (k,)
+        P/E* [mm^2], positive and increasing. Between the loads the law is free.
+    lowest, highest : array_like, (k,)
+        Ends of F/(sigma B) [mm^2] at these loads, positive, each `lowest` below its `highest`.
+
+    Raises
+    ------
+    InvalidInput
+        If the arrays differ in length, a value is not finite or not positive, the loads do not increase, or
+        a lowest friction is not below the highest.
+
+    Examples
+    --------
+    >>> import metafem as mf
+    >>> template = mf.Surface.square_lattice(0.12, radius=0.526, material=mf.Material(1.36))
+    >>> design = mf.design(Band([0.1, 0.2, 0.3], [0.8, 1.4, 2.1], [0.9, 1.6, 2.4]), template)
+    >>> design.misfit
+    0.0
+    """
+
+    refused: ClassVar[bool] = True
+
+    rescaled_load: FloatArray
+    lowest: FloatArray
+    highest: FloatArray
+    wording: Wording = field(default=RESCALED, compare=False, repr=False)
+
+    def __init__(
+        self,
+        rescaled_load: ArrayLike,
+        lowest: ArrayLike,
+        highest: ArrayLike,
+        wording: Wording = RESCALED,
+    ) -> None:
+        load = check.increasing("rescaled_load", check.array("rescaled_load", rescaled_load, shape=(None,)))
+        low = check.array("lowest", lowest, shape=load.shape, positive=True)
+        high = check.array("highest", highest, shape=load.shape, positive=True)
+        check.refuse_entries("lowest", low, low >= high, "must be below highest at the same load")
+        self._set(wording, rescaled_load=load, lowest=low, highest=high)
+
+    @classmethod
+    def from_forces(
+        cls, load: ArrayLike, lowest: ArrayLike, highest: ArrayLike, material: Material, friction: Friction
+    ) -> Band:
+        """Return the target for loads P and ends of the friction force, (k,) each [N], of a material pair."""
+        wording = Wording.of(material, friction)
+        modulus, stress = material.composite_modulus, friction.stress
+        newtons = check.array("load", load, shape=(None,))
+        low = check.array("lowest", lowest, shape=newtons.shape)
+        high = check.array("highest", highest, shape=newtons.shape)
+        return cls(newtons / modulus, low / stress, high / stress, wording)
+
+    @property
+    def title(self) -> str:
+        """Description of the target in one line."""
+        count = len(self.rescaled_load)
+        return f"Friction law within a band at {count} load{'s' if count > 1 else ''}"
+
+    def curve(self) -> TargetLaw:
+        """Return the band, which is compared with a law pointwise."""
+        return TargetLaw.of(self.rescaled_load, self.lowest, self.highest, pointwise=True)

@@ -1,0 +1,310 @@
+"""Independent asperities whose law is nearest to a target, and their refinement under another model."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from metafem._values import percent
+from metafem.errors import Infeasible, NotConverged
+from metafem.inversion.guesses import frictions, of_one_tool, of_several_tools, placed
+from metafem.inversion.infeasible import nearest_law
+from metafem.inversion.levels import LEVEL_DROP, Level, levels_through
+from metafem.inversion.problem import Asperities, Branch, Candidate, Parameter, Problem, misfit
+from metafem.inversion.search import (
+    AGREEING,
+    GOAL,
+    NEAR,
+    NEARLY,
+    PATIENCE,
+    Found,
+    changed,
+    descend,
+    independent_residual,
+    model_residual,
+    search,
+)
+from metafem.inversion.target_law import TargetLaw
+from metafem.models.model import has_paraboloids
+from metafem.notes import information
+from metafem.progress import doing
+
+# A design is exact if the relative error of its friction is within this tolerance at each load of the target;
+# a search for one ends at a hundredth of it.
+EXACT, POINT_GOAL = 1e-9, 1e-11
+
+# A target of any shape counts as reached within this rms misfit, because manufacturing errors change a law
+# about as much.
+REACHED = 0.01
+
+# The heights of a density miss their target beyond this misfit. Aymard et al. regard an error of 10 % in the
+# crossover load, the largest error in their comparisons, as a success.
+MISSED = 0.1
+
+# Misfit at which the search under a model ends. It is slightly above that of the independent search, because
+# scatter from single new contacts remains.
+REFINED_GOAL = 9e-4
+
+# Above this misfit under the model, heights are first sought for a corrected target; their largest number.
+CLOSE, CORRECTIONS = 5.0 * REFINED_GOAL, 3
+
+# Degree of the polynomial in ln P that is fitted to A0(model)/A0(independent). A low degree smooths out the
+# kinks of single contacts, which move with the heights.
+RATIO_DEGREE = 3
+
+# Random changes without a gain after which a search under a model ends, where a descent takes ten times as
+# long as for independent asperities; the same with adhesion, and for a draft.
+PATIENCE_MODEL, PATIENCE_ADHESIVE, PATIENCE_DRAFT = 3, 10, 2
+
+# Factors of the depths of summits, so that no level first touches exactly at an operating point. Interaction
+# lowers open summits by between a hundredth and a tenth of their depth.
+STRETCHES = (1.03, 1.0, 1.06, 1.1)
+
+# Depth of the added summits below the lowest level, relative to the depth of that level.
+ADDED_DEPTH = 0.01
+
+# Number of random changes after which a descent to rounding is tried again.
+ATTEMPTS = 8
+
+# Largest number of loads at which heights are sought for a draft, and refined under another model.
+DRAFT_LOADS, REFINED_LOADS = 15, 1000
+
+
+def patience(problem: Problem, most: int = PATIENCE) -> int:
+    """Return the number of random changes without a gain after which a search ends."""
+    if problem.draft:
+        return PATIENCE_DRAFT
+    return min(most, PATIENCE_ADHESIVE) if problem.tools.law.adhesive else most
+
+
+def inverted(problem: Problem, rng: np.random.Generator) -> Candidate:
+    """Return the independent asperities whose law is nearest to that of the target, with the fewest tools."""
+    law = problem.law
+    assert law is not None
+    if problem.target.exact and not problem.tools.law.adhesive:
+        found = _levels(problem, law, rng)
+        if found is not None:
+            return found
+    branches = tuple(
+        # if the law has no free parameter, each branch has a fixed intercept
+        Branch(
+            slope,
+            ends,
+            None if law.is_open else float(np.interp(ends[0], law.load, law.lower)) - slope * ends[0],
+        )
+        for slope, ends in problem.target.branches
+    )
+    return Candidate(_raised(problem, _nearest(problem, law, rng).asperities), law, branches=branches)
+
+
+def _raised(problem: Problem, at: Asperities) -> Asperities:
+    """Return the asperities raised together to the largest height, where the base is farthest from the plane.
+
+    A common shift changes no law, except that of a model that includes the compliance of the caps.
+    """
+    if problem.held:
+        return at
+    return at.with_heights(at.height[at.sites] + problem.limits.top - at.height[at.sites].max())
+
+
+def _nearest(problem: Problem, law: TargetLaw, rng: np.random.Generator) -> Found:
+    exact = problem.target.exact
+    sought = law.thinned(DRAFT_LOADS) if problem.draft and not exact else law
+    sought = sought.narrowed(0.5) if law.is_band else sought
+    guesses, goal = frictions(sought, problem.bounds), NEARLY if exact else GOAL
+    best: Found | None = None
+    residual, several = independent_residual(problem, sought), len(problem.tools) > 1
+    # no surface meets a target outside the bounds, and one restart tells how near surfaces come
+    outside = nearest_law(sought, problem.bounds)[0] > goal
+    agreeing, most = (1, PATIENCE // 2) if outside else (AGREEING, PATIENCE)
+    for tool in problem.tools.tried.tolist():
+        starts = (
+            start for friction in guesses for start in of_one_tool(problem, sought.load, friction, tool, rng)
+        )
+        tries = 0 if several else patience(problem, most)
+        one = search(residual, starts, problem, goal, rng, patience=tries, agreeing=agreeing)
+        best = one if best is None or one.misfit < best.misfit else best
+        if best.misfit <= goal:
+            break
+    assert best is not None
+    if several and best.misfit > goal:
+        starts = [best.asperities]
+        for friction in guesses:
+            starts += of_several_tools(problem, sought.load, friction, rng)
+        mixed = search(residual, starts, problem, goal, rng, sought, patience(problem, most), agreeing)
+        best = min(best, _with_fewer_tools(problem, residual, mixed, goal), key=lambda one: one.misfit)
+    return _to_rounding(problem, residual, best, rng) if exact else best
+
+
+def _with_fewer_tools(problem: Problem, residual, best: Found, goal: float) -> Found:
+    """Return the asperities after tools whose asperities other tools can make are left out."""
+    used, counts = np.unique(best.asperities.tool[best.asperities.exists], return_counts=True)
+    for tool in used[np.argsort(counts, kind="stable")].tolist() if best.misfit <= NEAR * goal else ():
+        others = used[used != tool]
+        for other in others[np.argsort(np.abs(others - tool), kind="stable")].tolist():
+            at = best.asperities
+            fewer = Asperities(at.height, np.where(at.tool == tool, other, at.tool))
+            found = descend(residual, fewer, problem, goal)
+            if found.misfit <= NEAR * goal:
+                return _with_fewer_tools(problem, residual, found, goal)
+    return best
+
+
+def _to_rounding(problem: Problem, residual, start: Found, rng: np.random.Generator) -> Found:
+    """Return asperities whose law is exact, by descents from the start and from random changes of the best."""
+    best, at = start, start.asperities
+    for _ in range(1 if problem.draft else ATTEMPTS):
+        found = descend(residual, at, problem, POINT_GOAL, exact=True)
+        best = found if found.misfit < best.misfit else best
+        if best.misfit <= EXACT:
+            break
+        at = changed(best.asperities, problem, rng)
+    return best
+
+
+def _levels(problem: Problem, law: TargetLaw, rng: np.random.Generator) -> Candidate | None:
+    """Return asperities on the levels of one tool through all points, with the fewest asperities, or None."""
+    paths: list[tuple[int, list[Level]]] = []
+    drops = (0.0,) if has_paraboloids(problem.model) else (LEVEL_DROP, 0.0)
+    for tool in problem.tools.tried.tolist():
+        for drop in drops:
+            path = levels_through(problem.alone(tool), law.load, law.lower, drop)
+            if not isinstance(path, Infeasible):
+                paths.append((tool, path))
+                break
+    if not paths or problem.held:
+        return None
+    tool, path = min(paths, key=lambda each: sum(len(level.heights) for level in each[1]))
+    offset, height = problem.limits.offset, np.array([each for level in path for each in level.heights])
+    parameters: dict[str, Parameter] = {
+        "counts": np.array([level.number for level in path]),
+        "levels": offset + np.array([level.height for level in path]),
+        "adjustment_heights": offset
+        + np.array([level.height - level.depth + level.adjustment for level in path]),
+    }
+    return Candidate(placed(problem, height - height.max(), np.full(len(height), tool), rng), law, parameters)
+
+
+def refined(problem: Problem, candidate: Candidate, rng: np.random.Generator) -> Candidate:
+    """Return the candidate with heights refined under the model, and a note on the change.
+
+    Heights on steps do not change. For independent asperities, heights change only if they follow a density
+    and miss its law; the law of a density is that without adhesion. A model without gradients is replaced by
+    its `gradient_model`, whose gradients the last descent combines with the law of the model itself.
+    """
+    model, density = problem.model, candidate.density is not None
+    changes = model.couples or (density and problem.tools.law.adhesive)
+    if candidate.stepped or not (changes or density):
+        return candidate
+    before = misfit(problem, candidate.asperities, candidate.law)
+    if not changes and before <= MISSED:
+        return candidate
+    with doing("refining the heights under the model"):
+        found = _raised(problem, _refined(problem, candidate, before, rng))
+    if found is candidate.asperities or misfit(problem, found, candidate.law) >= before:
+        return candidate
+    start = candidate.asperities
+    same = start.exists & found.exists
+    change = 1e3 * float(np.abs(found.height - start.height)[same].max())
+    added = int(found.exists.sum() - start.exists.sum())
+    cause = "the interaction of the asperities" if model.couples else "the scatter of so few asperities"
+    if problem.tools.law.adhesive and not model.couples:
+        cause = "the adhesion of the asperities"
+    more = f", and {added} asperities were added" if added > 0 else ""
+    under = (
+        "" if model.gradient_model == model else f"; the gradients were those of {model.gradient_model.name}"
+    )
+    note = information(f"heights were moved by at most {change:.3g} um for {cause}{more}{under}")
+    return replace(candidate.with_asperities(found), refined=True, notes=(*candidate.notes, note))
+
+
+def _refined(problem: Problem, candidate: Candidate, before: float, rng: np.random.Generator) -> Asperities:
+    model, exact = problem.model, problem.target.exact
+    law = candidate.law if exact else candidate.law.thinned(DRAFT_LOADS if problem.draft else REFINED_LOADS)
+    goal = POINT_GOAL if exact else 2.0 * REFINED_GOAL if problem.draft else REFINED_GOAL
+    if before <= (EXACT if exact else goal):
+        return candidate.asperities
+    start, residual = candidate.asperities, model_residual(problem, law.narrowed(0.5) if law.is_band else law)
+    starts = [start]
+    if exact:
+        starts = [_stretched(problem, _filled(problem, start), factor) for factor in STRETCHES]
+        starts += [_stretched(problem, start, factor) for factor in STRETCHES[:2]]
+    elif model.couples and before > CLOSE:
+        starts = [_corrected(problem, start, law, rng), start]
+    best = Found(start, np.inf)
+    for start in starts:
+        found = descend(residual, start, problem, goal, exact)
+        best = found if found.misfit < best.misfit else best
+        if best.misfit <= (EXACT if exact else NEAR * goal):
+            break
+    if best.misfit > (EXACT if exact else goal):
+        given = residual, [best.asperities], problem, NEARLY if exact else goal, rng
+        best = min(
+            best, search(*given, patience=patience(problem, PATIENCE_MODEL)), key=lambda one: one.misfit
+        )
+        best = _to_rounding(problem, residual, best, rng) if exact else best
+    if model.gradient_model != model:
+        best = descend(model_residual(problem, law, own=True), best.asperities, problem, goal, exact)
+    return best.asperities
+
+
+def _corrected(problem: Problem, start: Asperities, law: TargetLaw, rng: np.random.Generator) -> Asperities:
+    """Return independent asperities whose law is the target divided by A0(model)/A0(independent).
+
+    This ratio is a smooth function of the load and depends little on small changes of the heights.
+    """
+    best, least = start, np.inf
+    for _ in range(1 if problem.draft else CORRECTIONS):
+        surface = problem.surface(start)
+        try:
+            area = problem.model.gradient_model.curve(surface, law.load).checked().area
+        except NotConverged:
+            break
+        if law.misfit(area) < least:
+            best, least = start, law.misfit(area)
+        else:
+            break
+        ratio = area / problem.uncoupled.curve(surface, law.load).area
+        powers = np.vander(np.log(law.load / law.load[-1]), RATIO_DEGREE + 1)
+        smooth = powers @ np.linalg.lstsq(powers, ratio, rcond=None)[0]
+        divided = law.divided(smooth)
+        residual = independent_residual(problem, divided)
+        start = search(
+            residual, [start], problem, GOAL, rng, patience=patience(problem, PATIENCE // 4)
+        ).asperities
+    return best
+
+
+def _stretched(problem: Problem, at: Asperities, factor: float) -> Asperities:
+    """Return the asperities with the depths below the tallest multiplied by a factor."""
+    height = at.height[at.sites]
+    deeper = np.clip(height.max() - factor * (height.max() - height), problem.foot, problem.limits.top)
+    held = np.isin(at.sites, list(problem.held))
+    return at.with_heights(np.where(held, height, deeper))
+
+
+def _filled(problem: Problem, at: Asperities) -> Asperities:
+    """Return the asperities with others on all sites, just below the lowest.
+
+    Interaction lowers the friction at every operating point. Without added summits, the friction could rise
+    only if levels came into contact earlier. Added summits that are not needed can mislead the descent.
+    """
+    height, on = at.height[at.exists], at.exists
+    lowest = float(height.min())
+    deep = max(lowest - ADDED_DEPTH * (float(height.max()) - lowest), problem.foot)
+    vacant = np.setdiff1d(problem.open, at.sites)
+    every, tool = at.height.copy(), at.tool.copy()
+    every[vacant], tool[vacant] = deep, at.tool[on][height.argmin()]
+    return Asperities(every, tool)
+
+
+def unmet(problem: Problem, area: np.ndarray) -> Infeasible:
+    """Return the error for points that a search did not meet, with the reason of the levels."""
+    law = problem.law
+    assert law is not None
+    reason = levels_through(problem.alone(0), law.load, law.lower)
+    words = str(reason) if isinstance(reason, Infeasible) else "no heights that meet the points were found"
+    far = percent(float(np.abs(law.difference(area)).max()), ".3g")
+    nearest = problem.target.near(law.load, area)
+    return Infeasible(f"{words}; the nearest law found differs by {far}", nearest, by_search=True)

@@ -1,0 +1,380 @@
+"""Search for the asperities whose law is nearest to a target: descents and random changes.
+
+A descent is a Levenberg–Marquardt method on bounded heights; the tool of each asperity is fixed in it. The
+step is ``-J' (J J' + c s I)^-1 r`` with the residual r, its Jacobian J, the damping c and the mean s of the
+squared norms of the rows of J. If a step lowers the sum of squares, c is divided by DAMPING_FACTOR; otherwise
+the step is discarded and c is multiplied by it. A height at a limit does not move if a step down the gradient
+``J' r`` would move it beyond the limit (a projected gradient).
+
+As a function of the heights, A0 has kinks where asperities come into contact, so that a descent can end at a
+local minimum. Random changes of the best asperities follow, and exchanges of tools, until the goal is met or
+until restarts agree.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import numpy as np
+from scipy.linalg.lapack import dposv
+
+from metafem._validate import FloatArray
+from metafem.contact.law import contacts
+from metafem.errors import InvalidInput
+from metafem.inversion.problem import NONE, Asperities, Problem
+from metafem.inversion.target_law import LateResidual, TargetLaw
+from metafem.models import Sensitivity
+from metafem.models.independent import load_equation
+from metafem.models.model import has_paraboloids
+from metafem.progress import each
+
+# Misfit at which a search ends: height errors of 1 um change A0 by more than this.
+GOAL = 6e-4
+
+# A search for a law that must be exact first ends at this misfit; a descent to rounding follows.
+NEARLY = 1e-4
+
+# If the misfit is below this multiple of the goal, random changes reach the goal faster than other initial
+# guesses.
+NEAR = 2.0
+
+# Smallest and largest damping c, and the factor of the step size rule.
+LEAST_DAMPING, MOST_DAMPING, DAMPING_FACTOR = 1e-12, 1e4, 5.0
+
+# Largest separation of the plane from the base over the largest height at which it counts as near: the search
+# keeps the plane this far away at the last load of the target.
+CLEAR = 1e-3
+
+# A height within this fraction of the span from a limit counts as at the limit, because of rounding.
+AT_LIMIT = 1e-9
+
+# Random changes: fractions of the heights that move, probability that asperities are added, probability that
+# otherwise one is removed, the largest number of either, and probability of a new height anywhere.
+FRACTIONS = (0.2, 0.5, 1.0)
+ADDING, REMOVING, MOST_ADDED, ANYWHERE = 0.5, 0.3, 5, 0.3
+
+# Number of consecutive random changes without a gain of this fraction, after which a search ends; with many
+# asperities and loads, so many that all of them together evaluate this number of contacts.
+PATIENCE, LEAST_PATIENCE, GAIN, CONTACTS = 40, 4, 0.05, 2_000_000
+
+# Restarts agree if this number of them end within this factor of the best; the largest number of restarts, and
+# the number of random changes from the best asperities to a new start.
+AGREEING, AGREE, MOST_RESTARTS, FAR = 3, 1.1, 8, 5
+
+# Number of exchanges of one tool that are combined to exchanges of two, and number of exchanges that are tried
+# by descents, each with the least predicted misfits.
+PAIRED, TRIED_EXCHANGES = 300, 12
+
+
+@dataclass(frozen=True)
+class Descent:
+    """Options of descents and random changes."""
+
+    damping: float  # c of the first step
+    # a descent ends when a step lowers the sum of squares by less than this fraction: a descent along kinks is
+    # slow, and a random change is faster
+    least_gain: float
+    steps: int  # largest number of steps
+    sizes: tuple[float, ...]  # sizes of random changes, relative to the mean spacing of the heights
+
+
+HERTZ = Descent(damping=1e-2, least_gain=0.05, steps=20, sizes=(0.3, 1.0, 3.0))
+
+# Options for other contact laws. If a cap is flatter than a paraboloid, its area as a function of the
+# indentation begins with an infinite slope; with adhesion the area jumps. New contacts then cause sharper
+# kinks, and the gradient is not valid beyond a kink.
+OTHERS = Descent(damping=1.0, least_gain=0.01, steps=40, sizes=(0.1, 0.3, 1.0))
+
+# Largest number of steps of a descent that must converge to rounding.
+EXACT_STEPS = 40
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """Asperities and the root mean square of the residual of their law [-]."""
+
+    asperities: Asperities
+    misfit: float
+
+
+# Function that returns the residual of asperities (k + 1,) [-] and the function for its Jacobian [1/mm].
+Residual = Callable[[Asperities], LateResidual]
+
+
+def independent_residual(problem: Problem, law: TargetLaw) -> Residual:
+    """Return the residual of independent asperities; the sites have no effect."""
+    model, tools = problem.independent, problem.tools
+
+    def residual(at: Asperities) -> LateResidual:
+        some = at.sites
+        height, summits = at.height[some], tools.summits[at.tool[some]]
+        try:
+            found = model.sensitivity_of(height, summits, law.load)
+        except InvalidInput:  # beyond the range of the contact law
+            return _beyond(law, len(some))
+        return _with_base(found, law, height, summits, problem)
+
+    return residual
+
+
+def model_residual(problem: Problem, law: TargetLaw, own: bool = False) -> Residual:
+    """Return the residual under the model that has the gradients; with `own`, under the model itself."""
+    model, tools = problem.model.gradient_model, problem.tools
+    if model == problem.uncoupled:
+        return independent_residual(problem, law)
+
+    @cache
+    def surface_of(which: bytes) -> Any:
+        tool = np.frombuffer(which, dtype=np.int64)
+        return problem.surface(Asperities(np.where(tool == NONE, 0.0, problem.limits.top), tool))
+
+    def residual(at: Asperities) -> LateResidual:
+        some = at.sites
+        height, summits = at.height[some], tools.summits[at.tool[some]]
+        try:
+            found = model.sensitivity(surface_of(at.tool.tobytes()), law.load, height)
+            r, jacobian = _with_base(found, law, height, summits, problem)
+            if own:
+                area = problem.model.curve(problem.surface(at), law.load).area
+                r = np.append(law.residual(area, np.zeros_like)[0], r[-1])
+        except InvalidInput:
+            return _beyond(law, len(some))
+        return r, jacobian
+
+    return residual
+
+
+def _beyond(law: TargetLaw, count: int) -> LateResidual:
+    """Return infinite differences for heights beyond the range of the contact law."""
+    return np.full(len(law.load) + 1, np.inf), lambda: np.zeros((len(law.load) + 1, count))
+
+
+def _with_base(
+    found: Sensitivity, law: TargetLaw, height: FloatArray, summits: Any, problem: Problem
+) -> LateResidual:
+    """Return the differences from a law, and last how far the plane is below its least height over the base.
+
+    At a fixed load the separation follows the heights, weighted by the stiffnesses of the contacts.
+    """
+    r, jacobian = law.residual(found.curve.area, lambda: found.gradient)
+    top = problem.limits.top
+    missing = CLEAR - (float(height.max()) - float(found.curve.approach[-1])) / top
+    weight = np.sqrt(len(r)) if missing > 0.0 else 0.0
+
+    def whole() -> FloatArray:
+        stiffness = np.zeros(len(height))
+        if weight:
+            stiffness = _rates(problem, found.indentation[-1:], summits)[1][0]
+            stiffness = stiffness / stiffness.sum()
+        return np.vstack([jacobian(), -weight / top * stiffness])
+
+    return np.append(r, weight * missing), whole
+
+
+def descend(
+    residual: Residual, start: Asperities, problem: Problem, goal: float, exact: bool = False
+) -> Found:
+    """Return the minimum of a descent from `start`, which ends at the goal or when no step lowers the misfit.
+
+    The descent also ends at small gains; an exact one continues, and converges to rounding near a solution.
+    """
+    options = HERTZ if has_paraboloids(problem.model) else OTHERS
+    low, high = problem.foot, problem.limits.top
+    near, some = AT_LIMIT * problem.limits.span, start.sites
+    held = np.isin(some, list(problem.held))
+    height, at, damping = start.height[some], start, options.damping
+    r, jacobian = residual(at)
+    squares, count, known = float(r @ r), len(r) - 1, None
+    for _ in each("step", range(EXACT_STEPS if exact else options.steps), at_most=True):
+        if np.sqrt(squares / count) <= goal or damping > MOST_DAMPING or not np.isfinite(squares):
+            break
+        if known is None:
+            known = jacobian()
+            slope = r @ known
+            stay = held | ((height <= low + near) & (slope > 0.0)) | ((height >= high - near) & (slope < 0.0))
+            known[:, stay] = 0.0
+        step = _step(r, known, damping)
+        if step is None:
+            break
+        trial = np.where(held, height, np.clip(height + step, low, high))
+        moved = at.with_heights(trial)
+        new_r, new_jacobian = residual(moved)
+        new = float(new_r @ new_r)
+        if new < squares:
+            stalled = squares - new < options.least_gain * squares and not exact
+            height, at, r, jacobian, known, squares = trial, moved, new_r, new_jacobian, None, new
+            damping = max(damping / DAMPING_FACTOR, LEAST_DAMPING)
+            if stalled:
+                break
+        else:
+            damping *= DAMPING_FACTOR
+    return Found(at, float(np.sqrt(squares / count)))
+
+
+def _step(r: FloatArray, jacobian: FloatArray, damping: float) -> FloatArray | None:
+    """Return the damped step (n,) [mm], or None if no height changes the residual."""
+    wide = len(r) <= jacobian.shape[1]  # the smaller of the two systems is solved
+    product = jacobian @ jacobian.T if wide else jacobian.T @ jacobian
+    size = float(np.trace(product)) / len(r)
+    if size == 0.0:
+        return None
+    product[np.diag_indices(len(product))] += damping * size
+    right = r if wide else jacobian.T @ r
+    _, found, failed = dposv(product, right)
+    if failed:  # rounding makes the matrix indefinite
+        found = np.linalg.solve(product, right)
+    return np.asarray(-jacobian.T @ found if wide else -found)
+
+
+def search(
+    residual: Residual,
+    starts: Iterable[Asperities],
+    problem: Problem,
+    goal: float,
+    rng: np.random.Generator,
+    law: TargetLaw | None = None,
+    patience: int = PATIENCE,
+    agreeing: int = AGREEING,
+) -> Found:
+    """Return the best asperities of descents from initial guesses, exchanges of tools and random changes.
+
+    The search ends at the goal, or when a number of restarts agree. law: that of independent asperities, by
+    which exchanges of tools are predicted; without it the tools are fixed.
+    """
+    found: list[Found] = []
+    for start in starts:
+        found.append(descend(residual, start, problem, goal))
+        if found[-1].misfit <= NEAR * goal:
+            break
+    found.sort(key=lambda one: one.misfit)
+    best, contacts_of_one = found[0], found[0].asperities.exists.sum() * len(residual(found[0].asperities)[0])
+    patience = min(patience, max(LEAST_PATIENCE, int(CONTACTS / HERTZ.steps / contacts_of_one)))
+    ends: list[float] = []
+    for restart in range(MOST_RESTARTS if patience else 0):
+        if best.misfit <= goal or sum(end <= AGREE * best.misfit for end in ends) >= agreeing:
+            break
+        start = found[restart] if restart < len(found) else _far(residual, best, problem, goal, rng)
+        one = _changed(residual, start, problem, goal, rng, law, patience)
+        best = min(best, one, key=lambda each: each.misfit)
+        ends.append(one.misfit)
+    return best
+
+
+def _far(residual: Residual, best: Found, problem: Problem, goal: float, rng: np.random.Generator) -> Found:
+    """Return the result of a descent from asperities far from the best ones."""
+    at = best.asperities
+    for _ in range(FAR):
+        at = changed(at, problem, rng)
+    return descend(residual, at, problem, goal)
+
+
+def _changed(
+    residual: Residual,
+    best: Found,
+    problem: Problem,
+    goal: float,
+    rng: np.random.Generator,
+    law: TargetLaw | None,
+    patience: int,
+) -> Found:
+    """Return the best asperities of exchanges and random changes of the best ones so far."""
+    failed, exchanged = 0, law is None or len(problem.tools) == 1
+    for _ in each("random change", range(100 * patience), at_most=True):
+        if best.misfit <= goal or failed >= patience:
+            break
+        trials = [changed(best.asperities, problem, rng)]
+        if not exchanged:
+            trials = list(exchanges(best.asperities, problem, law))
+        one = min(
+            (descend(residual, trial, problem, goal) for trial in trials),
+            key=lambda each: each.misfit,
+            default=best,
+        )
+        exchanged = exchanged or one.misfit >= best.misfit
+        if one.misfit < (1.0 - GAIN) * best.misfit:
+            failed, exchanged = 0, law is None or len(problem.tools) == 1
+        else:
+            failed += 1
+        best = min(best, one, key=lambda each: each.misfit)
+    return best
+
+
+def changed(at: Asperities, problem: Problem, rng: np.random.Generator) -> Asperities:
+    """Return asperities after a random change: some move, some are added or removed, some change their tool."""
+    sizes = (HERTZ if has_paraboloids(problem.model) else OTHERS).sizes
+    height, tool, on = at.height.copy(), at.tool.copy(), at.sites
+    free = np.setdiff1d(on, list(problem.held)) if problem.held else on
+    if not free.size:
+        return at
+    low, high = problem.foot, problem.limits.top
+    spacing = (float(np.ptp(height[on])) or problem.limits.span) / len(on) * rng.choice(sizes)
+    moves = rng.random(len(free)) < rng.choice(FRACTIONS)
+    height[free] += spacing * rng.standard_normal(len(free)) * moves
+    if rng.random() < ANYWHERE:
+        height[rng.choice(free)] = rng.uniform(height[on].min(), height[on].max())
+    vacant = np.setdiff1d(problem.open, on)
+    if vacant.size and rng.random() < ADDING:
+        new = rng.choice(vacant, rng.integers(1, min(MOST_ADDED, vacant.size) + 1), replace=False)
+        source = rng.choice(on, len(new))
+        height[new] = height[source] + spacing * rng.standard_normal(len(new))
+        tool[new] = tool[source]
+    elif len(free) > 1 and len(on) > 2 and rng.random() < REMOVING:
+        tool[rng.choice(free)] = NONE
+    if len(problem.tools) > 1:
+        anew = free[(rng.random(len(free)) < rng.choice((0.0, 0.1, 0.3))) & (tool[free] != NONE)]
+        tool[anew] = rng.integers(len(problem.tools), size=len(anew))
+    height = np.clip(height, low, high)
+    for site, given in problem.held.items():
+        height[site] = given
+    return Asperities(height, tool)
+
+
+def exchanges(at: Asperities, problem: Problem, law: TargetLaw) -> Iterator[Asperities]:
+    """Yield asperities of which one or two have another tool, for the least predicted misfits of independent ones.
+
+    To first order, another tool changes A0 at a fixed load by the change of its own area, less dA0/dP times
+    that of its own load. The heights then reduce the residual as in an undamped step.
+    """
+    tools, some = problem.tools, at.sites
+    which, every = at.tool[some], np.repeat(np.arange(len(tools)), len(some))
+    try:
+        found = problem.independent.sensitivity_of(at.height[some], tools.summits[which], law.load)
+        load, _, area, _ = _rates(problem, np.tile(found.indentation, len(tools)), tools.summits[every])
+    except InvalidInput:  # beyond the range of a contact law
+        return
+    own_load, stiffness, own_area, growth = _rates(problem, found.indentation, tools.summits[which])
+    slope = growth.sum(axis=1) / stiffness.sum(axis=1)
+    r, jacobian = law.residual(found.curve.area, lambda: found.gradient)
+    scale = np.sqrt(law.weight) / law.law(found.curve.area)
+    change = (area - np.tile(own_area, len(tools))) - slope[:, None] * (load - np.tile(own_load, len(tools)))
+    # without what the heights can change, and in an orthonormal basis of the rest
+    q, _ = np.linalg.qr(jacobian()[:, (found.gradient != 0.0).any(axis=0)], mode="complete")
+    rest = q[:, int((found.gradient != 0.0).any(axis=0).sum()) :].T
+    r, change = rest @ r, rest @ (scale[:, None] * change)
+    single = ((r[:, None] + change) ** 2).sum(axis=0)
+    single[every == np.tile(which, len(tools))] = np.inf
+    row = np.argsort(single, kind="stable")[:PAIRED]
+    row = row[np.isfinite(single[row])]
+    both = single[row][:, None] + single[row] - r @ r + 2.0 * change[:, row].T @ change[:, row]
+    both[(row % len(some))[:, None] == row % len(some)] = np.inf
+    both[np.tri(len(row), dtype=bool)] = np.inf
+    np.fill_diagonal(both, single[row])
+    for flat in np.argsort(both, axis=None, kind="stable")[:TRIED_EXCHANGES].tolist():
+        tool = at.tool.copy()
+        for one in row[list(divmod(flat, len(row)))].tolist():
+            tool[some[one % len(some)]] = every[one]
+        yield Asperities(at.height, tool)
+
+
+def _rates(problem: Problem, depth: FloatArray, summits: Any) -> tuple[FloatArray, ...]:
+    """Return loads [mm^2], dP/dd [mm], areas [mm^2] and dA/dd [mm] of contacts (k, n); 0 if open."""
+    law = problem.tools.law
+    if not law.adhesive:
+        return load_equation(law).rates(depth, summits)
+    size, closed = np.broadcast_to(summits, depth.shape), depth > 0.0
+    at = contacts(law, depth, size)
+    growth = law.area_slope(at.contact_radius, size)
+    return tuple(np.where(closed, part, 0.0) for part in (at.load, at.stiffness, at.area, growth))

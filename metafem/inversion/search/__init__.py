@@ -1,1 +1,0 @@
-"""Searches for heights whose law is nearest to a target law."""

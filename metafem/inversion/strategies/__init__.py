@@ -1,1 +1,0 @@
-"""Strategies that find heights of independent asperities for each kind of target."""

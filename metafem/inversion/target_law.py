@@ -1,0 +1,157 @@
+"""Target law at a list of loads: a law or a band, possibly with free parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.linalg.lapack import dgels
+
+from metafem._validate import FloatArray, IntArray
+
+# Relative differences (k,) [-] from a law, and a function that returns their Jacobian (k, n) [1/mm]. The
+# Jacobian takes longer to compute than the differences, and many steps do not need it.
+LateResidual = tuple[FloatArray, Callable[[], FloatArray]]
+
+# Number of iterations for the free parameters. The weights of each iteration are relative to the law of the
+# previous iteration. After two iterations the weights have converged to within a digit of the residual.
+ROUNDS = 3
+
+# If the nearest law is not positive, it is raised to at least this fraction of the area curve, which makes
+# the differences large.
+FAR = 0.1
+
+
+@dataclass(frozen=True, eq=False)
+class TargetLaw:
+    """Law ``lower + free @ c <= A0 <= upper + free @ c`` at loads (k,), with free parameters c (q,).
+
+    For one law `lower` and `upper` are equal; a band has no free parameters.
+    """
+
+    load: FloatArray  # (k,) P/E* [mm^2], increasing
+    lower: FloatArray  # (k,) F/(sigma B) [mm^2]
+    upper: FloatArray  # (k,) [mm^2]
+    free: FloatArray  # (k, q), factors of the free parameters
+    weight: FloatArray  # (k,), weights of the squared relative differences, of mean 1
+    pointwise: bool = False  # whether the misfit is the largest difference, or else the root mean square
+    noise: float = 0.0  # weighted root mean square of the relative errors of the law itself
+
+    @classmethod
+    def of(
+        cls,
+        load: FloatArray,
+        lower: FloatArray,
+        upper: FloatArray | None = None,
+        free: FloatArray | None = None,
+        weight: FloatArray | None = None,
+        *,
+        pointwise: bool = False,
+        noise: float = 0.0,
+    ) -> TargetLaw:
+        """Return a law or a band; default: one law without free parameters and with equal weights."""
+        columns = np.empty((len(load), 0)) if free is None else free
+        given = np.ones(len(load)) if weight is None else weight / weight.mean()
+        return cls(load, lower, lower if upper is None else upper, columns, given, pointwise, noise)
+
+    @property
+    def is_open(self) -> bool:
+        """Whether the target has free parameters."""
+        return bool(self.free.shape[1])
+
+    @property
+    def is_band(self) -> bool:
+        """Whether the target is a band."""
+        return self.lower is not self.upper
+
+    @property
+    def middle(self) -> FloatArray:
+        """Middle of the band, or the law without its free part, (k,) [mm^2]."""
+        return np.asarray(0.5 * (self.lower + self.upper)) if self.is_band else self.lower
+
+    def narrowed(self, part: float) -> TargetLaw:
+        """Return the band narrowed to a part of its width [-] around its middle."""
+        low, high = (self.middle + part * (end - self.middle) for end in (self.lower, self.upper))
+        return replace(self, lower=low, upper=high)
+
+    def part(self, rows: IntArray) -> TargetLaw:
+        """Return the law at some of its loads."""
+        low, high = self.lower[rows], self.upper[rows]
+        given = low, high if self.is_band else low, self.free[rows], self.weight[rows]
+        return replace(TargetLaw(self.load[rows], *given), pointwise=self.pointwise, noise=self.noise)
+
+    def thinned(self, most: int) -> TargetLaw:
+        """Return the law at no more than `most` of its loads, evenly spaced by index and with both ends."""
+        if len(self.load) <= most:
+            return self
+        part = self.part(np.unique(np.linspace(0, len(self.load) - 1, most).round().astype(np.int64)))
+        return replace(part, weight=part.weight / part.weight.mean())
+
+    def divided(self, ratio: FloatArray) -> TargetLaw:
+        """Return the law divided by a ratio (k,) [-]."""
+        low, high = self.lower / ratio, self.upper / ratio
+        return replace(self, lower=low, upper=high if self.is_band else low, free=self.free / ratio[:, None])
+
+    def open_parameters(self, area: FloatArray) -> FloatArray:
+        """Return the free parameters for which the law is nearest to an area curve (k,) [mm^2], (q,)."""
+        return np.asarray(np.linalg.lstsq(self.free, self.law(area) - self.lower, rcond=None)[0])
+
+    def law(self, area: FloatArray) -> FloatArray:
+        """Return the law of the target that is nearest to an area curve, (k,) [mm^2]."""
+        if not self.is_open:
+            return np.clip(area, self.lower, self.upper)
+        law = area
+        for _ in range(ROUNDS):
+            scale = np.sqrt(self.weight) / law
+            c = _nearest(scale[:, None] * self.free, scale * (area - self.lower))
+            law = self.lower + self.free @ c
+            if law.min() <= 0.0:  # the curve is far from any law of this kind
+                return np.asarray(np.maximum(law, FAR * area))
+        return np.asarray(law)
+
+    def laws(self, area: FloatArray) -> FloatArray:
+        """Return `law` for each of many area curves (m, k), (m, k)."""
+        if not self.is_open:
+            return np.clip(area, self.lower, self.upper)
+        return np.array([self.law(row) for row in area])
+
+    def residual(self, area: FloatArray, gradient: Callable[[], FloatArray]) -> LateResidual:
+        """Return the weighted relative differences (k,) [-], and a function that returns their Jacobian.
+
+        Both are those for the best free parameters; gradient: function that returns dA0/dh [mm], (k, n).
+        """
+        law = self.law(area)
+        scale = np.sqrt(self.weight) / law
+        r = scale * (area - law)
+        if self.is_band:  # within the band the law may change freely
+            scale = np.where(r == 0.0, 0.0, scale)
+        if not self.is_open:
+            return r, lambda: scale[:, None] * gradient()
+        free = scale[:, None] * self.free
+
+        def without_free(values: FloatArray) -> FloatArray:
+            return np.asarray(values - free @ _nearest(free, values))
+
+        return without_free(r), lambda: without_free(scale[:, None] * gradient())
+
+    def difference(self, area: FloatArray) -> FloatArray:
+        """Return the relative differences of an area curve from the law, (k,) [-]."""
+        return np.asarray(area / self.law(area) - 1.0)
+
+    def misfit(self, area: FloatArray) -> float:
+        """Return the largest relative difference [-] if the law is pointwise, or the root mean square."""
+        difference = self.difference(area)
+        if self.pointwise:
+            return float(np.abs(difference).max())
+        return float(np.sqrt((self.weight * difference**2).mean()))
+
+
+def _nearest(free: FloatArray, values: FloatArray) -> FloatArray:
+    """Return the coefficients (q, ...) for which a sum of columns (k, q) is nearest to values (k, ...)."""
+    count = free.shape[1]
+    if len(free) >= count:
+        _, found, failed = dgels(free, values)  # a fifth of the time of `lstsq`
+        if not failed:
+            return np.asarray(found[:count])
+    return np.asarray(np.linalg.lstsq(free, values, rcond=None)[0])

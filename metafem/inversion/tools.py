@@ -1,0 +1,357 @@
+"""Tools, one of which makes each asperity: a list of them, or the steps of a range."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import scipy
+
+from metafem import _validate as check
+from metafem._given import Given as Argument
+from metafem._given import shown
+from metafem._validate import FloatArray, IntArray
+from metafem.caps import SPHERE, Cap, Caps, Paraboloid, Power, Sphere
+from metafem.caps.shapes import STEEPEST
+from metafem.contact import Contact, Elastic
+from metafem.contact.elastic import PARABOLOID
+from metafem.errors import InvalidInput, refuse_if
+from metafem.surface import Surface
+
+# Radii of a range up to COARSE [mm] are multiples of the first step [mm], larger ones of the second: ball-end
+# mills are sold in such sizes.
+COARSE, STEPS = 1.0, (0.05, 0.1)
+
+# Default spacing of the exponents of a range [-].
+EXPONENT_STEP = 0.1
+
+# Multiples of a step are rounded to this many decimals, which removes their rounding error.
+DECIMALS = 12
+
+# A step may exceed its range by this fraction, which is treated as rounding.
+ROUNDING = 1e-9
+
+# Number of tools of a range, evenly spaced in logarithms, that are tried for all asperities and of which
+# initial guesses consist; exchanges of tools then reach the others.
+TRIED = 7
+
+
+@dataclass(frozen=True)
+class Tool:
+    """A tool of which every cap is a copy: a shape with its radius.
+
+    Parameters
+    ----------
+    radius : float
+        R of the caps [mm], positive: of a sphere or a paraboloid, the radius of curvature; it scales the
+        profiles of other caps.
+    cap : Cap
+        Shape of the caps; default: `Sphere()`.
+
+    Raises
+    ------
+    InvalidInput
+        If the radius is not positive, or the cap is not a shape.
+
+    Examples
+    --------
+    >>> import metafem as mf
+    >>> Tool(0.3), Tool(0.8, mf.Power(4))
+    (Tool(radius=0.3, cap=Sphere()), Tool(radius=0.8, cap=Power(exponent=4.0, coefficient=0.5)))
+    """
+
+    radius: float
+    cap: Cap = SPHERE
+
+    def __post_init__(self) -> None:
+        check.member(self, "radius", above=0.0)
+        if isinstance(self.cap, Caps) or not isinstance(self.cap, Cap):
+            words = "must be one cap such as metafem.Sphere() or metafem.Power(4)"
+            raise InvalidInput(words, key="cap", value=repr(self.cap))
+
+
+@dataclass(frozen=True)
+class RadiusRange:
+    """Range of allowed radii of each asperity.
+
+    Parameters
+    ----------
+    low, high : float
+        Smallest and largest radius [mm], positive and increasing; both are allowed.
+    step : float, optional
+        Radii between `low` and `high` are multiples of this step [mm]. Default: 0.05 up to 1 mm and 0.1 above,
+        the steps in which ball-end mills are sold.
+
+    Raises
+    ------
+    InvalidInput
+        If `low` or `step` is not positive, `high` does not exceed `low`, or `step` exceeds ``high - low``.
+
+    Examples
+    --------
+    >>> RadiusRange(0.82, 1.23).radii
+    array([0.82, 0.85, 0.9 , 0.95, 1.  , 1.1 , 1.2 , 1.23])
+    """
+
+    low: float
+    high: float
+    step: float | None = None
+
+    def __post_init__(self) -> None:
+        check.member(self, "low", above=0.0)
+        check.member(self, "high", above=self.low)
+        check.member(self, "step", optional=True, above=0.0)
+        _refuse_wide_step(self.step or 0.0, self.low, self.high)
+
+    @property
+    def radii(self) -> FloatArray:
+        """The allowed radii, increasing [mm]."""
+        if self.step is not None:
+            return _on_steps(self.low, self.high, self.step)
+        fine, coarse = STEPS
+        parts = []
+        if self.low < COARSE:
+            parts.append(_on_steps(self.low, min(self.high, COARSE), fine))
+        if self.high > COARSE:
+            parts.append(_on_steps(max(self.low, COARSE), self.high, coarse))
+        return np.unique(np.concatenate(parts))
+
+
+@dataclass(frozen=True)
+class PowerRange:
+    """Range of exponents of power caps ``f(rho) = c R (rho/R)^n``.
+
+    All caps of the range have the same depth c R at the distance R from the axis: the larger the exponent,
+    the flatter the summit and the steeper the side.
+
+    Parameters
+    ----------
+    low, high : float
+        Smallest and largest exponent n [-], greater than 1, at most 32, and increasing; both are allowed.
+    step : float
+        Exponents between `low` and `high` are multiples of this step [-]. Default: 0.1.
+    radius : float, optional
+        R of all caps [mm], positive; default: the common radius of the template.
+    coefficient : float
+        c of all caps [-], positive; default: 0.5, with which the cap of the exponent 2 is a paraboloid of the
+        radius R.
+
+    Raises
+    ------
+    InvalidInput
+        If a value is outside its range, `high` does not exceed `low`, or `step` exceeds ``high - low``.
+
+    Examples
+    --------
+    >>> PowerRange(1.2, 2, step=0.2).exponents
+    array([1.2, 1.4, 1.6, 1.8, 2. ])
+    """
+
+    low: float
+    high: float
+    step: float = EXPONENT_STEP
+    radius: float | None = None
+    coefficient: float = 0.5
+
+    def __post_init__(self) -> None:
+        check.member(self, "low", above=1.0, at_most=STEEPEST)
+        check.member(self, "high", above=self.low, at_most=STEEPEST)
+        check.member(self, "step", above=0.0)
+        check.member(self, "radius", optional=True, above=0.0)
+        check.member(self, "coefficient", above=0.0)
+        _refuse_wide_step(self.step, self.low, self.high)
+
+    @property
+    def exponents(self) -> FloatArray:
+        """The allowed exponents, increasing."""
+        return _on_steps(self.low, self.high, self.step)
+
+
+# The argument `tools` of a design.
+Given = RadiusRange | PowerRange | Sequence[Tool | float]
+
+
+@dataclass(frozen=True, eq=False)
+class Tools:
+    """The tools of a design, with the law of one contact of each.
+
+    Attributes
+    ----------
+    all : tuple of Tool
+        Of a range, one tool for each step, in order.
+    given : the argument `tools` of the design, or None
+    law : Contact
+        Law of one contact for unit E*, bound to the material and the caps of all tools.
+    summits : ndarray, (t,)
+        What the methods of the law take as `radius`, for each tool.
+    laws : tuple of (Contact, float)
+        The law of each tool alone, and what its methods take as `radius`.
+    """
+
+    all: tuple[Tool, ...]
+    given: Given | None
+    law: Contact
+    summits: Any
+    laws: tuple[tuple[Contact, float], ...]
+
+    @classmethod
+    def of(cls, given: Given | None, template: Surface, contact: Contact) -> Tools:
+        """Return the tools of the argument `given`; default: the common radius and cap of the template."""
+        listed = _listed(given, template)
+        radius = np.array([tool.radius for tool in listed])
+        position = np.column_stack([np.cumsum(radius), np.zeros(len(listed))])
+        cap = Caps.of([tool.cap for tool in listed])
+        one_each = Surface(position, np.zeros(len(listed)), radius, template.material, cap=cap)
+        law = contact.bound(one_each)
+        summits = np.broadcast_to(law.summits(one_each), len(listed))
+        if isinstance(cap, Caps):
+            alone = [one_each.only([i]) for i in range(len(listed))]
+            single = [(own := contact.bound(part), float(own.summits(part)[0])) for part in alone]
+        else:
+            single = [(law, summit) for summit in summits.tolist()]
+        return cls(tuple(listed), given, law, summits, tuple(single))
+
+    def __len__(self) -> int:
+        return len(self.all)
+
+    @property
+    def ordered(self) -> bool:
+        """Whether the tools are those of a range, so that neighbours have similar laws."""
+        return isinstance(self.given, (RadiusRange, PowerRange))
+
+    @property
+    def tried(self) -> IntArray:
+        """Tools that are tried for all asperities: all of a list, some of a range."""
+        if not self.ordered or len(self) <= TRIED:
+            return np.arange(len(self))
+        size = [
+            tool.cap.exponent if isinstance(tool.cap, Power) else tool.radius  # what differs in a range
+            for tool in self.all
+        ]
+        some = np.interp(np.geomspace(size[0], size[-1], TRIED), size, np.arange(len(size)))
+        return np.unique(some.round().astype(np.int64))
+
+    @property
+    def same_shape(self) -> bool:
+        """Whether all tools have one shape, so that they differ by their radius alone."""
+        return len({tool.cap for tool in self.all}) == 1
+
+    def only(self, index: int) -> Tools:
+        """Return one of the tools as the only one."""
+        law, summit = self.laws[index]
+        return Tools((self.all[index],), self.given, law, np.array([summit]), ((law, summit),))
+
+    @property
+    def argument(self) -> RadiusRange | PowerRange | tuple[float | Tool, ...] | None:
+        """The argument `tools` of a design with these tools: a range, different radii or tools, or None."""
+        if self.given is None or isinstance(self.given, (RadiusRange, PowerRange)):
+            return self.given
+        if any(isinstance(each, Tool) for each in self.given):
+            return self.all
+        return tuple(tool.radius for tool in self.all)
+
+    def radius(self, which: IntArray) -> FloatArray:
+        """Return the radii [mm] of asperities made by tools (n,)."""
+        return np.array([tool.radius for tool in self.all])[which]
+
+    def cap(self, which: IntArray) -> Cap:
+        """Return the caps of asperities made by tools (n,)."""
+        return Caps.of([self.all[i].cap for i in which.tolist()])
+
+    def __str__(self) -> str:
+        radii = [tool.radius for tool in self.all]
+        if isinstance(self.given, PowerRange):
+            return f"power caps of exponents from {self.given.low:g} to {self.given.high:g}"
+        if not self.same_shape:
+            return f"{len(self)} tools"
+        if len(self) == 1:
+            return f"radius {radii[0]:g} mm"
+        return f"radii from {min(radii):g} to {max(radii):g} mm"
+
+
+def default_contact(tools: Given | None) -> Contact:
+    """Return the default contact law: `Hertz()` if all tools are spheres or paraboloids, or `Elastic()`."""
+    if isinstance(tools, PowerRange):
+        return Elastic()
+    listed: Any = () if tools is None or isinstance(tools, RadiusRange) else tools
+    curved = (isinstance(tool.cap, (Sphere, Paraboloid)) for tool in listed if isinstance(tool, Tool))
+    return PARABOLOID if all(curved) else Elastic()
+
+
+def refuse_misfits(tools: Tools, template: Surface, top: float) -> None:
+    """Raise InvalidInput for tools of several shapes whose caps cannot be `top` [mm] high, or then overlap."""
+    if tools.same_shape and not isinstance(tools.given, PowerRange):
+        return
+    apart = np.inf
+    if template.count > 1:
+        distance, _ = scipy.spatial.cKDTree(template.position).query(template.position, k=2)
+        apart = float(distance[:, 1].min())
+    for tool in tools.all:
+        radius = np.array([tool.radius])
+        high = float(tool.cap.tallest(radius)[0])
+        refuse_if(
+            high < top,
+            f"tools: {tool!r} has caps of at most {high:.4g} mm, but limits allow heights of {top:.4g} mm: "
+            "use a larger radius or a smaller max_height",
+        )
+        wide = 2.0 * float(tool.cap.foot_radius(np.array([top]), radius)[0])
+        refuse_if(
+            wide > apart,
+            f"tools: {tool!r} has a foot {wide:.4g} mm wide at the largest height of {top:.4g} mm, but the "
+            f"nearest sites are {apart:.4g} mm apart: use a smaller radius, a larger coefficient, a smaller "
+            "max_height or a larger pitch",
+        )
+
+
+def _listed(given: Given | None, template: Surface) -> list[Tool]:
+    """Return the different tools of the argument `given`, in order; plain radii have the template's cap."""
+    if isinstance(given, PowerRange):
+        radius = _common_radius(template) if given.radius is None else given.radius
+        return [Tool(radius, Power(n, given.coefficient)) for n in given.exponents.tolist()]
+    if given is None:
+        return [Tool(_common_radius(template), _common_cap(template))]
+    if isinstance(given, RadiusRange):
+        return [Tool(radius, _common_cap(template)) for radius in given.radii.tolist()]
+    words = "must be a list of metafem.Tool or of radii [mm], a RadiusRange or a PowerRange"
+    values: Any = given
+    if isinstance(values, (str, bytes)) or not isinstance(values, (Sequence, np.ndarray)) or not len(values):
+        raise InvalidInput(words, key="tools", value=shown(values))
+    found = []
+    for i, value in enumerate(values):
+        if not isinstance(value, Tool):
+            if isinstance(value, str) or not check.scalar(value):
+                raise InvalidInput(words, key=f"tools[{i}]", value=shown(value))
+            value = Tool(check.number(f"tools[{i}]", value, above=0.0), _common_cap(template))
+        found.append(value)
+    different = list(dict.fromkeys(found))
+    return different if isinstance(values[0], Tool) else sorted(different, key=lambda tool: tool.radius)
+
+
+def _common_cap(template: Surface) -> Cap:
+    words = "has caps that differ; one common cap is needed here, and the argument tools allows several"
+    refuse_if(isinstance(template.cap, Caps), words, key="template.cap")
+    return template.cap
+
+
+def _common_radius(template: Surface) -> float:
+    radius = template.radius
+    refuse_if(
+        (radius != radius[0]).any(),
+        f"template.radius runs from {radius.min():g} to {radius.max():g} mm; one common radius is needed "
+        "here, and the argument tools allows several",
+    )
+    return float(radius[0])
+
+
+def _on_steps(low: float, high: float, step: float) -> FloatArray:
+    """Return the multiples of a step between two values, and the values themselves, increasing."""
+    inside = np.round(step * np.arange(np.ceil(low / step), np.floor(high / step) + 1.0), DECIMALS)
+    return np.unique(np.concatenate([[low, high], inside]))
+
+
+def _refuse_wide_step(step: float, low: float, high: float) -> None:
+    wide = step > (high - low) * (1.0 + ROUNDING)
+    words = "exceeds the range from {.number} to {.number}; give a smaller step"
+    refuse_if(wide, words, Argument("low", low), Argument("high", high), key="step", value=step)
