@@ -10,7 +10,7 @@ from metafem.models.model import contact_of
 from metafem.notes import Note
 from metafem.prediction import FrictionLaw
 from metafem.report.names import model_words
-from metafem.studies.substrates import laws_on_substrates
+from metafem.studies.models import laws_on_substrates
 
 # Largest number of asperities for which interacting laws are compared. Up to this number, a report takes a
 # second or two.

@@ -26,7 +26,7 @@ from metafem.report.sections.exactness import exactness_section
 from metafem.report.sections.measured import measured_section
 from metafem.report.sections.sliding import sliding_section
 from metafem.report.views import MOST_SHAPED, contact_figure, height_figure
-from metafem.studies.summaries import summary
+from metafem.studies.summary import summary
 
 if TYPE_CHECKING:
     from xarray import Dataset

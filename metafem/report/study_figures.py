@@ -10,7 +10,7 @@ import numpy as np
 
 from metafem._values import MICROMETRES
 from metafem.drawing import ACHIEVED, QUIET, TARGET, finished, law, new_figure
-from metafem.studies.summaries.parameters import in_words, main_quantity, shares
+from metafem.studies.summary import in_words, main_quantity, shares
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

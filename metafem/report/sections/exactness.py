@@ -11,7 +11,7 @@ from metafem.report.study_figures import (
     misalignment_figure,
     uncertainty_figure,
 )
-from metafem.studies.summaries import summary
+from metafem.studies.summary import summary
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -11,7 +11,7 @@ from metafem.drawing import MEASURED, MEASURED_BESIDE, QUIET, calibration, finis
 from metafem.drawing.inline import drawn
 from metafem.inversion import Design
 from metafem.report.names import model_words
-from metafem.studies.summaries.measurements import answers, features, measured_summary
+from metafem.studies.measured import answers, features, measured_summary
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.sparse.csgraph import connected_components
 from scipy.special import ndtri
 
 from metafem import _validate as check
-from metafem._given import Given, shown
+from metafem._given import shown
 from metafem._validate import FloatArray
 from metafem.errors import refuse_if
-from metafem.surface import Surface
+
+# Standard deviations of inputs by name, or names and their covariance matrix.
+Parameters = Mapping[str, ArrayLike] | tuple[Sequence[str], ArrayLike]
 
 # Minimum distance of a positive input from zero, in standard deviations. The smallest coordinate of a Sobol
 # point with 30 bits is 2^-31; the inverse normal distribution there is -6.2.
@@ -23,7 +26,7 @@ WIDEST = 7.0
 # Allowed rounding error of the correlations.
 ROUNDING = 1e-9
 
-# Conditions of the inputs that are not always available, and the remedy for a name that is not an input.
+# Why an input is not available.
 NEEDS = {
     "shear_strength": "needs a surface with a Friction",
     "area_ratio": "needs a surface with a Friction",
@@ -43,49 +46,46 @@ class Inputs:
         Standard deviation of each input, (1,), or (k,) if the input has k values.
     root : ndarray, (p, p)
         Symmetric square root of the correlation matrix.
-    groups : tuple of tuple of int
+    groups : list of list of int
         Indices of the inputs in each group; inputs of different groups are independent.
     """
 
     names: tuple[str, ...]
     sd: tuple[FloatArray, ...]
     root: FloatArray
-    groups: tuple[tuple[int, ...], ...]
+    groups: list[list[int]]
 
-    @staticmethod
-    def of(parameters: Any, covariance: Any, mean: Mapping[str, float | FloatArray]) -> Inputs:
-        """Return the inputs from standard deviations by name, or from names and their covariance matrix.
+    @classmethod
+    def of(cls, parameters: Parameters, mean: Mapping[str, float | FloatArray]) -> Inputs:
+        """Return the inputs; mean: nominal values of all available inputs.
 
-        mean: nominal values of all available inputs. A number must stay positive under its errors. The values
-        of an array may have any size, and one standard deviation for all values or one for each value.
+        A number must stay positive under its errors. The values of an array may have any size, and one
+        standard deviation for all values or one for each value.
         """
-        stated = f"parameters = {shown(parameters)}"
-        refuse_if(
-            isinstance(parameters, Mapping) != (covariance is None),
-            f"{stated} must map names to standard deviations, or list the names of the rows of a covariance "
-            "matrix",
-        )
-        names = tuple(map(str, parameters))
-        once = names and len(set(names)) == len(names)
-        refuse_if(not once, f"{stated} must name each of its parameters once")
+        given, covariance = parameters if isinstance(parameters, tuple) else (parameters, None)
+        names = tuple(map(str, given))
+        once = bool(names) and len(set(names)) == len(names)
+        refuse_if(not once, f"parameters = {shown(parameters)} must name each of its parameters once")
         for name in names:
-            refuse_if(name not in mean and name in NEEDS, f"parameters.{name} {NEEDS.get(name)}")
-            words = f"parameters has no parameter {shown(name)}; there are {', '.join(mean)}"
-            refuse_if(name not in mean, words)
-        if isinstance(parameters, Mapping):
-            sd = tuple(_deviation(name, value, mean[name]) for name, value in parameters.items())
+            why = NEEDS.get(name, f"is none of the parameters, {', '.join(mean)}")
+            refuse_if(name not in mean, why, key=f"parameters.{name}")
+        if isinstance(given, Mapping):
+            sd = tuple(_deviation(name, value, mean[name]) for name, value in given.items())
             correlation = np.eye(len(names))
         else:
             deviations, correlation = _split(covariance, len(names))
             sd = tuple(deviations[:, None])
         for name, value in zip(names, sd, strict=True):
-            key, most = f"parameters.{name}", float(np.min(mean[name])) / WIDEST
-            words = "must be at most {.number}, a seventh of the value, which must not become negative"
-            wide = np.ndim(mean[name]) == 0 and value[0] > most
-            refuse_if(wide, words, Given(key, most), key=key, value=float(value[0]))
+            most = np.inf if np.ndim(mean[name]) else float(mean[name]) / WIDEST
+            words = f"must be at most {most:g}, a seventh of the value, which must not become negative"
+            refuse_if(value[0] > most, words, key=f"parameters.{name}", value=float(value[0]))
         words = "parameters are all without errors; one standard deviation must be above 0"
         refuse_if(not any(value.any() for value in sd), words)
-        return Inputs(names, sd, _root(correlation), _groups(correlation))
+        value, vector = np.linalg.eigh(correlation)
+        root = (vector * np.sqrt(np.maximum(value, 0.0))) @ vector.T
+        count, label = connected_components(correlation != 0.0)
+        groups = [np.flatnonzero(label == group).tolist() for group in range(count)]
+        return cls(names, sd, np.asarray(root), groups)
 
     @property
     def labels(self) -> list[str]:
@@ -104,10 +104,7 @@ def _deviation(name: str, value: Any, mean: float | FloatArray) -> FloatArray:
     label = f"parameters.{name}"
     if np.ndim(mean) == 0 or check.scalar(value):
         return np.array([check.number(label, value, at_least=0.0)])
-    each = check.array(label, value, shape=(np.size(mean),))
-    lowest = Given(name, float(each.min()))
-    refuse_if(each.min() < 0.0, "holds {.number}; it must be at least 0", lowest, key=label)
-    return each
+    return check.loads(label, check.array(label, value, shape=(np.size(mean),)))
 
 
 def _split(covariance: Any, size: int) -> tuple[FloatArray, FloatArray]:
@@ -118,30 +115,7 @@ def _split(covariance: Any, size: int) -> tuple[FloatArray, FloatArray]:
     correlation = matrix / scale / scale[:, None]
     words = "covariance must be a symmetric matrix"
     refuse_if(np.abs(correlation - correlation.T).max() > ROUNDING, words)
-    correlation = 0.5 * (correlation + correlation.T)
     smallest = float(np.linalg.eigvalsh(correlation)[0])
     words = "covariance must be positive semidefinite; the smallest eigenvalue of its correlations is"
     refuse_if(smallest < -ROUNDING, f"{words} {smallest:.3g}")
-    return sd, correlation
-
-
-def values_of(surface: Surface) -> dict[str, float | FloatArray]:
-    """Return the nominal values of a surface's parameters that can have an error."""
-    found: dict[str, float | FloatArray] = {
-        "radius": float(surface.radius.mean()),
-        "composite_modulus": surface.material.composite_modulus,
-    }
-    if surface.friction is not None:
-        found |= {name: float(getattr(surface.friction, name)) for name in ("shear_strength", "area_ratio")}
-    return found
-
-
-def _root(correlation: FloatArray) -> FloatArray:
-    value, vector = np.linalg.eigh(correlation)
-    return np.asarray((vector * np.sqrt(np.maximum(value, 0.0))) @ vector.T)
-
-
-def _groups(correlation: FloatArray) -> tuple[tuple[int, ...], ...]:
-    """Return the groups of inputs that are correlated with each other, directly or through others."""
-    _, label = connected_components(correlation != 0.0)
-    return tuple(tuple(np.flatnonzero(label == group).tolist()) for group in range(label.max() + 1))
+    return sd, 0.5 * (correlation + correlation.T)
