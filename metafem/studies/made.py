@@ -95,7 +95,7 @@ def manufacturing(
     >>> surface = mf.Surface.square_lattice(height, (2, 2), radius=0.526, material=mf.Material(1.36))
     >>> study = manufacturing(surface, [0.0, 0.001])
     >>> study.slope_sd.values.round(3)
-    array([0.   , 0.047])
+    array([0.   , 0.046])
     """
     design, part = (surface, surface.surface) if isinstance(surface, Design) else (None, surface)
     used = checked_model(Independent() if model is None else model)

@@ -293,6 +293,9 @@ def _sampled(draw: Draw, random: np.random.Generator, points: int) -> dict[str, 
 def _estimates(values: dict[str, FloatArray]) -> dict[str, FloatArray]:
     """Return mean and standard deviation (k,), and the Sobol indices (g, k)."""
     both = np.concatenate([values["f_A"], values["f_B"]], axis=-1)
-    found = sobol_indices(func=values, n=values["f_A"].shape[-1])
-    first, total = (np.reshape(part, (len(both), -1)).T for part in (found.first_order, found.total_order))
+    # a copy of the first value: scipy's indices have no axis for a single one
+    twice = {key: np.concatenate([value, value[..., :1, :]], axis=-2) for key, value in values.items()}
+    found = sobol_indices(func=twice, n=values["f_A"].shape[-1])
+    shape = len(both) + 1, -1
+    first, total = (np.reshape(part, shape).T[:, :-1] for part in (found.first_order, found.total_order))
     return {"mean": both.mean(axis=-1), "sd": both.std(axis=-1), "first_order": first, "total": total}

@@ -17,8 +17,8 @@ from metafem.report.sections.exactness import QUESTIONS, exactness_section
 from metafem.report.sections.measured import measured_figure, measured_section
 from metafem.report.sections.sliding import sliding_section
 from metafem.report.views import contact_figure, height_figure
-from metafem.studies.measurements import explained, measured
-from metafem.studies.summaries import summary
+from metafem.studies.measured import explained, measured
+from metafem.studies.summary import summary
 from tests.core.report.test_page import LATTICE, POINTS
 
 MATERIAL = LATTICE.material
