@@ -98,7 +98,7 @@ class FrictionLaw(BaseLaw):
     >>> law.rescaled_friction.round(4)
     array([0.4708, 0.7474])
     >>> law
-    <FrictionLaw: 2 loads 0.1 to 0.2 N, area 0.4708 to 0.7474 mm^2, Independent(), converged, 1 warning>
+    <FrictionLaw: 2 loads 0.1 to 0.2 N, area 0.4708 to 0.7474 mm^2, model Independent(), ...>
     """
 
     rescaled_load: FloatArray
@@ -119,10 +119,9 @@ class FrictionLaw(BaseLaw):
         converged = self.status is Status.CONVERGED  # the last state of a failed solver may be arbitrary
         for name in ARRAYS:
             values = getattr(self, name)
-            refuse_if(
-                values.ndim != 1 or values.shape != self.rescaled_load.shape or not values.size,
-                f"{name} has shape {values.shape}; the arrays of a law have one entry for each load",
-            )
+            alike = values.ndim == 1 and values.shape == self.rescaled_load.shape and values.size
+            words = f"{name} has shape {values.shape}; the arrays of a law have one entry for each load"
+            refuse_if(not alike, words)
             values.flags.writeable = False
             possible = np.isfinite(values) if name in SIGNED else values >= 0.0
             check.refuse_entries(name, values, converged & ~possible, "is impossible in a converged law")
@@ -130,27 +129,19 @@ class FrictionLaw(BaseLaw):
         refuse_if(fall, "the loads of a law must not decrease")
 
     def __repr__(self) -> str:
-        facts = self._facts()
-        force = f"friction force {facts['friction force']}, " if self.friction is not None else ""
-        return (
-            f"<FrictionLaw: {facts['loads']}, area {facts['area']}, {force}{self.model!r}, "
-            f"{self.status.name.lower()}, {facts['notes']}>"
-        )
+        return f"<FrictionLaw: {', '.join(f'{name} {fact}' for name, fact in self._facts().items())}>"
 
     def _repr_html_(self) -> str:
         """Return the HTML representation for notebooks."""
         forces = self.friction is not None
-        x, y = (
-            card.thinned(self.load, self.friction_force)
-            if forces
-            else card.thinned(self.rescaled_load, self.rescaled_friction)
-        )
+        arrays = (self.load, self.friction_force) if forces else (self.rescaled_load, self.rescaled_friction)
+        x, y = card.thinned(*arrays)
         return card.card("Friction law", self._facts(), lambda ax: drawing.law(ax, x, y, forces=forces))
 
     def _facts(self) -> dict[str, str]:
         """Return the quantities for the printed summary."""
         ends = self.material.composite_modulus * self.rescaled_load[[0, -1]]
-        facts = {"loads": f"{len(self.area):,} loads {span(ends, 'N')}", "area": span(self.area, "mm^2")}
+        facts = {f"{len(self.area):,} loads": span(ends, "N"), "area": span(self.area, "mm^2")}
         if self.friction is not None:
             ends = np.array([self.rescaled_friction.min(), self.rescaled_friction.max()])
             facts["friction force"] = span(self.friction.stress * ends, "N")
@@ -176,10 +167,8 @@ class FrictionLaw(BaseLaw):
     def friction_force(self) -> FloatArray:
         """Friction force ``F = sigma B A0`` [N], (k,); raises InvalidInput without a Friction."""
         if self.friction is None:
-            raise InvalidInput(
-                "friction_force needs the surface's friction; create the surface with "
-                "friction=metafem.Friction(shear_strength, area_ratio)"
-            )
+            words = "friction_force needs the surface's friction; create the surface with"
+            raise InvalidInput(f"{words} friction=metafem.Friction(shear_strength, area_ratio)")
         return self.friction.stress * self.rescaled_friction
 
     @property
@@ -194,9 +183,8 @@ class FrictionLaw(BaseLaw):
 
     def _nominal_area(self) -> float:
         if self.cell is None:
-            raise InvalidInput(
-                "loads per area need a periodic surface; create it with cell=metafem.PeriodicCell(...)"
-            )
+            words = "loads per area need a periodic surface; create it with"
+            raise InvalidInput(f"{words} cell=metafem.PeriodicCell(...)")
         return self.cell.area
 
     def _force(self) -> FloatArray:
@@ -280,13 +268,9 @@ def friction_law(
         f"unloading = True: the model {solver.name} has no unloading; use independent, half-space or layer",
     )
     values: dict[str, FloatArray]
-    distance = None
     if separation is not None:
-        refuse_if(
-            law.adhesive,
-            "separation cannot be given with adhesive contacts: at a given separation their load falls "
-            "where they jump into contact; give load",
-        )
+        words = "cannot be given with adhesive contacts: at a given separation their load falls where they"
+        refuse_if(law.adhesive, f"{words} jump into contact; give load", key="separation")
         distance = np.sort(check.array("separation", separation, shape=(None,)))[::-1]
         values = {"approach": surface.height.max() - distance}
     elif load is None:
@@ -294,18 +278,20 @@ def friction_law(
     else:
         newtons = np.sort(check.loads("load", load, negative=unloading and law.adhesive))
         values = {"load": newtons / surface.material.composite_modulus}
-    if not unloading:
-        curve = solver.curve(surface, **values)
-    else:
-        curve = cast("Any", solver).curve(surface, **values, unloading=True)
-    return law_of_curve(surface, solver, curve, values.get("load", curve.load), distance, unloading)
+    more = {"unloading": True} if unloading else {}  # not all models have this argument
+    curve = cast("Any", solver).curve(surface, **values, **more)
+    return law_of_curve(surface, solver, curve, values.get("load", curve.load), unloading)
 
 
 def default_loads(surface: Surface, model: Model) -> FloatArray:
     """Return the rescaled loads of the default grid [mm^2]."""
     contact = contact_of(model).bound(surface)
+    lowest, base = int(surface.gap.argmax()), CLEAR * float(surface.height.max())
+    touching = surface.gap[lowest] + GRID_INDENTATION * surface.radius[lowest]
+    if base > surface.gap[lowest]:
+        touching = min(touching, base)
     described = (surface.gap + contact.largest_indentation(contact.summits(surface))).min()
-    last = np.array([min(_grid_end(surface), WITHIN * described)])
+    last = np.array([min(touching, WITHIN * described)])
     end = model.curve(surface, approach=last).load[0]
     if end <= 0.0:  # with adhesion the load may be negative there; use the load without adhesion
         end = with_contact(model, contact.without_adhesion).curve(surface, approach=last).load[0]
@@ -317,17 +303,14 @@ def law_of_curve(
     model: Model,
     curve: Curve,
     rescaled_load: FloatArray,
-    separation: FloatArray | None = None,
     unloading: bool = False,
 ) -> FrictionLaw:
     """Return the friction law of a model's curve; raise NotConverged if the curve has not converged."""
-    if separation is None:
-        separation = surface.height.max() - curve.approach
     validity, size = Validity(surface, model, curve, unloading), surface.count + curve.area.size
     law = FrictionLaw(
         rescaled_load=np.array(rescaled_load),
         area=curve.area,
-        separation=np.array(separation),
+        separation=surface.height.max() - curve.approach,
         approach=curve.approach,
         rescaled_stiffness=curve.stiffness,
         residual=curve.residual,
@@ -343,12 +326,3 @@ def law_of_curve(
         worst = curve.residual.max()
         raise NotConverged(f"{curve.status.value}: largest residual {worst:.2g}; {REMEDY}", law)
     return law
-
-
-def _grid_end(surface: Surface) -> float:
-    """Return the approach [mm] at which the default grid ends."""
-    gaps = surface.gap
-    lowest = int(gaps.argmax())
-    end = float(gaps[lowest] + GRID_INDENTATION * surface.radius[lowest])
-    top = float(surface.height.max())
-    return min(end, CLEAR * top) if CLEAR * top > gaps[lowest] else end

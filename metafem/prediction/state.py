@@ -79,7 +79,7 @@ class ContactState(Value):
     >>> state.asperity_area.round(3)
     array([0.055, 0.022])
     >>> state
-    <ContactState: load 0.01 N, area 0.07696 mm^2, separation 0.08672 mm, 2 of 2 asperities in contact, ...>
+    <ContactState: load 0.01 N, area 0.07696 mm^2, separation 0.08672 mm, stiffness ..., in contact ...>
     """
 
     load: float
@@ -107,12 +107,7 @@ class ContactState(Value):
         return self._field
 
     def __repr__(self) -> str:
-        facts = self._facts()
-        parts = [f"{name} {facts[name]}" for name in ("load", "area", "separation")]
-        return (
-            f"<ContactState: {', '.join(parts)}, {facts['in contact']}, {self.model!r}, "
-            f"{self.status.name.lower()}, residual {facts['residual']}, {facts['notes']}>"
-        )
+        return f"<ContactState: {', '.join(f'{name} {fact}' for name, fact in self._facts().items())}>"
 
     def _repr_html_(self) -> str:
         """Return the HTML representation for notebooks."""
@@ -133,7 +128,7 @@ class ContactState(Value):
             "area": f"{self.area:.4g} mm^2",
             "separation": f"{self.separation:.4g} mm",
             "stiffness": f"{self.stiffness:.4g} N/mm",
-            "in contact": f"{closed:,} of {len(self.asperity_area):,} asperities in contact",
+            "in contact": f"{closed:,} of {len(self.asperity_area):,}",
             "model": repr(self.model),
             "status": self.status.value,
             "residual": f"{self.residual:.1e}",

@@ -171,7 +171,8 @@ def _loads(surface: Surface, model: Model, load: ArrayLike | None) -> tuple[Floa
     if check.depth(load) < 2:
         return check.array("load", load, shape=(None,), positive=True), None
     refuse_if(surface.friction is None, "of measured pairs needs a surface with a Friction", key="load")
-    loads, force = check.array("load", load, shape=(2, None), positive=True)
+    pair = check.array("load", load, shape=(2, None))
+    loads, force = (check.array("load", row, shape=(None,), positive=True) for row in pair)
     return loads, force
 
 
