@@ -76,11 +76,6 @@ def described(name: str) -> dict[str, str]:
     return {"units": "1" if share else unit, "long_name": ", ".join([quantity, *words])}
 
 
-def with_error(name: str, axes: tuple[str, ...], value: Any, error: Any) -> Variables:
-    """Return the variables of an estimate and of its sampling error."""
-    return {name: (axes, value), f"{name}_error": (axes, error)}
-
-
 def dataset(
     study: str,
     variables: Variables,

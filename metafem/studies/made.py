@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -19,7 +20,7 @@ from metafem.models.model import checked_model
 from metafem.notes import Note
 from metafem.prediction import Tolerances
 from metafem.progress import doing
-from metafem.studies.dataset import QUANTILES, Variables, dataset, with_error
+from metafem.studies.dataset import QUANTILES, Variables, dataset
 from metafem.studies.draws import computed, generator_of, seed_of
 from metafem.studies.slope import Slope
 from metafem.surface import Surface
@@ -105,38 +106,38 @@ def manufacturing(
     load = slope.load if design is None else np.union1d(slope.load, _target_loads(design))
     nominal = used.curve(part, slope.load).checked().area
 
-    areas, laws = [], []  # of all draws, and of those with a solution at the loads of the slope
-    for sd in deviations.tolist():
-        task = partial(_areas, part, used, replace(others, height_sd=sd), load, seed, count)
-        areas.append(np.concatenate(list(computed(task, range(-(-count // SIZE))))))
-        solved = np.isfinite(areas[-1]).all(axis=1)
+    levels = []  # variables of each standard deviation of the heights
+    for tolerances in [replace(others, height_sd=sd) for sd in deviations.tolist()]:
+        task = partial(_areas, part, used, tolerances, load, seed, count)
+        area = np.concatenate(list(computed(task, range(math.ceil(count / SIZE)))))
+        solved = np.isfinite(area).all(axis=1)
         if solved.sum() < 2:
-            raise NotConverged(f"fewer than two draws have a solution at height_sd = {sd:g} mm")
-        laws.append(areas[-1][solved][:, np.searchsorted(load, slope.load)])
-
-    slopes, solved = [slope.fitted(law) for law in laws], np.array([len(law) for law in laws])
+            raise NotConverged(f"fewer than two draws have a solution with {tolerances}")
+        law = area[solved][:, np.searchsorted(load, slope.load)]
+        slopes = slope.fitted(law)
+        level: Variables = {
+            **_moments("slope", (), slopes),
+            **_moments("area", ("rescaled_load",), law),
+            "slope_quantile": (("quantile",), np.quantile(slopes, QUANTILES)),
+            "failed": ((), count - len(law)),
+            "draws": ((), len(law)),
+        }
+        if design is not None:
+            misfit = np.full(count, np.inf)
+            misfit[solved] = _misfits(design, load, area[solved])
+            level["misfit_quantile"] = ("quantile",), np.quantile(misfit, QUANTILES, method="inverted_cdf")
+        levels.append(level)
     variables: Variables = {
-        "nominal_slope": ((), slope.fitted(nominal)),
-        "nominal_area": (("rescaled_load",), nominal),
-        "slope_quantile": (("height_sd", "quantile"), [np.quantile(each, QUANTILES) for each in slopes]),
-        "failed": (("height_sd",), count - solved),
-        "draws": (("height_sd",), solved),
+        name: (("height_sd", *axes), [level[name][1] for level in levels])
+        for name, (axes, _) in levels[0].items()
     }
-    for name, axes, values in (
-        ("slope", ("height_sd",), slopes),
-        ("area", ("height_sd", "rescaled_load"), laws),
-    ):
-        mean, mean_error, sd, sd_error = zip(*map(_moments, values), strict=True)
-        variables |= with_error(f"{name}_mean", axes, mean, mean_error)
-        variables |= with_error(f"{name}_sd", axes, sd, sd_error)
+    variables["nominal_slope"] = (), slope.fitted(nominal)
+    variables["nominal_area"] = ("rescaled_load",), nominal
     if design is not None:
-        found = [_misfits(design, load, area) for area in areas]
-        quantiles = [np.quantile(each, QUANTILES, method="inverted_cdf") for each in found]
-        variables["misfit_quantile"] = ("height_sd", "quantile"), quantiles
         variables["nominal_misfit"] = (), design.misfit
-    notes, failed = [slope.note], int((count - solved).sum())
-    if failed:
-        notes.insert(0, Note(f"{failed} draws have no solution under this model and are left out"))
+    notes = [slope.note]
+    if unsolved := sum(level["failed"][1] for level in levels):
+        notes.insert(0, Note(f"{unsolved} draws have no solution under this model and are left out"))
     coordinates = {"height_sd": deviations, "rescaled_load": slope.load, "quantile": QUANTILES}
     origin = {"model": repr(used), "load_range": slope.load_range, "seed": str(seed), "draws": count}
     return dataset("manufacturing", variables, coordinates, notes, **origin)
@@ -156,12 +157,18 @@ def _areas(
     return model.areas(surface, load, *tolerances.perturbed(surface, size, generator_of(seed, batch)))
 
 
-def _moments(value: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Return means and standard deviations of draws (m, ...), each followed by its sampling error."""
+def _moments(name: str, axes: tuple[str, ...], value: FloatArray) -> Variables:
+    """Return mean and standard deviation of draws (m, ...), and their sampling errors."""
     count, mean, sd = len(value), value.mean(axis=0), value.std(axis=0, ddof=1)
     fourth = ((value - mean) ** 4).mean(axis=0)
     error = np.sqrt(np.maximum(fourth - sd**4, 0.0) / count)  # of the variance
-    return mean, sd / np.sqrt(count), sd, np.divide(error, 2.0 * sd, np.zeros_like(sd), where=sd > 0.0)
+    sd_error = np.divide(error, 2.0 * sd, np.zeros_like(sd), where=sd > 0.0)
+    return {
+        f"{name}_mean": (axes, mean),
+        f"{name}_mean_error": (axes, sd / np.sqrt(count)),
+        f"{name}_sd": (axes, sd),
+        f"{name}_sd_error": (axes, sd_error),
+    }
 
 
 def _target_loads(design: Design) -> FloatArray:
@@ -170,15 +177,13 @@ def _target_loads(design: Design) -> FloatArray:
 
 
 def _misfits(design: Design, load: FloatArray, area: FloatArray) -> FloatArray:
-    """Return the misfits (m,) of laws from their areas (m, k) at the loads (k,); inf without a solution."""
+    """Return the misfits (m,) of laws from their areas (m, k) at the loads (k,)."""
     law, branches = design.target_law, [branch for branch, _ in design.fits]
-    found, solved = np.full(len(area), np.inf), np.isfinite(area).all(axis=1)
 
     def at(loads: FloatArray) -> FloatArray:
-        return area[solved][:, np.searchsorted(load, loads)]
+        return area[:, np.searchsorted(load, loads)]
 
-    slopes = [np.polyfit(branch.load, at(branch.load).T, 1)[0] for branch in branches]
-    difference = at(law.load) / law.laws(at(law.load)) - 1.0
-    by_branch = np.reshape(slopes, (len(branches), int(solved.sum()))).T
-    found[solved] = misfits(law, branches, difference, by_branch)
-    return found
+    slopes = np.empty((len(area), len(branches)))
+    for column, branch in zip(slopes.T, branches, strict=True):
+        column[:] = Slope(branch.load).fitted(at(branch.load))
+    return misfits(law, branches, at(law.load) / law.laws(at(law.load)) - 1.0, slopes)

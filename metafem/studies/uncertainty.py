@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,7 +20,7 @@ from metafem.models.model import checked_model, contact_of
 from metafem.notes import information
 from metafem.prediction import default_loads
 from metafem.progress import doing, each
-from metafem.studies.dataset import Variables, dataset, with_error
+from metafem.studies.dataset import Variables, dataset
 from metafem.studies.draws import generator_of, seed_of
 from metafem.studies.inputs import Inputs, Parameters
 from metafem.studies.slope import Slope
@@ -127,41 +129,40 @@ def uncertainty(
         "Hertz(), or leave the modulus out",
         key="parameters.composite_modulus",
     )
-    level = load_range is None and np.ptp(surface.height) == 0.0
-    slope = None if level else Slope.of(surface, load_range, used)
-    draw = Draw(surface, inputs, _response(surface, used, inputs, loads, slope), slope, loads, force)
+    notes, slope = [information("no slope: all summits have one height, and no load_range is given")], None
+    if load_range is not None or np.ptp(surface.height) > 0.0:
+        notes, slope = [], Slope.of(surface, load_range, used)
+    response = Response.of(
+        surface,
+        used,
+        inputs,
+        loads if slope is None else np.append(loads, slope.load[-1] * surface.material.composite_modulus),
+    )
+    draw = partial(_drawn, surface, inputs, response, slope, loads, force)
     points = LEAST
     while SETS * points * (2 + len(inputs.groups)) < number:
         points *= 2
-    sets = [_sampled(draw, generator_of(seed, k), points) for k in each("set of points", range(SETS))]
-    nominal = draw.outputs(np.full((1, len(inputs.names)), 0.5))
+    sets = [_sampled(draw, inputs, generator_of(seed, k), points) for k in each("set of points", range(SETS))]
 
     variables: Variables = {}
-    for name, value in nominal.items():
-        axes: tuple[str, ...] = () if name == "slope" else ("rescaled_load",)
-        variables[f"nominal_{name}"] = axes, value[0].reshape([value.shape[-1]] * len(axes))
-        parts = [one[name] for one in sets]
-        whole = {key: np.concatenate([part[key] for part in parts], axis=-1) for key in parts[0]}
-        scatter = [_estimates(part) for part in parts]
-        for statistic, estimate in _estimates(whole).items():
+    for name, nominal in draw(np.full(len(inputs.names), 0.5)).items():
+        # the slope has a single value
+        axes, part = ((), 0) if name == "slope" else (("rescaled_load",), slice(None))
+        variables[f"nominal_{name}"] = axes, nominal[part]
+        parts = [each_set[name] for each_set in sets]
+        whole = {key: np.concatenate([values[key] for values in parts], axis=-1) for key in parts[0]}
+        scatter = [_estimates(values) for values in parts]
+        for statistic, value in _estimates(whole).items():
             over = axes if statistic in ("mean", "sd") else ("parameter", *axes)
-            error = np.std([part[statistic] for part in scatter], axis=0, ddof=1) / np.sqrt(SETS)
-            shape = estimate.shape if axes else estimate.shape[:-1]
-            pair = estimate.reshape(shape), error.reshape(shape)
-            variables |= with_error(f"{name}_{statistic}", over, *pair)
+            error = np.std([found[statistic] for found in scatter], axis=0, ddof=1) / np.sqrt(SETS)
+            variables[f"{name}_{statistic}"] = over, value[..., part]
+            variables[f"{name}_{statistic}_error"] = over, error[..., part]
     variables.pop("nominal_rescaled_load", None)  # the coordinate holds these values
-    coordinates = {
-        "rescaled_load": loads / surface.material.composite_modulus,
-        "parameter": inputs.labels,
-    }
-    flat = information("no slope: all summits have one height, and no load_range is given")
-    origin = {
-        "model": repr(used),
-        "seed": str(seed),
-        "draws": SETS * points * (2 + len(inputs.groups)),
-        "load_range": [] if slope is None else slope.load_range,
-    }
-    return dataset("uncertainty", variables, coordinates, [flat] if slope is None else [], **origin)
+    rescaled = loads / surface.material.composite_modulus
+    coordinates = {"rescaled_load": rescaled, "parameter": inputs.labels}
+    origin = {"model": repr(used), "seed": str(seed), "draws": SETS * points * (2 + len(inputs.groups))}
+    ends = [] if slope is None else slope.load_range
+    return dataset("uncertainty", variables, coordinates, notes, **origin, load_range=ends)
 
 
 def _loads(surface: Surface, model: Model, load: ArrayLike | None) -> tuple[FloatArray, FloatArray | None]:
@@ -178,14 +179,14 @@ def _loads(surface: Surface, model: Model, load: ArrayLike | None) -> tuple[Floa
 
 def _means(surface: Surface, load: FloatArray, force: FloatArray | None) -> dict[str, float | FloatArray]:
     """Return the nominal values of all parameters that can have an error."""
-    found: dict[str, float | FloatArray] = {
+    modulus, friction = surface.material.composite_modulus, surface.friction
+    return {
         "radius": float(surface.radius.mean()),
-        "composite_modulus": surface.material.composite_modulus,
+        "composite_modulus": modulus,
         "load": load,
+        **({} if friction is None else vars(friction)),
+        **({} if force is None else {"friction_force": force}),
     }
-    if surface.friction is not None:
-        found |= {name: float(getattr(surface.friction, name)) for name in ("shear_strength", "area_ratio")}
-    return found if force is None else {**found, "friction_force": force}
 
 
 @dataclass(frozen=True, eq=False)
@@ -197,98 +198,87 @@ class Response:
     """
 
     coordinate: FloatArray  # (LOADS,), (P/E*/sqrt(s))^(2/3)
-    table: FloatArray  # (3, LOADS), coefficients of the parabola in (s - 1)/apart [mm^2]
-    apart: float
+    table: FloatArray  # (3, LOADS), coefficients of the parabola in (s - 1)/step [mm^2]
+    step: float
 
     @classmethod
-    def of(cls, surface: Surface, model: Model, load: float, radius_sd: float) -> Response:
-        """Return the response up to a rescaled load [mm^2]; radius_sd: standard deviation of the factor s."""
-        coordinate, step, area = np.linspace(0.0, load ** (2.0 / 3.0), LOADS), APART * radius_sd, []
-        for factor in (1.0 - step, 1.0, 1.0 + step) if step > 0.0 else (1.0,):
-            loads, radius = np.sqrt(factor) * coordinate**1.5, factor * surface.radius[None]
-            found = model.areas(surface, loads, surface.height[None], radius)[0] / factor
-            failed = loads[~np.isfinite(found)]
+    def of(cls, surface: Surface, model: Model, inputs: Inputs, load: FloatArray) -> Response:
+        """Return the response up to the largest likely rescaled load, from loads (k,) [N]."""
+        sd = {name: float(value.max()) for name, value in zip(inputs.names, inputs.sd, strict=True)}
+        radius_sd = sd.get("radius", 0.0) / float(surface.radius.mean())
+        lowest = surface.material.composite_modulus - FARTHEST * sd.get("composite_modulus", 0.0)
+        last = (float(load.max()) + FARTHEST * sd.get("load", 0.0)) / lowest
+        last /= np.sqrt(1.0 - FARTHEST * radius_sd)
+        coordinate, step, area = np.linspace(0.0, last ** (2.0 / 3.0), LOADS), APART * radius_sd, []
+        for factor in (1.0 - step, 1.0, 1.0 + step):
+            loads = np.sqrt(factor) * coordinate**1.5
+            area.append(model.areas(surface, loads, surface.height[None], factor * surface.radius[None])[0])
+            failed = loads[~np.isfinite(area[-1])]
             if failed.size:
                 raise NotConverged(f"the model has no solution at the rescaled load {failed[0]:.3g} mm^2")
-            area.append(found)
-        low, middle, high = area if step > 0.0 else area * 3
+        low, middle, high = area[0] / (1.0 - step), area[1], area[2] / (1.0 + step)
         parabola = np.array([middle, (high - low) / 2.0, (high + low) / 2.0 - middle])
-        return cls(coordinate, parabola, step if step > 0.0 else 1.0)
+        return cls(coordinate, parabola, step)
 
     def area(self, load: FloatArray, factor: FloatArray) -> FloatArray:
         """Return A0 [mm^2] at rescaled loads [mm^2] and factors of the radii; 0 for negative loads."""
-        x, t = (np.maximum(load, 0.0) / np.sqrt(factor)) ** (2.0 / 3.0), (factor - 1.0) / self.apart
+        x = (np.maximum(load, 0.0) / np.sqrt(factor)) ** (2.0 / 3.0)
+        t = (factor - 1.0) / self.step if self.step > 0.0 else np.zeros(1)
         constant, linear, square = (np.interp(x, self.coordinate, row) for row in self.table)
         return np.asarray(factor * (constant + t * (linear + t * square)))
 
 
-def _response(
-    surface: Surface, model: Model, inputs: Inputs, load: FloatArray, slope: Slope | None
-) -> Response:
-    """Return the response up to the largest likely rescaled load, from loads (k,) [N]."""
-    sd = {name: float(value.max()) for name, value in zip(inputs.names, inputs.sd, strict=True)}
-    modulus = surface.material.composite_modulus
-    lowest = modulus - FARTHEST * sd.get("composite_modulus", 0.0)
-    last = float(load.max()) + FARTHEST * sd.get("load", 0.0)
+def _drawn(
+    surface: Surface,
+    inputs: Inputs,
+    response: Response,
+    slope: Slope | None,
+    load: FloatArray,
+    force: FloatArray | None,
+    unit: FloatArray,
+) -> dict[str, FloatArray]:
+    """Return the quantities (..., k) by name at points of the unit cube (..., p); the slope has k = 1."""
+    errors = defaultdict(lambda: np.zeros(1), inputs.errors(unit))
+    material, friction = surface.material, surface.friction
+    modulus = material.composite_modulus + errors["composite_modulus"]
+    factor = 1.0 + errors["radius"] / surface.radius.mean()
+    rescaled = (load + errors["load"]) / modulus
+    found = {"area": response.area(rescaled, factor)}
+    if friction is not None:
+        strength = friction.shear_strength + errors["shear_strength"]
+        stress = strength * (friction.area_ratio + errors["area_ratio"])
+        if force is None:
+            found["friction_force"] = stress * found["area"]
+        else:
+            found["rescaled_load"] = rescaled
+            found["rescaled_friction"] = (force + errors["friction_force"]) / stress
+            found["deviation"] = found["rescaled_friction"] - found["area"]
     if slope is not None:
-        last = max(last, slope.load_range[1] * modulus)
-    radius_sd = sd.get("radius", 0.0) / float(surface.radius.mean())
-    return Response.of(surface, model, last / lowest / np.sqrt(1.0 - FARTHEST * radius_sd), radius_sd)
+        area = response.area(slope.load * material.composite_modulus / modulus, factor)
+        found["slope"] = slope.fitted(area)[..., None]
+    # a quantity that depends on no random parameter has the same value at all points
+    shape = unit.shape[:-1]
+    return {name: np.broadcast_to(value, (*shape, value.shape[-1])) for name, value in found.items()}
 
 
-@dataclass(frozen=True, eq=False)
-class Draw:
-    """The quantities of a law whose parameters have errors."""
-
-    surface: Surface
-    inputs: Inputs
-    response: Response
-    slope: Slope | None
-    load: FloatArray  # (k,) [N]
-    force: FloatArray | None  # (k,) [N], measured
-
-    def outputs(self, unit: FloatArray) -> dict[str, FloatArray]:
-        """Return the quantities (..., k) by name at points of the unit cube (..., p); the slope has k = 1."""
-        errors = defaultdict(lambda: np.zeros(1), self.inputs.errors(unit))
-        material, friction = self.surface.material, self.surface.friction
-        modulus = material.composite_modulus + errors["composite_modulus"]
-        factor = 1.0 + errors["radius"] / self.surface.radius.mean()
-        load = (self.load + errors["load"]) / modulus
-        found = {"area": self.response.area(load, factor)}
-        if friction is not None:
-            strength = friction.shear_strength + errors["shear_strength"]
-            stress = strength * (friction.area_ratio + errors["area_ratio"])
-            if self.force is None:
-                found["friction_force"] = stress * found["area"]
-            else:
-                found["rescaled_load"] = load
-                found["rescaled_friction"] = (self.force + errors["friction_force"]) / stress
-                found["deviation"] = found["rescaled_friction"] - found["area"]
-        if self.slope is not None:
-            area = self.response.area(self.slope.load * material.composite_modulus / modulus, factor)
-            found["slope"] = self.slope.fitted(area)[..., None]
-        # a quantity that depends on no random parameter has the same value at all points
-        return {
-            name: np.broadcast_to(value, (*unit.shape[:-1], value.shape[-1])) for name, value in found.items()
-        }
-
-
-def _sampled(draw: Draw, random: np.random.Generator, points: int) -> dict[str, dict[str, FloatArray]]:
-    """Return each output at two sets of points, and with the columns of each group exchanged.
+def _sampled(
+    draw: Callable[[FloatArray], dict[str, FloatArray]],
+    inputs: Inputs,
+    random: np.random.Generator,
+    points: int,
+) -> dict[str, dict[str, FloatArray]]:
+    """Return each quantity at two sets of points, and with the columns of each group exchanged.
 
     The values have the names and the shapes (k, points) and (g, k, points) that `sobol_indices` takes.
     """
-    groups, size = draw.inputs.groups, len(draw.inputs.names)
-    net = qmc.Sobol(2 * size, bits=BITS, rng=random).random(points)
+    net = qmc.Sobol(2 * len(inputs.names), bits=BITS, rng=random).random(points)
     net += 0.5 ** (BITS + 1)  # centres of the rounding intervals, so that none is 0
     first, second = np.split(net, 2, axis=1)
-    mixed = np.array([first] * len(groups))
-    for part, group in zip(mixed, groups, strict=True):
+    mixed = np.array([first] * len(inputs.groups))
+    for part, group in zip(mixed, inputs.groups, strict=True):
         part[:, group] = second[:, group]
-    at = {"f_A": draw.outputs(first), "f_B": draw.outputs(second), "f_AB": draw.outputs(mixed)}
-    return {
-        name: {key: np.moveaxis(values[name], -1, -2) for key, values in at.items()} for name in at["f_A"]
-    }
+    at = {"f_A": draw(first), "f_B": draw(second), "f_AB": draw(mixed)}
+    return {name: {key: np.moveaxis(of[name], -1, -2) for key, of in at.items()} for name in at["f_A"]}
 
 
 def _estimates(values: dict[str, FloatArray]) -> dict[str, FloatArray]:

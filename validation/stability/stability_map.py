@@ -75,7 +75,7 @@ def _checks(every: list[points.Point], pairs: list[points.Point]) -> list[Check]
     return [
         below(f"Automatic({points.TOLERANCE:g}): largest error of A0",
               max(_beyond(point.automatic, point) for point in every), points.TOLERANCE, RESOLVED),
-        below(f"order 3 up to a/r = {points.COMPARED:g} on the half-space, nine contacts: largest error of A0",
+        below(f"order 3 up to a/r = {points.COMPARED:g} on the half-space, nine contacts: error of A0",
               max(_beyond(point.third, point) for point in inside), FEW_ERROR, RESOLVED),
         below(f"order 3, {points.SIDE**2} equal contacts at a/r = {points.equal().ratio:.2g}: error of A0",
               _beyond(points.equal().third, points.equal()), AREA_ERROR, RESOLVED),
