@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from functools import partial
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -29,9 +28,6 @@ STEPS = 1000
 
 # Slopes of the tilt along x and along y, divided by the tangent of the angle.
 DIRECTIONS = {"both": (1.0, 1.0), "x": (1.0, 0.0), "y": (0.0, 1.0)}
-
-# Largest number of heights that are solved at once; they take 32 MiB.
-MOST_HEIGHTS = 2**22
 
 
 @doing("tilting the surface")
@@ -146,10 +142,7 @@ def _angles(angle: ArrayLike) -> FloatArray:
 def _areas(surface: Surface, model: Model, tilt: FloatArray, load: FloatArray, order: IntArray) -> FloatArray:
     """Return A0 (m, k) [mm^2] under tilts (m, 2) of the asperities in another order on the same sites."""
     placed = surface.only(order, position=surface.position)
-    parts = np.array_split(tilt, math.ceil(len(tilt) * surface.count / MOST_HEIGHTS))
-    area = np.concatenate(
-        [model.areas(placed, load, placed.height + part @ placed.position.T) for part in parts]
-    )
+    area = model.areas(placed, load, placed.height + tilt @ placed.position.T)
     failed = np.flatnonzero(~np.isfinite(area).all(axis=1))
     if failed.size:
         x, y = np.arctan(tilt[failed[0]])

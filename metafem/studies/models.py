@@ -40,8 +40,11 @@ DEEPER = 1.2
 # Random assignments are solved at every n-th load of the design's law, at about this number of loads.
 RANDOM_LOADS = 20
 
-# Orders of interaction that are compared, as far as the contact law supports them.
-ORDERS = (1, 3)
+# Why the true block is left out of a report.
+NOT_KEPT = (
+    "its influence between these sites has not been computed. This takes about a minute; `metafem study "
+    "fidelity` computes and stores it"
+)
 
 
 def laws_on_substrates(
@@ -54,46 +57,27 @@ def laws_on_substrates(
     "independent" first. load: (k,) [N]. Left out are the layer and the true block if the surface has no
     block, the true block if its influence is not on disk and `wait` is False, and models without a solution.
     """
-    order, notes = contact.largest_order, []
-    models: dict[str, Model] = {
-        "independent": Independent(contact=contact),
-        "half-space": Interacting(order=order, contact=contact),
-    }
+    order, notes, laws = contact.largest_order, [], {}
+    substrates: dict[str, Any] = {"half-space": HalfSpace()}
     if surface.block is None:
         notes.append(information("the layer and the true block are left out: the surface has no block"))
     else:
         from metafem.fe import Block3D  # imports scikit-fem; no other model needs it
 
-        models["layer"] = Interacting(order=order, substrate=BondedLayer(), contact=contact)
-        models["block"] = Interacting(order=order, substrate=Block3D(), contact=contact)
-        if reason := _without_block(surface, wait):
-            del models["block"]
-            notes.append(information(f"the true block is left out: {reason}"))
-    laws = {}
-    for name in each("law", list(models)):
+        substrates |= {"layer": BondedLayer(), "true block": Block3D()}
+    models: dict[str, Model] = {name: Interacting(order, each, contact) for name, each in substrates.items()}
+    for name, model in each("law", [("independent", Independent(contact)), *models.items()]):
         try:
-            laws[name] = friction_law(surface, models[name], load=load)
+            if name == "true block" and not (wait or substrates[name].is_kept(surface)):
+                raise InvalidInput(NOT_KEPT)
+            laws[name.removeprefix("true ")] = friction_law(surface, model, load=load)
         except (InvalidInput, NotConverged) as reason:
-            if not models[name].couples:
+            if not model.couples:
                 raise
-            solution = f"order {order} has no solution up to {load[-1]:.4g} N"
-            notes.append(information(f"the {name} is left out: {solution} ({reason})"))
+            unsolved = f"order {order} has no solution up to {load[-1]:.4g} N ({reason})"
+            why = unsolved if isinstance(reason, NotConverged) else str(reason)
+            notes.append(information(f"the {name} is left out: {why}"))
     return laws, notes
-
-
-def _without_block(surface: Surface, wait: bool) -> str:
-    """Return why the true block is left out; "" if it is not."""
-    from metafem.fe import Block3D
-
-    try:
-        if wait or Block3D().is_kept(surface):
-            return ""
-    except InvalidInput as error:
-        return str(error)
-    return (
-        "its influence between these sites has not been computed. This takes about a minute; `metafem study "
-        "fidelity` computes and stores it"
-    )
 
 
 @doing("comparing the models")
@@ -183,10 +167,10 @@ def interaction(design: Design, *, placements: int = 1000, rng: Any = 0) -> xr.D
     -------
     xarray.Dataset
         ``area_change`` [-] and ``sinking`` [mm], the decrease of the separation, over ``substrate``
-        ("half-space", and "layer" if there is a block), ``order`` (1, and 3 if the contact law allows it) and
-        the ``rescaled_load`` [mm^2] of the design's law, with the coordinate ``load`` [N]. The contact law is
-        that of the design. ``placement_rms`` [-] is the root mean square change of each random assignment
-        (``placement``) over every fifth load, at the largest order.
+        ("half-space", and "layer" if there is a block) and the ``rescaled_load`` [mm^2] of the design's law,
+        with the coordinate ``load`` [N]. The contact law is that of the design, at its largest order of
+        interaction. ``placement_rms`` [-] is the root mean square change of each random assignment
+        (``placement``) over every fifth load.
 
     Raises
     ------
@@ -199,41 +183,38 @@ def interaction(design: Design, *, placements: int = 1000, rng: Any = 0) -> xr.D
     >>> template = mf.Surface.square_lattice(0.12, (2, 2), radius=0.526, material=mf.Material(1.36))
     >>> design = mf.design(mf.OperatingPoints([0.01], [0.1]), template)
     >>> dict(interaction(design, placements=5).sizes)
-    {'substrate': 1, 'order': 2, 'rescaled_load': 100, 'placement': 5}
+    {'substrate': 1, 'rescaled_load': 100, 'placement': 5}
     """
     count, seed = check.integer("placements", placements, at_least=1), seed_of(rng)
-    surface, rescaled = design.surface, design.law.rescaled_load
-    few = slice(None, None, -max(1, len(rescaled) // RANDOM_LOADS))  # from the last load down
+    surface, law = design.surface, design.law
     substrates: dict[str, Substrate] = {"half-space": HalfSpace()}
     if surface.block is not None:
         substrates["layer"] = BondedLayer()
-    contact = contact_of(design.law.model)
-    orders = [order for order in ORDERS if order <= contact.largest_order]
-    alone = Independent(contact=contact).curve(surface, rescaled)
+    contact = contact_of(law.model)
+    alone = Independent(contact).curve(surface, law.rescaled_load)
+    few = slice(None, None, -max(1, len(law.rescaled_load) // RANDOM_LOADS))  # from the last load down
+    load, area = law.rescaled_load[few][::-1], alone.area[few][::-1]
     # a random stream other than that of `design`: with the same seed, the first permutation of that stream
     # would undo the assignment of the design, and the heights would be sorted
     random = generator_of(seed, 0)
-    placed = [
-        surface.only(random.permutation(surface.count), position=surface.position) for _ in range(count)
-    ]
+    orders = [random.permutation(surface.count) for _ in range(count)]
+    placed = [surface.only(order, position=surface.position) for order in orders]
 
     change, sinking, spread = [], [], []
     for substrate in substrates.values():
-        models = [Interacting(order=order, substrate=substrate, contact=contact) for order in orders]
-        curves = [model.curve(surface, rescaled) for model in models]
-        change.append([curve.area / alone.area - 1.0 for curve in curves])
-        sinking.append([curve.approach - alone.approach for curve in curves])
-        load = rescaled[few][::-1]
-        areas = [models[-1].areas(part, load, part.height[None])[0] for part in each("assignment", placed)]
-        if not np.isfinite(areas).all():
+        model = Interacting(contact.largest_order, substrate, contact)
+        curve = model.curve(surface, law.rescaled_load)
+        change.append(curve.area / alone.area - 1.0)
+        sinking.append(curve.approach - alone.approach)
+        moved = [model.areas(part, load, part.height[None])[0] for part in each("assignment", placed)]
+        if not np.isfinite(moved).all():
             raise NotConverged("the model has no solution for an assignment of the heights to the sites")
-        moved = np.array(areas) / alone.area[few][::-1] - 1.0
-        spread.append(np.sqrt((moved**2).mean(axis=1)))
+        spread.append(np.sqrt(((moved / area - 1.0) ** 2).mean(axis=1)))
     variables: Variables = {
-        "area_change": (("substrate", "order", "rescaled_load"), change),
-        "sinking": (("substrate", "order", "rescaled_load"), sinking),
+        "area_change": (("substrate", "rescaled_load"), change),
+        "sinking": (("substrate", "rescaled_load"), sinking),
         "placement_rms": (("substrate", "placement"), spread),
     }
-    coordinates = {"substrate": list(substrates), "order": orders, "rescaled_load": rescaled}
+    coordinates = {"substrate": list(substrates), "rescaled_load": law.rescaled_load}
     found = dataset("interaction", variables, coordinates, [], seed=str(seed), draws=count)
-    return found.assign_coords(load=("rescaled_load", design.law.load, described("load")))
+    return found.assign_coords(load=("rescaled_load", law.load, described("load")))

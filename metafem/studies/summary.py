@@ -76,7 +76,7 @@ def summary(study: Dataset) -> Summary:
     >>> template = mf.Surface.square_lattice(0.12, (2, 2), radius=0.526, material=mf.Material(1.36))
     >>> design = mf.design(mf.OperatingPoints([0.01], [0.1]), template)
     >>> summary(mf.studies.interaction(design, placements=5)).columns[:3]
-    ('substrate', 'order', 'rms [%]')
+    ('substrate', 'rms [%]', 'max. [%]')
     """
     name = str(study.attrs.get("study", ""))
     refuse_if(name not in SUMMARIES, f"there is no summary of a study {name!r}")
@@ -103,21 +103,13 @@ def _fidelity(study: Dataset) -> Summary:
 def _interaction(study: Dataset) -> Summary:
     """Return the table of the changes of A0 by coupling, also for other assignments of heights to sites."""
     change, placed = study["area_change"].values, study["placement_rms"].values
-    substrates, orders, loads = change.shape
-    change = change.reshape(-1, loads)
-
-    def at_largest(values: FloatArray) -> list[str]:
-        """Return a column with one text for each substrate, in the row of its largest order."""
-        return [text for value in texts(".2f", 100.0 * values) for text in [""] * (orders - 1) + [value]]
-
     columns = {
-        "substrate": np.repeat(study["substrate"].values, orders),
-        "order": np.tile(study["order"].values, substrates),
+        "substrate": study["substrate"].values,
         "rms [%]": texts(".2f", 100.0 * _rms(change)),
         "max. [%]": texts("+.2f", 100.0 * _largest(change)),
-        "plane lower by [µm]": texts(".2f", MICROMETRES * study["sinking"].values[..., -1].ravel()),
-        "random: median rms [%]": at_largest(np.median(placed, axis=1)),
-        "max. rms [%]": at_largest(placed.max(axis=1)),
+        "plane lower by [µm]": texts(".2f", MICROMETRES * study["sinking"].values[:, -1]),
+        "random: median rms [%]": texts(".2f", 100.0 * np.median(placed, axis=1)),
+        "max. rms [%]": texts(".2f", 100.0 * placed.max(axis=1)),
     }
     last = float(study["load"][-1])
     title = f"Change of A0 by interaction; decrease of the separation at {last:.3g} N ({RANDOM})"
