@@ -129,7 +129,8 @@ class FrictionLaw(BaseLaw):
         refuse_if(fall, "the loads of a law must not decrease")
 
     def __repr__(self) -> str:
-        return f"<FrictionLaw: {', '.join(f'{name} {fact}' for name, fact in self._facts().items())}>"
+        *facts, (_, notes) = self._facts().items()
+        return f"<FrictionLaw: {', '.join(f'{name} {fact}' for name, fact in facts)}, {notes}>"
 
     def _repr_html_(self) -> str:
         """Return the HTML representation for notebooks."""
@@ -145,7 +146,7 @@ class FrictionLaw(BaseLaw):
         if self.friction is not None:
             ends = np.array([self.rescaled_friction.min(), self.rescaled_friction.max()])
             facts["friction force"] = span(self.friction.stress * ends, "N")
-        facts |= {"model": repr(self.model), "status": self.status.value, "notes": printed_count(self)}
+        facts |= {"model": repr(self.model), "status": self.status.name.lower(), "notes": printed_count(self)}
         return facts
 
     @property
@@ -196,7 +197,7 @@ class FrictionLaw(BaseLaw):
         return {name: getattr(self, name) for name in QUANTITIES if name not in unknown}
 
     def _about(self) -> dict[str, str]:
-        about = {"model": repr(self.model), "status": self.status.value, "notes": to_lines(self.notes)}
+        about = {"model": repr(self.model), "status": self.status.name.lower(), "notes": to_lines(self.notes)}
         return about | {"model_error": f"{self.model_error:.2g}, by {self.model_error.source}"}
 
     def _draw(self, ax: Axes, forces: bool, label: str | None) -> None:

@@ -107,7 +107,8 @@ class ContactState(Value):
         return self._field
 
     def __repr__(self) -> str:
-        return f"<ContactState: {', '.join(f'{name} {fact}' for name, fact in self._facts().items())}>"
+        *facts, (_, notes) = self._facts().items()
+        return f"<ContactState: {', '.join(f'{name} {fact}' for name, fact in facts)}, {notes}>"
 
     def _repr_html_(self) -> str:
         """Return the HTML representation for notebooks."""
@@ -130,7 +131,7 @@ class ContactState(Value):
             "stiffness": f"{self.stiffness:.4g} N/mm",
             "in contact": f"{closed:,} of {len(self.asperity_area):,}",
             "model": repr(self.model),
-            "status": self.status.value,
+            "status": self.status.name.lower(),
             "residual": f"{self.residual:.1e}",
             "notes": printed_count(self),
         }

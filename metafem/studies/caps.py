@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.polynomial.chebyshev import chebpts1
-from numpy.polynomial.polynomial import polyval2d
+from numpy.polynomial.polynomial import polyval2d, polyvander2d
 from numpy.typing import NDArray
 from scipy.optimize import elementwise
 
@@ -157,15 +157,17 @@ def _tabulated(
         return np.array([load - 1.0, contact.indentation * radius / a**2 - 1.0]) / s
 
     scaled = [chebpts1(NODES if end > start else 1) for start, end in ranges]
-    nodes = [start + (end - start) * (x + 1.0) / 2.0 for (start, end), x in zip(ranges, scaled, strict=True)]
-    pairs = [(h, s) for h in nodes[0] for s in nodes[1]]
-    pressed = [excess(h, s) for h, s in each("finite elements of a cap", pairs)]
-    by_height, by_ratio = (np.linalg.inv(np.vander(x, increasing=True)) for x in scaled)
-    values = np.reshape(pressed, (len(nodes[0]), len(nodes[1]), 2))
-    bare = CapContact(radius, *ranges, np.einsum("ih,hsk,js->ijk", by_height, values, by_ratio))
+    x, y = (values.ravel() for values in np.meshgrid(*scaled, indexing="ij"))
+    h, s = (start + (end - start) * (at + 1.0) / 2.0 for (start, end), at in zip(ranges, (x, y), strict=True))
+    pairs = list(zip(h.tolist(), s.tolist(), strict=True))
+    pressed = [excess(*pair) for pair in each("finite elements of a cap", pairs)]
+    counts = [len(nodes) for nodes in scaled]
+    powers = polyvander2d(x, y, [count - 1 for count in counts])
+    table = np.asarray(np.linalg.solve(powers, pressed).reshape(*counts, 2), dtype=np.float64)
+    bare = CapContact(radius, *ranges, table)
     # a test point between the nodes, where the errors of both polynomials are close to their maximum
-    h, s = 0.75 * low + 0.25 * high, 0.6 * ranges[1][1]
-    error = np.abs(excess(h, s) - bare.excess_at(np.array(h), np.array(s))).max() * s
+    height, most = 0.75 * low + 0.25 * high, 0.6 * ranges[1][1]
+    error = np.abs(excess(height, most) - bare.excess_at(np.array(height), np.array(most))).max() * most
     return replace(bare, error=float(error))
 
 

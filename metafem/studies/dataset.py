@@ -105,6 +105,11 @@ class Summary:
     notes : tuple of Note
     answer : str
         What the study says about the part, in one sentence; empty for comparisons between models.
+
+    Examples
+    --------
+    >>> Summary("Change of A0", ("model", "rms [%]"), (("layer", "0.21"),), ()).rows[0]
+    ('layer', '0.21')
     """
 
     title: str
