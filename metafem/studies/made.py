@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -106,16 +105,21 @@ def manufacturing(
     load = slope.load if design is None else np.union1d(slope.load, _target_loads(design))
     nominal = used.curve(part, slope.load).checked().area
 
-    levels = []  # variables of each standard deviation of the heights
-    for tolerances in [replace(others, height_sd=sd) for sd in deviations.tolist()]:
-        task = partial(_areas, part, used, tolerances, load, seed, count)
-        area = np.concatenate(list(computed(task, range(math.ceil(count / SIZE)))))
+    def level(sd: float) -> Variables:
+        """Return the variables of one standard deviation of the heights."""
+        tolerances = replace(others, height_sd=sd)
+
+        def areas(batch: int) -> FloatArray:
+            size = min(SIZE, count - batch * SIZE)
+            return used.areas(part, load, *tolerances.perturbed(part, size, generator_of(seed, batch)))
+
+        area = np.concatenate(list(computed(areas, range(math.ceil(count / SIZE)))))
         solved = np.isfinite(area).all(axis=1)
         if solved.sum() < 2:
             raise NotConverged(f"fewer than two draws have a solution with {tolerances}")
         law = area[solved][:, np.searchsorted(load, slope.load)]
         slopes = slope.fitted(law)
-        level: Variables = {
+        found: Variables = {
             **_moments("slope", (), slopes),
             **_moments("area", ("rescaled_load",), law),
             "slope_quantile": (("quantile",), np.quantile(slopes, QUANTILES)),
@@ -125,10 +129,12 @@ def manufacturing(
         if design is not None:
             misfit = np.full(count, np.inf)
             misfit[solved] = _misfits(design, load, area[solved])
-            level["misfit_quantile"] = ("quantile",), np.quantile(misfit, QUANTILES, method="inverted_cdf")
-        levels.append(level)
+            found["misfit_quantile"] = ("quantile",), np.quantile(misfit, QUANTILES, method="inverted_cdf")
+        return found
+
+    levels = [level(sd) for sd in deviations.tolist()]
     variables: Variables = {
-        name: (("height_sd", *axes), [level[name][1] for level in levels])
+        name: (("height_sd", *axes), [each[name][1] for each in levels])
         for name, (axes, _) in levels[0].items()
     }
     variables["nominal_slope"] = (), slope.fitted(nominal)
@@ -136,25 +142,11 @@ def manufacturing(
     if design is not None:
         variables["nominal_misfit"] = (), design.misfit
     notes = [slope.note]
-    if unsolved := sum(level["failed"][1] for level in levels):
+    if unsolved := sum(each["failed"][1] for each in levels):
         notes.insert(0, Note(f"{unsolved} draws have no solution under this model and are left out"))
     coordinates = {"height_sd": deviations, "rescaled_load": slope.load, "quantile": QUANTILES}
     origin = {"model": repr(used), "load_range": slope.load_range, "seed": str(seed), "draws": count}
     return dataset("manufacturing", variables, coordinates, notes, **origin)
-
-
-def _areas(
-    surface: Surface,
-    model: Model,
-    tolerances: Tolerances,
-    load: FloatArray,
-    seed: int,
-    draws: int,
-    batch: int,
-) -> FloatArray:
-    """Return A0 (m, k) [mm^2] of the made surfaces of a batch; nan without a solution."""
-    size = min(SIZE, draws - batch * SIZE)
-    return model.areas(surface, load, *tolerances.perturbed(surface, size, generator_of(seed, batch)))
 
 
 def _moments(name: str, axes: tuple[str, ...], value: FloatArray) -> Variables:
