@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import defaultdict
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -10,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.stats import qmc, sobol_indices
+from scipy.stats import sobol_indices
 
 from metafem import _validate as check
 from metafem._validate import FloatArray
@@ -34,9 +35,6 @@ SETS = 16
 
 # Least number of points of a set; the two halves of fewer Sobol points are correlated.
 LEAST = 64
-
-# Number of bits of the coordinates of Sobol points; the default of scipy.
-BITS = 30
 
 # Laws are tabulated for errors up to this number of standard deviations; beyond it, with a probability below
 # 1e-6, the area of the last load is taken.
@@ -132,20 +130,17 @@ def uncertainty(
     notes, slope = [information("no slope: all summits have one height, and no load_range is given")], None
     if load_range is not None or np.ptp(surface.height) > 0.0:
         notes, slope = [], Slope.of(surface, load_range, used)
-    response = Response.of(
-        surface,
-        used,
-        inputs,
-        loads if slope is None else np.append(loads, slope.load[-1] * surface.material.composite_modulus),
-    )
+    modulus, last = surface.material.composite_modulus, float(loads.max())
+    if slope is not None:
+        last = max(last, modulus * slope.load_range[1])
+    response = Response.of(surface, used, inputs, last)
     draw = partial(_drawn, surface, inputs, response, slope, loads, force)
-    points = LEAST
-    while SETS * points * (2 + len(inputs.groups)) < number:
-        points *= 2
+    runs = SETS * (2 + len(inputs.groups))  # evaluations of the law at each point
+    points = max(LEAST, 2 ** math.ceil(math.log2(number / runs)))
     sets = [_sampled(draw, inputs, generator_of(seed, k), points) for k in each("set of points", range(SETS))]
 
     variables: Variables = {}
-    for name, nominal in draw(np.full(len(inputs.names), 0.5)).items():
+    for name, nominal in draw(np.zeros(len(inputs.names))).items():
         # the slope has a single value
         axes, part = ((), 0) if name == "slope" else (("rescaled_load",), slice(None))
         variables[f"nominal_{name}"] = axes, nominal[part]
@@ -158,9 +153,8 @@ def uncertainty(
             variables[f"{name}_{statistic}"] = over, value[..., part]
             variables[f"{name}_{statistic}_error"] = over, error[..., part]
     variables.pop("nominal_rescaled_load", None)  # the coordinate holds these values
-    rescaled = loads / surface.material.composite_modulus
-    coordinates = {"rescaled_load": rescaled, "parameter": inputs.labels}
-    origin = {"model": repr(used), "seed": str(seed), "draws": SETS * points * (2 + len(inputs.groups))}
+    coordinates = {"rescaled_load": loads / modulus, "parameter": inputs.labels}
+    origin = {"model": repr(used), "seed": str(seed), "draws": runs * points}
     ends = [] if slope is None else slope.load_range
     return dataset("uncertainty", variables, coordinates, notes, **origin, load_range=ends)
 
@@ -202,12 +196,12 @@ class Response:
     step: float
 
     @classmethod
-    def of(cls, surface: Surface, model: Model, inputs: Inputs, load: FloatArray) -> Response:
-        """Return the response up to the largest likely rescaled load, from loads (k,) [N]."""
+    def of(cls, surface: Surface, model: Model, inputs: Inputs, load: float) -> Response:
+        """Return the response up to the largest likely rescaled load, from the largest nominal load [N]."""
         sd = {name: float(value.max()) for name, value in zip(inputs.names, inputs.sd, strict=True)}
         radius_sd = sd.get("radius", 0.0) / float(surface.radius.mean())
         lowest = surface.material.composite_modulus - FARTHEST * sd.get("composite_modulus", 0.0)
-        last = (float(load.max()) + FARTHEST * sd.get("load", 0.0)) / lowest
+        last = (load + FARTHEST * sd.get("load", 0.0)) / lowest
         last /= np.sqrt(1.0 - FARTHEST * radius_sd)
         coordinate, step, area = np.linspace(0.0, last ** (2.0 / 3.0), LOADS), APART * radius_sd, []
         for factor in (1.0 - step, 1.0, 1.0 + step):
@@ -235,10 +229,10 @@ def _drawn(
     slope: Slope | None,
     load: FloatArray,
     force: FloatArray | None,
-    unit: FloatArray,
+    normal: FloatArray,
 ) -> dict[str, FloatArray]:
-    """Return the quantities (..., k) by name at points of the unit cube (..., p); the slope has k = 1."""
-    errors = defaultdict(lambda: np.zeros(1), inputs.errors(unit))
+    """Return the quantities (..., k) by name for normal numbers (..., p); the slope has k = 1."""
+    errors = defaultdict(lambda: np.zeros(1), inputs.errors(normal))
     material, friction = surface.material, surface.friction
     modulus = material.composite_modulus + errors["composite_modulus"]
     factor = 1.0 + errors["radius"] / surface.radius.mean()
@@ -257,7 +251,7 @@ def _drawn(
         area = response.area(slope.load * material.composite_modulus / modulus, factor)
         found["slope"] = slope.fitted(area)[..., None]
     # a quantity that depends on no random parameter has the same value at all points
-    shape = unit.shape[:-1]
+    shape = normal.shape[:-1]
     return {name: np.broadcast_to(value, (*shape, value.shape[-1])) for name, value in found.items()}
 
 
@@ -271,9 +265,7 @@ def _sampled(
 
     The values have the names and the shapes (k, points) and (g, k, points) that `sobol_indices` takes.
     """
-    net = qmc.Sobol(2 * len(inputs.names), bits=BITS, rng=random).random(points)
-    net += 0.5 ** (BITS + 1)  # centres of the rounding intervals, so that none is 0
-    first, second = np.split(net, 2, axis=1)
+    first, second = inputs.drawn(points, random)
     mixed = np.array([first] * len(inputs.groups))
     for part, group in zip(mixed, inputs.groups, strict=True):
         part[:, group] = second[:, group]

@@ -11,7 +11,7 @@ from metafem.studies.uncertainty import LOADS, Response
 def response_of(surface, model, radius_sd):
     """The response up to P/E* = 0.3 mm^2."""
     inputs = Inputs.of({"radius": radius_sd * 0.526, "load": 1e-9}, {"radius": 0.526, "load": np.ones(1)})
-    return Response.of(surface, model, inputs, np.array([0.3 * 1.36 * np.sqrt(1.0 - 5.0 * radius_sd)]))
+    return Response.of(surface, model, inputs, 0.3 * 1.36 * np.sqrt(1.0 - 5.0 * radius_sd))
 
 
 @pytest.mark.parametrize(

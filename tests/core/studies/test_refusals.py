@@ -93,7 +93,7 @@ REFUSALS = {
         (inputs({"radius": 0.0, "load": [0.0, 0.0]}), "parameters", "errors"),
         (inputs(["radius", "load"], np.eye(3)), "covariance", "(3, 3)"),
         (inputs(["radius", "load"], [[1e-4, 1e-5], [0, 1e-4]]), "covariance", "symmetric"),
-        (inputs(["radius", "load"], [[1e-4, 2e-4], [2e-4, 1e-4]]), "covariance", "-1"),
+        (inputs(["radius", "load"], [[1e-4, 2e-4], [2e-4, 1e-4]]), "covariance", "PSD"),
         (inputs(["radius"], [[0.04]]), "parameters.radius", "0.2"),
     ],
     "finite elements": [
