@@ -264,10 +264,10 @@ def friction_law(
     refuse_if(load is not None and separation is not None, "only one of load and separation can be given")
     check.instance("unloading", unloading, bool, "True or False")
     law = contact_of(solver).bound(surface)
-    refuse_if(
-        unloading and not getattr(solver, "unloads", False),
-        f"unloading = True: the model {solver.name} has no unloading; use independent, half-space or layer",
+    words = (
+        f"unloading = True: the model {solver.name} has no unloading; use independent, half-space or layer"
     )
+    refuse_if(unloading and not getattr(solver, "unloads", False), words)
     values: dict[str, FloatArray]
     if separation is not None:
         words = "cannot be given with adhesive contacts: at a given separation their load falls where they"

@@ -101,9 +101,8 @@ class ContactState(Value):
     def field(self) -> ContactField:
         """Pressure, gap and displacement on the cells; raises InvalidInput for models without cells."""
         if self._field is None:
-            raise InvalidInput(
-                f"{self.model!r} has no pressure field; solve with metafem.BoundaryElements(cell=...)"
-            )
+            words = "has no pressure field; solve with metafem.BoundaryElements(cell=...)"
+            raise InvalidInput(f"{self.model!r} {words}")
         return self._field
 
     def __repr__(self) -> str:
@@ -183,25 +182,21 @@ def equilibrium(
     solver = checked_model(Independent() if model is None else model)
     given = {"load": load, "approach": approach, "separation": separation}
     named = [name for name, value in given.items() if value is not None]
-    refuse_if(
-        len(named) != 1, f"exactly one of load, approach and separation must be given; got {named or 'none'}"
-    )
-    modulus = surface.material.composite_modulus
-    top = float(surface.height.max())
+    words = "exactly one of load, approach and separation must be given; got"
+    refuse_if(len(named) != 1, f"{words} {named or 'none'}")
+    value = check.number(named[0], given[named[0]], at_least=None if load is None else 0.0)
+    modulus, top = surface.material.composite_modulus, float(surface.height.max())
     if load is not None:
-        curve = solver.curve(surface, np.array([check.number("load", load, at_least=0.0) / modulus]))
+        curve = solver.curve(surface, np.array([value / modulus]))
     else:
-        if separation is not None:
-            separation = check.number("separation", separation)
-        depth = check.number("approach", approach) if separation is None else top - separation
-        curve = solver.curve(surface, approach=np.array([depth]))
+        curve = solver.curve(surface, approach=np.array([value if separation is None else top - value]))
     last, reached = curve.last, float(curve.approach[0])
     notes = (*curve.notes, *last.notes)
     validity = Validity(surface, solver, curve)
     state = ContactState(
         load=modulus * float(curve.load[0]),
         area=float(curve.area[0]),
-        separation=top - reached if separation is None else separation,
+        separation=top - reached if separation is None else value,
         approach=reached,
         stiffness=modulus * float(curve.stiffness[0]),
         asperity_load=modulus * last.load,
