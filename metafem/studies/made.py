@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -108,12 +109,8 @@ def manufacturing(
     def level(sd: float) -> Variables:
         """Return the variables of one standard deviation of the heights."""
         tolerances = replace(others, height_sd=sd)
-
-        def areas(batch: int) -> FloatArray:
-            size = min(SIZE, count - batch * SIZE)
-            return used.areas(part, load, *tolerances.perturbed(part, size, generator_of(seed, batch)))
-
-        area = np.concatenate(list(computed(areas, range(math.ceil(count / SIZE)))))
+        task = partial(_areas, part, used, tolerances, load, seed, count)
+        area = np.concatenate(list(computed(task, range(math.ceil(count / SIZE)))))
         solved = np.isfinite(area).all(axis=1)
         if solved.sum() < 2:
             raise NotConverged(f"fewer than two draws have a solution with {tolerances}")
@@ -147,6 +144,20 @@ def manufacturing(
     coordinates = {"height_sd": deviations, "rescaled_load": slope.load, "quantile": QUANTILES}
     origin = {"model": repr(used), "load_range": slope.load_range, "seed": str(seed), "draws": count}
     return dataset("manufacturing", variables, coordinates, notes, **origin)
+
+
+def _areas(
+    surface: Surface,
+    model: Model,
+    tolerances: Tolerances,
+    load: FloatArray,
+    seed: int,
+    draws: int,
+    batch: int,
+) -> FloatArray:
+    """Return A0 (m, k) [mm^2] of the made surfaces of a batch; nan without a solution."""
+    size = min(SIZE, draws - batch * SIZE)
+    return model.areas(surface, load, *tolerances.perturbed(surface, size, generator_of(seed, batch)))
 
 
 def _moments(name: str, axes: tuple[str, ...], value: FloatArray) -> Variables:
