@@ -4,7 +4,6 @@ A note is a warning unless it is made by `information`. The thresholds of the no
 texts:
 
 - effects that a model neglects: `BOUND`, `STATED`, `WIDEST` and `TOO_WIDE` in `prediction/validity.py`;
-- the range in which order 3 was compared: `COMPARED` and `COMPARED_ON_LAYER` in `prediction/validity.py`;
 - choice of the model: the tolerance of `Automatic` in `models/automatic.py`;
 - designs: `MISSED` in `inversion/assessment.py` and `HEIGHT_TO_ERROR` in `inversion/design_notes.py`;
 - height errors: `FINEST_SCALE_IN_SD` of `inversion/height_density.py`, used in

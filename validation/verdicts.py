@@ -8,7 +8,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from metafem.prediction.validity import COMPARED
 from validation.chapters import CHAPTERS
 from validation.check import Result, Row
 from validation.fidelity.order3_against_resolved import CROWDED
@@ -19,6 +18,7 @@ from validation.published import paper, table
 from validation.results import Evaluated
 from validation.scenes.compression_tests import MODULUS
 from validation.scenes.models import AREA_ERROR, CAP_ERROR, FEW_ERROR
+from validation.scenes.stability_points import COMPARED
 
 MISSING = "{claim} has no row {words} {name!r}; validation/answers.toml reads it. Its rows: {rows}"
 

@@ -247,10 +247,8 @@ def _printed(title: str, value: float) -> str:
 
 
 def _law_data(law: FrictionLaw) -> dict[str, Any]:
-    from metafem.prediction.tables import columns
-
     about = {"model": mf.report.model_data(law.model), "status": law.status.name.lower()}
     # the friction coefficient at zero load is not finite, and JSON has no such number
-    numbers = mf.files.plain_data(columns(law.quantities()))
+    numbers = mf.files.plain_data(law.columns())
     error = mf.report.error_data(law.model_error)
     return {**about, "model_error": error, **numbers, "notes": notes_data(law.notes)}

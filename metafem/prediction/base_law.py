@@ -2,25 +2,130 @@
 
 from __future__ import annotations
 
+import math
 from abc import abstractmethod
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
+from scipy.special import stdtrit
 
 from metafem import _validate as check
 from metafem import drawing
 from metafem._validate import FloatArray
 from metafem._values import Value
 from metafem.errors import refuse_if
-from metafem.prediction import tables
-from metafem.prediction.branch_fit import BranchFit, fit_branch
 from metafem.surface import Friction, Material
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from pandas import DataFrame
     from xarray import Dataset
+
+# Probability of values below the upper end of a two-sided 68 % interval of Student's distribution.
+UPPER = 0.84
+
+# Unit and meaning of each quantity of a law, in the order of the columns.
+QUANTITIES = {
+    "load": ("N", "normal load P"),
+    "area": ("mm2", "real contact area A0"),
+    "separation": ("mm", "plane to undeformed base plane"),
+    "rescaled_load": ("mm2", "load over composite modulus, P/E*"),
+    "rescaled_friction": ("mm2", "friction over shear strength and area ratio, F/(sigma B)"),
+    "friction_force": ("N", "friction force F"),
+    "friction_coefficient": ("1", "friction force over load, F/P"),
+    "nominal_pressure": ("MPa", "load per area of the periodic cell, P/A"),
+    "nominal_shear_stress": ("MPa", "friction force per area of the periodic cell, F/A"),
+    "approach": ("mm", "tallest summit minus separation"),
+    "stiffness": ("N/mm", "normal contact stiffness"),
+    "residual": ("1", "relative error of the equations"),
+}
+
+# Suffix that marks the name of a standard deviation.
+DEVIATION = "_sd"
+
+
+def described(name: str) -> tuple[str, str]:
+    """Return unit and meaning of a quantity, or of its standard deviation."""
+    unit, words = QUANTITIES[name.removesuffix(DEVIATION)]
+    return unit, f"{words}, standard deviation" if name.endswith(DEVIATION) else words
+
+
+@dataclass(frozen=True)
+class BranchFit:
+    """Straight line fitted to a branch of a law, rescaled friction over rescaled load.
+
+    Attributes
+    ----------
+    slope : float
+        Slope m [-]; the friction coefficient is about ``sigma B / E* m``.
+    intercept : float
+        Rescaled friction at zero load [mm^2].
+    slope_interval, intercept_interval : (float, float)
+        68 % confidence intervals from the regression.
+    load_range : (float, float)
+        Range of the rescaled loads of the fitted points [mm^2].
+    points : int
+        Number of points.
+    friction_coefficient : float or None
+        ``dF/dP = sigma B / E* m`` [-]; None for a surface without a Friction.
+    intercept_force : float or None
+        Friction force at zero load [N]; None for a surface without a Friction.
+
+    Examples
+    --------
+    >>> import metafem as mf
+    >>> surface = mf.Surface.square_lattice(0.1, (2, 2), radius=0.526, material=mf.Material(1.36))
+    >>> fit = mf.friction_law(surface, load=np.linspace(0.1, 0.2, 11)).fit(load=(0.1, 0.2))
+    >>> round(fit.slope, 2), round(fit.intercept, 2), fit.points, fit.friction_coefficient
+    (3.75, 0.2, 11, None)
+    """
+
+    slope: float
+    intercept: float
+    slope_interval: tuple[float, float]
+    intercept_interval: tuple[float, float]
+    load_range: tuple[float, float]
+    points: int
+    friction_coefficient: float | None = None
+    intercept_force: float | None = None
+
+
+def fit_branch(
+    load: FloatArray,
+    area: FloatArray,
+    load_range: tuple[float, float],
+    material: Material,
+    friction: Friction | None,
+) -> BranchFit:
+    """Return the least-squares line of rescaled friction over rescaled loads (k,) [mm^2], between two."""
+    low, high = load_range
+    refuse_if(high <= low, f"load_range = ({low:g}, {high:g}) must increase")
+    chosen = (load >= low) & (load <= high) & ~np.isnan(area)  # areas of a measured law may be unknown
+    count = int(chosen.sum())
+    words = f"load_range = ({low:g}, {high:g}) holds {count} of the law's points, which run from"
+    enough = count >= 3 and np.ptp(load[chosen]) > 0.0
+    least = "a fit needs at least 3 points, at different loads"
+    refuse_if(not enough, f"{words} {load.min():g} to {load.max():g} mm^2; {least}")
+    x, y = load[chosen], area[chosen]
+    centre, spread = x.mean(), ((x - x.mean()) ** 2).sum()
+    slope = float(((x - centre) * (y - y.mean())).sum() / spread)
+    intercept = float(y.mean() - slope * centre)
+    scatter = math.sqrt(float(((y - intercept - slope * x) ** 2).sum()) / (count - 2))
+    error = float(stdtrit(count - 2, UPPER)) * scatter
+    slope_error = error / math.sqrt(spread)
+    intercept_error = error * math.sqrt(1.0 / count + centre**2 / spread)
+    return BranchFit(
+        slope,
+        intercept,
+        (slope - slope_error, slope + slope_error),
+        (intercept - intercept_error, intercept + intercept_error),
+        (low, high),
+        count,
+        None if friction is None else friction.stress / material.composite_modulus * slope,
+        None if friction is None else friction.stress * intercept,
+    )
 
 
 class BaseLaw(Value):
@@ -113,6 +218,14 @@ class BaseLaw(Value):
             self.rescaled_load, self.rescaled_friction, (low, high), self.material, self.friction
         )
 
+    def columns(self) -> dict[str, FloatArray]:
+        """Return the arrays (k,) by column name, which includes the unit: ``load_N``, ``area_mm2``."""
+        units = {name: described(name)[0].replace("/", "_per_") for name in self.quantities()}
+        return {
+            name if units[name] == "1" else f"{name}_{units[name]}": values
+            for name, values in self.quantities().items()
+        }
+
     def to_dataframe(self) -> DataFrame:
         """Return the law as a table with one row for each load.
 
@@ -135,8 +248,7 @@ class BaseLaw(Value):
         """
         from pandas import DataFrame
 
-        arrays = tables.columns(self.quantities())
-        table = DataFrame({name: values.copy() for name, values in arrays.items()})
+        table = DataFrame({name: values.copy() for name, values in self.columns().items()})
         table.attrs.update(self._about())
         return table
 
@@ -164,7 +276,7 @@ class BaseLaw(Value):
 
         variables = {}
         for name, values in self.quantities().items():
-            unit, words = tables.described(name)
+            unit, words = described(name)
             variables[name] = ("rescaled_load", values.copy(), {"units": unit, "long_name": words})
         coordinate = {"rescaled_load": variables.pop("rescaled_load")}
         return Dataset(variables, coordinate, dict(self._about()))

@@ -1,25 +1,26 @@
-"""Friction law of a surface: arrays, forces, fits and tables."""
+"""The friction law of a surface, and its prediction."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from metafem import _validate as check
 from metafem import drawing
 from metafem._validate import FloatArray
 from metafem._values import span
 from metafem.drawing import card
-from metafem.errors import InvalidInput, refuse_if
-from metafem.models import Model, Status
+from metafem.errors import InvalidInput, NotConverged, refuse_if
+from metafem.models import Curve, Independent, Model, Status
 from metafem.models.curve import ModelError
-from metafem.notes import Note, late, printed_count, to_lines
-from metafem.prediction import tables
-from metafem.prediction.base_law import BaseLaw
-from metafem.prediction.validity import NOT_ESTIMATED
-from metafem.surface import Friction, Material, PeriodicCell
+from metafem.models.model import checked_model, contact_of, with_contact
+from metafem.notes import Note, late, printed_count, to_lines, when_read
+from metafem.prediction.base_law import QUANTITIES, BaseLaw
+from metafem.prediction.validity import NOT_ESTIMATED, REMEDY, Validity
+from metafem.surface import Friction, Material, PeriodicCell, Surface
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -36,13 +37,27 @@ NOMINAL = ("nominal_pressure", "nominal_shear_stress")
 # Quantities that may be negative; the load is negative only when adhesive contacts are pulled apart.
 SIGNED = ("rescaled_load", "separation", "approach")
 
+# Number of loads of the default grid.
+GRID_POINTS = 100
+
+# Indentation of the lowest asperity at the end of the default grid, over its radius; a/R is then 0.2.
+GRID_INDENTATION = 0.04
+
+# Largest approach of the default grid, over the largest height. The grid ends just before the rigid plane
+# reaches the base plane.
+CLEAR = 0.999
+
+# Largest approach of the default grid, over the approach at which a contact without neighbours reaches the
+# largest indentation of its law. The margin allows for rounding, and for the different displacements of
+# interacting asperities.
+WITHIN = 0.98
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FrictionLaw(BaseLaw):
     """Friction law ``F = sigma B A0(P)`` of one surface under one model, as arrays (k,) at increasing loads.
 
-    sigma is the shear strength and B the area ratio of `metafem.Friction`. The rescaled law is A0 over P/E*,
-    or ``sum w_i A_i`` over P/E* if the asperities differ in friction.
+    sigma is the shear strength and B the area ratio of `metafem.Friction`. The rescaled law is A0 over P/E*.
     Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234.
 
     Attributes
@@ -83,7 +98,7 @@ class FrictionLaw(BaseLaw):
     >>> law.rescaled_friction.round(4)
     array([0.4708, 0.7474])
     >>> law
-    <FrictionLaw: 2 loads 0.1 to 0.2 N, area 0.4708 to 0.7474 mm^2, Independent(), converged, 1 warning>
+    <FrictionLaw: 2 loads 0.1 to 0.2 N, area 0.4708 to 0.7474 mm^2, model Independent(), ...>
     """
 
     rescaled_load: FloatArray
@@ -104,10 +119,9 @@ class FrictionLaw(BaseLaw):
         converged = self.status is Status.CONVERGED  # the last state of a failed solver may be arbitrary
         for name in ARRAYS:
             values = getattr(self, name)
-            refuse_if(
-                values.ndim != 1 or values.shape != self.rescaled_load.shape or not values.size,
-                f"{name} has shape {values.shape}; the arrays of a law have one entry for each load",
-            )
+            alike = values.ndim == 1 and values.shape == self.rescaled_load.shape and values.size
+            words = f"{name} has shape {values.shape}; the arrays of a law have one entry for each load"
+            refuse_if(not alike, words)
             values.flags.writeable = False
             possible = np.isfinite(values) if name in SIGNED else values >= 0.0
             check.refuse_entries(name, values, converged & ~possible, "is impossible in a converged law")
@@ -115,31 +129,24 @@ class FrictionLaw(BaseLaw):
         refuse_if(fall, "the loads of a law must not decrease")
 
     def __repr__(self) -> str:
-        facts = self._facts()
-        force = f"friction force {facts['friction force']}, " if self.friction is not None else ""
-        return (
-            f"<FrictionLaw: {facts['loads']}, area {facts['area']}, {force}{self.model!r}, "
-            f"{self.status.name.lower()}, {facts['notes']}>"
-        )
+        *facts, (_, notes) = self._facts().items()
+        return f"<FrictionLaw: {', '.join(f'{name} {fact}' for name, fact in facts)}, {notes}>"
 
     def _repr_html_(self) -> str:
         """Return the HTML representation for notebooks."""
         forces = self.friction is not None
-        x, y = (
-            card.thinned(self.load, self.friction_force)
-            if forces
-            else card.thinned(self.rescaled_load, self.rescaled_friction)
-        )
+        arrays = (self.load, self.friction_force) if forces else (self.rescaled_load, self.rescaled_friction)
+        x, y = card.thinned(*arrays)
         return card.card("Friction law", self._facts(), lambda ax: drawing.law(ax, x, y, forces=forces))
 
     def _facts(self) -> dict[str, str]:
         """Return the quantities for the printed summary."""
         ends = self.material.composite_modulus * self.rescaled_load[[0, -1]]
-        facts = {"loads": f"{len(self.area):,} loads {span(ends, 'N')}", "area": span(self.area, "mm^2")}
+        facts = {f"{len(self.area):,} loads": span(ends, "N"), "area": span(self.area, "mm^2")}
         if self.friction is not None:
             ends = np.array([self.rescaled_friction.min(), self.rescaled_friction.max()])
             facts["friction force"] = span(self.friction.stress * ends, "N")
-        facts |= {"model": repr(self.model), "status": self.status.value, "notes": printed_count(self)}
+        facts |= {"model": repr(self.model), "status": self.status.name.lower(), "notes": printed_count(self)}
         return facts
 
     @property
@@ -161,10 +168,8 @@ class FrictionLaw(BaseLaw):
     def friction_force(self) -> FloatArray:
         """Friction force ``F = sigma B A0`` [N], (k,); raises InvalidInput without a Friction."""
         if self.friction is None:
-            raise InvalidInput(
-                "friction_force needs the surface's friction; create the surface with "
-                "friction=metafem.Friction(shear_strength, area_ratio)"
-            )
+            words = "friction_force needs the surface's friction; create the surface with"
+            raise InvalidInput(f"{words} friction=metafem.Friction(shear_strength, area_ratio)")
         return self.friction.stress * self.rescaled_friction
 
     @property
@@ -179,9 +184,8 @@ class FrictionLaw(BaseLaw):
 
     def _nominal_area(self) -> float:
         if self.cell is None:
-            raise InvalidInput(
-                "loads per area need a periodic surface; create it with cell=metafem.PeriodicCell(...)"
-            )
+            words = "loads per area need a periodic surface; create it with"
+            raise InvalidInput(f"{words} cell=metafem.PeriodicCell(...)")
         return self.cell.area
 
     def _force(self) -> FloatArray:
@@ -190,12 +194,136 @@ class FrictionLaw(BaseLaw):
     def quantities(self) -> dict[str, FloatArray]:
         """Return the arrays (k,) of the law by name, in the order of the columns of its tables."""
         unknown = (*(FORCES if self.friction is None else ()), *(NOMINAL if self.cell is None else ()))
-        return {name: getattr(self, name) for name in tables.QUANTITIES if name not in unknown}
+        return {name: getattr(self, name) for name in QUANTITIES if name not in unknown}
 
     def _about(self) -> dict[str, str]:
-        about = {"model": repr(self.model), "status": self.status.value, "notes": to_lines(self.notes)}
+        about = {"model": repr(self.model), "status": self.status.name.lower(), "notes": to_lines(self.notes)}
         return about | {"model_error": f"{self.model_error:.2g}, by {self.model_error.source}"}
 
     def _draw(self, ax: Axes, forces: bool, label: str | None) -> None:
         x, y = (self.load, self.friction_force) if forces else (self.rescaled_load, self.rescaled_friction)
         drawing.law(ax, x, y, forces=forces, label=label)
+
+
+def friction_law(
+    surface: Surface,
+    model: Model | None = None,
+    *,
+    load: ArrayLike | None = None,
+    separation: ArrayLike | None = None,
+    unloading: bool = False,
+) -> FrictionLaw:
+    """Return the predicted friction law of a surface.
+
+    Adhesive contacts form and break in jumps at different loads; `unloading` selects the states on unloading.
+    All states are stable under load control, and the notes report the jumps. The unloading of plastic
+    contacts is not known, and is refused.
+
+    Parameters
+    ----------
+    surface : Surface
+    model : Model, optional
+        Default: `Independent()`.
+    load : array_like, (k,), optional
+        Normal loads P [N], at least 0. Adhesive contacts on unloading may also have negative loads, down to
+        the load at which the last contacts break.
+    separation : array_like, (k,), optional
+        Separations [mm]. Default, if neither loads nor separations are given: 100 loads. The largest load
+        is that at which the lowest asperity is indented by 0.04 R, the plane reaches the base plane, or the
+        approach is 98 % of that at which a contact reaches the largest indentation of its law, whichever
+        comes first.
+    unloading : bool
+        Whether the states are those on unloading from the largest load; default: False. Elastic contacts
+        without adhesion have the same law on loading and unloading.
+
+    Returns
+    -------
+    FrictionLaw
+        Law with the states in the order of increasing load.
+
+    Raises
+    ------
+    InvalidInput
+        If both loads and separations are given. For loads that are not finite, negative on loading, or below
+        the pull-off load on unloading. For separations that are not finite, and for separations of adhesive
+        contacts. For `unloading` if the model or the contact law does not support it, or adhesive contacts
+        are open at the largest load.
+    NotConverged
+        If a residual exceeds the model's tolerance.
+
+    Examples
+    --------
+    >>> from metafem import Material
+    >>> surface = Surface.square_lattice([0.1, 0.12], (1, 2), radius=0.526, material=Material(1.36))
+    >>> law = friction_law(surface, separation=[0.11, 0.09])
+    >>> law.area.round(5)
+    array([0.01652, 0.0661 ])
+    """
+    check.instance("surface", surface, Surface, "a metafem.Surface")
+    solver = checked_model(Independent() if model is None else model)
+    refuse_if(load is not None and separation is not None, "only one of load and separation can be given")
+    check.instance("unloading", unloading, bool, "True or False")
+    law = contact_of(solver).bound(surface)
+    words = (
+        f"unloading = True: the model {solver.name} has no unloading; use independent, half-space or layer"
+    )
+    refuse_if(unloading and not getattr(solver, "unloads", False), words)
+    values: dict[str, FloatArray]
+    if separation is not None:
+        words = "cannot be given with adhesive contacts: at a given separation their load falls where they"
+        refuse_if(law.adhesive, f"{words} jump into contact; give load", key="separation")
+        distance = np.sort(check.array("separation", separation, shape=(None,)))[::-1]
+        values = {"approach": surface.height.max() - distance}
+    elif load is None:
+        values = {"load": default_loads(surface, solver)}
+    else:
+        newtons = np.sort(check.loads("load", load, negative=unloading and law.adhesive))
+        values = {"load": newtons / surface.material.composite_modulus}
+    more = {"unloading": True} if unloading else {}  # not all models have this argument
+    curve = cast("Any", solver).curve(surface, **values, **more)
+    return law_of_curve(surface, solver, curve, values.get("load", curve.load), unloading)
+
+
+def default_loads(surface: Surface, model: Model) -> FloatArray:
+    """Return the rescaled loads of the default grid [mm^2]."""
+    contact = contact_of(model).bound(surface)
+    lowest, base = int(surface.gap.argmax()), CLEAR * float(surface.height.max())
+    touching = surface.gap[lowest] + GRID_INDENTATION * surface.radius[lowest]
+    if base > surface.gap[lowest]:
+        touching = min(touching, base)
+    described = (surface.gap + contact.largest_indentation(contact.summits(surface))).min()
+    last = np.array([min(touching, WITHIN * described)])
+    end = model.curve(surface, approach=last).load[0]
+    if end <= 0.0:  # with adhesion the load may be negative there; use the load without adhesion
+        end = with_contact(model, contact.without_adhesion).curve(surface, approach=last).load[0]
+    return np.asarray(end * np.arange(1, GRID_POINTS + 1) / GRID_POINTS)
+
+
+def law_of_curve(
+    surface: Surface,
+    model: Model,
+    curve: Curve,
+    rescaled_load: FloatArray,
+    unloading: bool = False,
+) -> FrictionLaw:
+    """Return the friction law of a model's curve; raise NotConverged if the curve has not converged."""
+    validity, size = Validity(surface, model, curve, unloading), surface.count + curve.area.size
+    law = FrictionLaw(
+        rescaled_load=np.array(rescaled_load),
+        area=curve.area,
+        separation=surface.height.max() - curve.approach,
+        approach=curve.approach,
+        rescaled_stiffness=curve.stiffness,
+        residual=curve.residual,
+        status=curve.status,
+        model=model,
+        material=surface.material,
+        friction=surface.friction,
+        notes=when_read(validity.notes, curve.notes, size=size),
+        model_error=when_read(getattr, validity, "error", size=size),
+        cell=surface.cell,
+    )
+    if not curve.converged:
+        worst = curve.residual.max()
+        raise NotConverged(f"{curve.status.value}: largest residual {worst:.2g}; {REMEDY}", law)
+    return law

@@ -12,24 +12,23 @@ from metafem.surface import Surface
 
 def part_notes(surface: Surface) -> list[Note]:
     """Return notes on features of the surface that cannot be manufactured or differ in the part."""
-    height, radius, block = surface.height, surface.radius, surface.block
+    height, radius, block, count = surface.height, surface.radius, surface.block, surface.count
     most = surface.cap.tallest(radius)
-    low, high = int((height < 0.0).sum()), int((height > most).sum())
-    buried = _overlapping_caps(surface)
+    low, high, buried = (height < 0.0).sum(), (height > most).sum(), _overlapping_caps(surface)
+    too_high = f"their profile is deep and cannot be made as caps: lower them to {float(most.min()):.4g} mm"
+    wider = "give a wider profile"
     if surface.cap == SPHERE:
-        too_high = "their radius", f"{float(radius.min()):g} mm, or use larger radii"
-    else:
-        too_high = "their profile is deep", f"{float(most.min()):.4g} mm, or give a wider profile"
-    features: list[tuple[str, int, tuple[str, ...], str]] = [
+        too_high = f"their radius and cannot be made as caps: lower them to {float(radius.min()):g} mm"
+        wider = "use larger radii"
+    features = [
         (
             "summits below the base plane", low, ("min_height",),
-            f"{low} of {surface.count} summits lie below the base plane, the lowest at "
-            f"{float(height.min()):.4g} mm, and cannot be made as caps: raise them above 0 mm",
+            f"{low} of {count} summits lie below the base plane, the lowest at {height.min():.4g} mm, and "
+            "cannot be made as caps: raise them above 0 mm",
         ),
         (
             "summits too high for caps", high, ("max_height", "radius"),
-            f"{high} of {surface.count} summits stand higher than {too_high[0]} and cannot be made as caps: "
-            f"lower them to {too_high[1]}",
+            f"{high} of {count} summits stand higher than {too_high}, or {wider}",
         ),
         (
             "overlapping pairs of caps", buried, ("pitch",),
@@ -38,23 +37,20 @@ def part_notes(surface: Surface) -> list[Note]:
         ),
     ]  # fmt: skip
     if block is not None:
-        half = 0.5 * np.array([block.width, block.length])
-        outside = int((np.abs(surface.position) > half).any(axis=1).sum())
+        outside = (2.0 * np.abs(surface.position) > [block.width, block.length]).any(axis=1).sum()
         text = (
-            f"{outside} of {surface.count} summits stand outside the block of {block.width:g} by "
-            f"{block.length:g} mm, whose centre is at (0, 0): make it larger, or move them"
+            f"{outside} of {count} summits stand outside the block of {block.width:g} by {block.length:g} "
+            "mm, whose centre is at (0, 0): make it larger, or move them"
         )
         features.append(("summits outside the block", outside, ("width", "length"), text))
     notes = [
-        Note(text, quantity=quantity, value=count, bound=0.0, remedies=remedies)
-        for quantity, count, remedies, text in features
-        if count
+        Note(text, quantity=quantity, value=int(number), bound=0.0, remedies=remedies)
+        for quantity, number, remedies, text in features
+        if number
     ]
     if block is not None and surface.cell is not None:
-        sides = f"{surface.cell.width:g} by {surface.cell.length:g} mm"
-        notes.append(
-            information(f"the law is that of an infinite surface; the part has one period of {sides}")
-        )
+        period = f"the part has one period of {surface.cell.width:g} by {surface.cell.length:g} mm"
+        notes.append(information(f"the law is that of an infinite surface; {period}"))
     return notes
 
 

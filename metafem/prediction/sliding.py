@@ -15,8 +15,7 @@ from metafem._values import MICROMETRES, Value
 from metafem.errors import refuse_if
 from metafem.material import Material
 from metafem.models import Model
-from metafem.prediction.contact_state import ContactState
-from metafem.prediction.equilibria import equilibrium
+from metafem.prediction.state import ContactState, equilibrium
 from metafem.surface import Surface
 
 if TYPE_CHECKING:

@@ -27,7 +27,6 @@ from metafem.models.boundary_elements.model import resolvable
 from metafem.models.curve import ModelError
 from metafem.models.error import (
     compared,
-    equivalent,
     model_error,
     reference_of,
     rung_name,
@@ -66,22 +65,10 @@ SIZE_TOLERANCE = 1e-6
 # Remedy if a model finds no equilibrium.
 REMEDY = "use lighter loads, a larger pitch or the model resolved"
 
-# Names of the numbers of the notes.
-INTERACTION = "change of A0 by the elastic interaction"
-SIZE = "change of A0 by the size of the contacts"
-THICKNESS = "change of A0 by the thickness of the block"
-ORDER_3 = "error of order 3"
-OVERLAPS = "overlapping pairs of contacts"
+# Name of the number of a note that the explorer reads.
 BASE = "load at which the plane touches the base"
-WIDTH = "widest contact, a/R"
-
-# Largest ratio of contact radius to the distance of neighbours at which order 3 was compared with resolved
-# contacts, and largest ratio to the layer thickness at which its error is at most 0.2 %.
-COMPARED, COMPARED_ON_LAYER = 0.32, 0.3
 
 NOT_ESTIMATED = ModelError(math.nan, "it was not estimated with the law")
-
-UNKNOWN = "the effect of elastic interaction cannot be estimated over all loads"
 
 # Tolerance of the base gap at the load of base contact, relative to the largest height.
 BASE_TOLERANCE = 1e-9
@@ -131,7 +118,8 @@ class Validity:
         if error.load.size:
             yield from _change_notes(surface, model, reference, error)
         if not error.solved:
-            yield Note(f"{UNKNOWN}: {error.source}; use {_resolved_or(law)}lighter loads")
+            unknown = "the effect of elastic interaction cannot be estimated over all loads"
+            yield Note(f"{unknown}: {error.source}; use {_resolved_or(law)}lighter loads")
         if model == model.gradient_model:  # otherwise the contacts are resolved and may merge
             yield from _width_notes(surface, model, reference, self.curve)
         if model.couples and law.largest_order == 1:
@@ -159,18 +147,15 @@ def _size_note(surface: Surface, reference: Interacting, law: Contact, area: flo
     """Return a note on the error of point loads for other laws than elastic ones, by that of paraboloids."""
     point = Interacting(1, reference.substrate)
 
-    def excess(approach: float) -> float:
-        return float(point.curve(surface, approach=np.array([approach])).checked().area[0]) - area
+    def at(approach: float) -> Curve:
+        return point.curve(surface, approach=np.array([approach])).checked()
 
     try:
         high = area / (math.pi * float(surface.radius.max()))  # the approach for one summit
-        for _ in range(MOST_STEPS):
-            if excess(high) > 0.0:
-                break
+        while at(high).area[0] <= area:
             high *= 2.0
-        approach = scipy.optimize.brentq(excess, 0.0, high, rtol=SIZE_TOLERANCE)
-        load = point.curve(surface, approach=np.array([approach])).load
-        larger = point.reference.curve(surface, load).checked().area[0]
+        alike = scipy.optimize.brentq(lambda x: at(x).area[0] - area, 0.0, high, rtol=SIZE_TOLERANCE)
+        larger = point.reference.curve(surface, at(alike).load).checked().area[0]
     except MetafemError as reason:
         return Note(f"what point loads leave out of the size of the contacts cannot be estimated: {reason}")
     return information(
@@ -189,80 +174,55 @@ def _change_notes(
     if rms < STATED:
         return
     most = int(np.abs(change).argmax())
-    layer = reference.substrate != HalfSpace()
     if not model.couples:
-        quantity, cause = (
-            INTERACTION,
+        what, cause = (
+            "elastic interaction",
             "the elastic interaction of the asperities, which this model leaves out,",
         )
     elif model.reference == reference:
-        quantity, cause = SIZE, "the size of the contacts, which point loads leave out,"
+        what, cause = "size of the contacts", "the size of the contacts, which point loads leave out,"
     else:
-        quantity, cause = THICKNESS, "the block's thickness, which a half-space leaves out,"
+        what, cause = "thickness of the block", "the block's thickness, which a half-space leaves out,"
     spread = f"by {percent(rms)} rms and " if load.size > 1 else ""
     text = (
         f"{cause} changes A0 at a given load {spread}by up to {percent(change[most], '+.2g')}, at "
         f"{surface.material.composite_modulus * load[most]:.4g} N ({rung_name(reference)})"
     )
-    level = Level.INFORMATION
     if rms > BOUND:
-        text += f"; use the model {'layer' if layer else 'half-space'}, or a larger pitch"
-        level = Level.WARNING
-    yield Note(text, level, quantity, rms, BOUND, ("model", "pitch"))
+        better = "half-space" if reference.substrate == HalfSpace() else "layer"
+        text += f"; use the model {better}, or a larger pitch"
+    level = Level.WARNING if rms > BOUND else Level.INFORMATION
+    yield Note(text, level, f"change of A0 by the {what}", rms, BOUND, ("model", "pitch"))
 
 
 def _width_notes(surface: Surface, model: Model, reference: Interacting, curve: Curve) -> Iterator[Note]:
     """Yield notes on contacts that overlap, or that are wide relative to their distances or their layer."""
     law, area, newtons = contact_of(model), curve.last.area, _last_force(surface, curve)
-    overlaps, ratio = crowding(surface, area, law)
-    if overlaps:
-        yield Note(
-            f"contacts overlap: {overlaps} {'pair reaches' if overlaps == 1 else 'pairs reach'} into each "
-            f"other at {newtons:.4g} N, where real contacts merge; use "
-            f"{'the model resolved, ' if resolvable(law) else ''}a larger pitch or lighter loads",
-            quantity=OVERLAPS, value=overlaps, bound=0.0, remedies=("pitch",),
-        )  # fmt: skip
-    if overlaps or law.largest_order == 1:
-        return
-    if ratio > COMPARED and model.couples:
-        yield information(
-            f"a/r = {ratio:.2f} exceeds {COMPARED}, up to which order 3 was compared with resolved contacts"
+    remedy = f"use {_resolved_or(law)}a larger pitch or lighter loads"
+    if overlaps := overlapping_contacts(surface, area):
+        pairs = "pair reaches" if overlaps == 1 else "pairs reach"
+        text = f"contacts overlap: {overlaps} {pairs} into each other at {newtons:.4g} N, where real contacts"
+        number = "overlapping pairs of contacts"
+        yield Note(f"{text} merge; {remedy}", Level.WARNING, number, overlaps, 0.0, ("pitch",))
+    elif law.largest_order == 3:
+        error = float(truncation(surface, area, reference.substrate, law))
+        text = (
+            "the contacts are too wide for their distances or their layer: the error of order 3 may be "
+            f"{percent(error)} in A0 at {newtons:.4g} N"
         )
-    error = float(truncation(surface, area, reference.substrate, law))
-    thickness = getattr(reference.substrate.for_surface(surface), "thickness", math.inf)
-    wide = math.sqrt(float(area.max()) / math.pi) / thickness
-    if wide > COMPARED_ON_LAYER and reference == model.reference and model.couples:
-        yield information(
-            f"a/t = {wide:.2f} exceeds {COMPARED_ON_LAYER}, up to which order 3 was compared with resolved "
-            f"contacts on a layer; its estimated error in A0 is {percent(error)}"
-        )
-    if error > BOUND:
-        remedy = "the model resolved" if resolvable(law) else "a larger pitch or lighter loads"
-        yield Note(
-            f"the contacts are too wide for their distances or their layer: the error of order 3 may be "
-            f"{percent(error)} in A0 at {newtons:.4g} N; use {remedy}",
-            quantity=ORDER_3, value=error, bound=BOUND, remedies=("model", "pitch"),
-        )  # fmt: skip
+        if error > BOUND:
+            yield Note(
+                f"{text}; {remedy}", Level.WARNING, "error of order 3", error, BOUND, ("model", "pitch")
+            )
+        elif error > STATED and model.couples:
+            yield information(text.replace("too wide", "wide"))
 
 
-def crowding(surface: Surface, area: FloatArray, law: Contact) -> tuple[int, float]:
-    """Return the number of overlapping pairs, and the largest ratio a/r of contact radius to distance.
-
-    area: (n,) [mm^2]. For caps other than paraboloids, a is increased if the field of the contact is larger.
-    """
-    a, response, source, _ = equivalent(law.bound(surface), surface, area)
-    # the field of j has the effect p_j r_i/r^3 = 4/3 (a_j/r)^3 r_i/s_j on i, so a_j is scaled by
-    # cbrt(r_i/s_j)
-    blunt, sharp = np.cbrt(response), a / np.cbrt(source)
-    # pairs beyond this distance neither overlap nor exceed the ratio
-    reach = max(2.0 * float(a.max()), float(sharp.max() * blunt.max()) * max(2.0, 1.0 / COMPARED))
-    i, j, r = close_pairs(surface, reach)
-    both = (area[i] > 0.0) & (area[j] > 0.0)
-    i, j, r = i[both], j[both], r[both]
-    if not i.size:
-        return 0, 0.0
-    bending = np.maximum(sharp[j] * blunt[i], sharp[i] * blunt[j])
-    return int((a[i] + a[j] > r).sum()), float((np.maximum(np.maximum(a[i], a[j]), bending) / r).max())
+def overlapping_contacts(surface: Surface, area: FloatArray) -> int:
+    """Return the number of pairs of contacts with areas (n,) [mm^2] that overlap."""
+    radius = np.sqrt(area / math.pi)
+    i, j, distance = close_pairs(surface, 2.0 * float(radius.max()))
+    return int(((radius[i] + radius[j] > distance) & (area[i] > 0.0) & (area[j] > 0.0)).sum())
 
 
 def _last_force(surface: Surface, curve: Curve) -> float:
@@ -280,24 +240,24 @@ def base_contact_load(surface: Surface, model: Model) -> float:
     if top <= 0.0:
         return 0.0
 
-    def state_at(approach: float) -> tuple[float, float]:
-        """Return the base gap [mm] and the rescaled load [mm^2]."""
-        curve = model.gradient_model.curve(surface, approach=np.array([approach])).checked()
-        return curve.last.base_gap, float(curve.load[0])
+    def at(approach: float) -> Curve:
+        return model.gradient_model.curve(surface, approach=np.array([approach])).checked()
 
+    def gap(approach: float) -> float:
+        return at(approach).last.base_gap
+
+    if gap(0.0) <= 0.0:  # strong adhesion pulls the base to the plane at the first contact
+        return 0.0
     # start from the base contact of independent asperities; it comes later if the base sinks, and it may come
     # earlier if the layer rises
-    if state_at(0.0)[0] <= 0.0:  # strong adhesion pulls the base to the plane at the first contact
-        return 0.0
-    high, gap = top, state_at(top)[0]
+    high, small = top, BASE_TOLERANCE * top
     for _ in range(MOST_STEPS):
-        if gap <= BASE_TOLERANCE * top:
+        if gap(high) <= small:
             break
-        high += max(2.0 * gap, high - top)  # doubles the step if the base sinks almost as far
-        gap = state_at(high)[0]
-    if abs(gap) > BASE_TOLERANCE * top:
-        high = scipy.optimize.brentq(lambda x: state_at(x)[0], 0.0, high, xtol=BASE_TOLERANCE * top)
-    return state_at(high)[1]
+        high += max(2.0 * gap(high), high - top)  # doubles the step if the base sinks almost as far
+    if abs(gap(high)) > small:
+        high = scipy.optimize.brentq(gap, 0.0, high, xtol=small)
+    return float(at(high).load[0])
 
 
 def _base_notes(surface: Surface, model: Model, curve: Curve) -> Iterator[Note]:
@@ -309,12 +269,12 @@ def _base_notes(surface: Surface, model: Model, curve: Curve) -> Iterator[Note]:
         onset = min(surface.material.composite_modulus * base_contact_load(surface, model), newtons)
     except MetafemError:  # no solution at lighter loads: state the last load
         onset = newtons
-    yield Note(
+    text = (
         f"the base plane would touch from a load of {onset:.4g} N on: at {newtons:.4g} N the plane would be "
         f"{-1e3 * gap:.3g} um below the base beside a summit; the load that the base would carry is not "
-        "counted",
-        quantity=BASE, value=onset, bound=newtons, remedies=("offset",),
-    )  # fmt: skip
+        "counted"
+    )
+    yield Note(text, quantity=BASE, value=onset, bound=newtons, remedies=("offset",))
 
 
 def _wide_notes(surface: Surface, model: Model, curve: Curve) -> Iterator[Note]:
@@ -322,11 +282,9 @@ def _wide_notes(surface: Surface, model: Model, curve: Curve) -> Iterator[Note]:
     ratio = float((np.sqrt(curve.last.area / math.pi) / surface.radius).max())
     if ratio <= WIDEST:
         return
-    range_of = (
-        f"Hertz's law holds up to about {WIDEST:g}, with a fitted modulus"
-        if has_paraboloids(model)
-        else f"the law of small strain was compared with soft spheres up to {WIDEST:g} only"
-    )
+    range_of = f"the law of small strain was compared with soft spheres up to {WIDEST:g} only"
+    if has_paraboloids(model):
+        range_of = f"Hertz's law holds up to about {WIDEST:g}, with a fitted modulus"
     text = f"the widest contact has a/R = {ratio:.2f} at {_last_force(surface, curve):.4g} N: {range_of}"
     level = Level.WARNING if ratio > TOO_WIDE else Level.INFORMATION
-    yield Note(text, level, WIDTH, ratio, WIDEST, ("radius",))
+    yield Note(text, level, "widest contact, a/R", ratio, WIDEST, ("radius",))

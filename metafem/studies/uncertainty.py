@@ -2,26 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import math
+from collections import defaultdict
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.stats import qmc, sobol_indices
+from scipy.stats import sobol_indices
 
 from metafem import _validate as check
 from metafem._validate import FloatArray
-from metafem.errors import refuse_if
+from metafem.errors import NotConverged, refuse_if
 from metafem.models import Independent, Model
 from metafem.models.model import checked_model, contact_of
-from metafem.notes import Note
-from metafem.prediction.friction_law import default_loads
+from metafem.notes import information
+from metafem.prediction import default_loads
 from metafem.progress import doing, each
-from metafem.studies.sampling.dataset import Estimate, Variables, dataset, with_error
-from metafem.studies.sampling.inputs import Inputs, values_of
-from metafem.studies.sampling.law_draws import LawDraws, Response
-from metafem.studies.sampling.points import entropy, generator_of
-from metafem.studies.sampling.slope import Slope
+from metafem.studies.dataset import Variables, dataset
+from metafem.studies.draws import generator_of, seed_of
+from metafem.studies.inputs import Inputs, Parameters
+from metafem.studies.slope import Slope
 from metafem.surface import Surface
 
 if TYPE_CHECKING:
@@ -33,19 +36,26 @@ SETS = 16
 # Least number of points of a set; the two halves of fewer Sobol points are correlated.
 LEAST = 64
 
-# Number of bits of the coordinates of Sobol points; the default of scipy.
-BITS = 30
+# Laws are tabulated for errors up to this number of standard deviations; beyond it, with a probability below
+# 1e-6, the area of the last load is taken.
+FARTHEST = 5.0
+
+# Number of loads in the table of a law. The error of A0 is then below 5e-4 near loads at which a contact
+# closes, and 1e-7 elsewhere.
+LOADS = 4000
+
+# The model is solved at three factors of the radii, which differ by this number of standard deviations.
+APART = 2.0
 
 
 @doing("drawing parameters")
 def uncertainty(
     surface: Surface,
-    parameters: Mapping[str, ArrayLike] | tuple[Sequence[str], ArrayLike],
+    parameters: Parameters,
     *,
     draws: int = 10_000,
     model: Model | None = None,
     load: ArrayLike | None = None,
-    friction_force: ArrayLike | None = None,
     load_range: tuple[float, float] | None = None,
     rng: Any = 0,
 ) -> xr.Dataset:
@@ -57,27 +67,22 @@ def uncertainty(
     F/(sigma B) - A0(P/E*), also depends on R. Source: Aymard et al., Science 383, 200 (2024),
     doi:10.1126/science.adk4234, supplementary text "Uncertainties", error bars of Figs. 3 to 5.
 
-    The areas at the random loads and radii are interpolated between laws of the model at three radii. For
-    independent asperities, the dependence on the radius is exact.
-
     Parameters
     ----------
     surface : Surface
         The surface with the mean values of R, E*, sigma and B.
     parameters : mapping of str to float, or (sequence of str, array_like (p, p))
-        Standard deviations of ``radius`` [mm] (of the mean radius; all radii change by the same factor),
-        ``composite_modulus`` [MPa], ``load`` [N], ``shear_strength`` [MPa] and ``area_ratio`` [-], and of
-        ``friction_force`` [N] for measured pairs; or the names of parameters and their covariance matrix, in
-        these units. The standard deviations of load and friction force may be arrays (k,). Parameters that
-        are not named have no error.
+        Standard deviations of ``radius`` [mm] (all radii change by the same factor), ``composite_modulus``
+        [MPa], ``load`` [N], ``shear_strength`` [MPa] and ``area_ratio`` [-], and of ``friction_force`` [N]
+        for measured pairs; those of load and force may be arrays (k,). Or the names of parameters and their
+        covariance matrix, in these units.
     draws : int
         Number of evaluations, at least 2, rounded up to 16 sets of Sobol points; default: 10,000.
     model : Model, optional
         Default: `Independent()`.
-    load : array_like, (k,), optional
-        Normal loads P [N], positive. Default: the 100 loads of `friction_law`.
-    friction_force : array_like, (k,), optional
-        Friction forces F [N], positive, measured at the loads `load`; default: the law is predicted.
+    load : array_like, (k,) or (2, k), optional
+        Normal loads P [N], or the loads and the friction forces [N] of measured pairs, positive. Default: the
+        100 loads of `friction_law`.
     load_range : (float, float), optional
         Rescaled loads P/E* between which a line is fitted [mm^2]. Default: 25 to 100 % of the load at which
         the plane reaches the lowest summit.
@@ -87,21 +92,19 @@ def uncertainty(
     Returns
     -------
     xarray.Dataset
-        ``area_mean`` and ``area_sd`` [mm^2] over ``rescaled_load`` [mm^2], the error bars of the law;
-        ``slope_mean`` and ``slope_sd`` [-] describe the slope over the nominal P/E*, without errors of the
-        load. If the surface has a Friction, there are ``friction_force_mean`` and ``friction_force_sd`` [N];
-        measured pairs have ``rescaled_load_...``, ``rescaled_friction_...`` and ``deviation_...`` [mm^2]
-        instead. ``NAME_first_order`` and ``NAME_total`` over ``parameter`` are the Sobol indices: the share
-        of the variance that a parameter explains by itself, and the share that remains if all others are
-        known (`scipy.stats.sobol_indices`). Correlated parameters share one entry. Each estimate has its
-        standard sampling error ``..._error``.
+        ``area_mean`` and ``area_sd`` [mm^2] over ``rescaled_load`` [mm^2], the error bars of the law, and
+        ``friction_force_...`` [N] with a Friction; measured pairs have ``rescaled_load_...``,
+        ``rescaled_friction_...`` and ``deviation_...`` [mm^2] instead. ``slope_mean`` and ``slope_sd`` [-]
+        are those over the nominal P/E*. ``NAME_first_order`` and ``NAME_total`` over ``parameter`` are the
+        Sobol indices: the share of the variance that a parameter explains by itself, and the share that
+        remains if all others are known (`scipy.stats.sobol_indices`). Correlated parameters share one entry.
+        Each estimate has its standard sampling error ``..._error``.
 
     Raises
     ------
     InvalidInput
-        For unknown names, negative standard deviations, standard deviations above a seventh of a positive
-        parameter, a covariance matrix that is not symmetric and positive semidefinite, and fewer than two
-        draws; and for friction forces or their parameters if the surface has no Friction.
+        For unknown names, standard deviations that are negative or above a seventh of a positive parameter, a
+        covariance matrix that is not symmetric and positive semidefinite, and fewer than two draws.
     NotConverged
         If the model has no solution at a load or radius that is needed.
 
@@ -114,93 +117,168 @@ def uncertainty(
     (array([0.0035]), array([0.09, 0.91]))
     """
     used = checked_model(Independent() if model is None else model)
-    number, seed = check.integer("draws", draws, at_least=2), entropy(rng)
-    errors, covariance = parameters if isinstance(parameters, tuple) else (parameters, None)
-    words = "friction_force must be given with the load of each measured pair"
-    refuse_if(load is None and friction_force is not None, words)
-    if load is None:
-        loads = surface.material.composite_modulus * default_loads(surface, used)
-    else:
-        loads = check.array("load", load, shape=(None,), positive=True)
-    means, forces = {**values_of(surface), "load": loads}, None
-    if friction_force is not None:
-        forces = check.array("friction_force", friction_force, shape=(len(loads),), positive=True)
-        refuse_if(surface.friction is None, "friction_force needs a surface with a Friction")
-        means["friction_force"] = forces
-    inputs = Inputs.of(errors, covariance, means)
+    number, seed = check.integer("draws", draws, at_least=2), seed_of(rng)
+    loads, force = _loads(surface, used, load)
+    inputs = Inputs.of(parameters, _means(surface, loads, force))
     law = contact_of(used)
     refuse_if(
         "composite_modulus" in inputs.names and law.scales_with_stress,
-        f"parameters: composite_modulus also changes the law {law!r}, whose energy or stress is compared "
-        "with it; take a law without them (contact hertz), or leave the modulus out",
+        f"also changes the law {law!r}, whose energy or stress is compared with it; take the contact law "
+        "Hertz(), or leave the modulus out",
+        key="parameters.composite_modulus",
     )
-    fit, notes = Slope.if_any(surface, load_range, used)
-    response = Response.reaching(surface, used, inputs, loads, fit)
-    task = LawDraws(surface, inputs, response, fit, loads, forces)
-    points = LEAST
-    while SETS * points * (2 + len(inputs.groups)) < number:
-        points *= 2
-    sets = [_values(task, seed, k, points) for k in each("set of points", range(SETS))]
-    return _dataset(task, sets, used, seed, SETS * points * (2 + len(inputs.groups)), notes)
+    notes, slope = [information("no slope: all summits have one height, and no load_range is given")], None
+    if load_range is not None or np.ptp(surface.height) > 0.0:
+        notes, slope = [], Slope.of(surface, load_range, used)
+    modulus, last = surface.material.composite_modulus, float(loads.max())
+    if slope is not None:
+        last = max(last, modulus * slope.load_range[1])
+    response = Response.of(surface, used, inputs, last)
+    draw = partial(_drawn, surface, inputs, response, slope, loads, force)
+    runs = SETS * (2 + len(inputs.groups))  # evaluations of the law at each point
+    points = max(LEAST, 2 ** math.ceil(math.log2(number / runs)))
+    sets = [_sampled(draw, inputs, generator_of(seed, k), points) for k in each("set of points", range(SETS))]
+
+    variables: Variables = {}
+    for name, nominal in draw(np.zeros(len(inputs.names))).items():
+        # the slope has a single value
+        axes, part = ((), 0) if name == "slope" else (("rescaled_load",), slice(None))
+        variables[f"nominal_{name}"] = axes, nominal[part]
+        parts = [each_set[name] for each_set in sets]
+        whole = {key: np.concatenate([values[key] for values in parts], axis=-1) for key in parts[0]}
+        scatter = [_estimates(values) for values in parts]
+        for statistic, value in _estimates(whole).items():
+            over = axes if statistic in ("mean", "sd") else ("parameter", *axes)
+            error = np.std([found[statistic] for found in scatter], axis=0, ddof=1) / np.sqrt(SETS)
+            variables[f"{name}_{statistic}"] = over, value[..., part]
+            variables[f"{name}_{statistic}_error"] = over, error[..., part]
+    variables.pop("nominal_rescaled_load", None)  # the coordinate holds these values
+    coordinates = {"rescaled_load": loads / modulus, "parameter": inputs.labels}
+    origin = {"model": repr(used), "seed": str(seed), "draws": runs * points}
+    ends = [] if slope is None else slope.load_range
+    return dataset("uncertainty", variables, coordinates, notes, **origin, load_range=ends)
 
 
-def _values(task: LawDraws, seed: int, number: int, points: int) -> dict[str, FloatArray]:
-    """Return the outputs at two independent sets of points, and with the columns of each group exchanged.
+def _loads(surface: Surface, model: Model, load: ArrayLike | None) -> tuple[FloatArray, FloatArray | None]:
+    """Return the loads (k,) [N], and the friction forces (k,) [N] of measured pairs."""
+    if load is None:
+        return surface.material.composite_modulus * default_loads(surface, model), None
+    if check.depth(load) < 2:
+        return check.array("load", load, shape=(None,), positive=True), None
+    refuse_if(surface.friction is None, "of measured pairs needs a surface with a Friction", key="load")
+    pair = check.array("load", load, shape=(2, None))
+    loads, force = (check.array("load", row, shape=(None,), positive=True) for row in pair)
+    return loads, force
 
-    They have the names and the shapes (q, points) and (g, q, points) that `scipy.stats.sobol_indices` takes.
+
+def _means(surface: Surface, load: FloatArray, force: FloatArray | None) -> dict[str, float | FloatArray]:
+    """Return the nominal values of all parameters that can have an error."""
+    modulus, friction = surface.material.composite_modulus, surface.friction
+    return {
+        "radius": float(surface.radius.mean()),
+        "composite_modulus": modulus,
+        "load": load,
+        **({} if friction is None else vars(friction)),
+        **({} if force is None else {"friction_force": force}),
+    }
+
+
+@dataclass(frozen=True, eq=False)
+class Response:
+    """A0 as a function of the load P/E* and of a factor s of all radii, by interpolation.
+
+    For independent Hertz contacts ``A0(P/E*, s) = s A0(P/E*/sqrt(s), 1)``. In this form the area is linear in
+    ``(P/E*/sqrt(s))^(2/3)`` between the loads of the table, and a parabola in s.
     """
-    inputs = task.inputs
-    net = qmc.Sobol(2 * len(inputs.names), bits=BITS, rng=generator_of(seed, number)).random(points)
-    net += 0.5 ** (BITS + 1)  # centres of the rounding intervals, so that none is 0
-    a, b = np.split(net, 2, axis=1)
-    mixed = np.array([a] * len(inputs.groups))
-    for part, group in zip(mixed, map(list, inputs.groups), strict=True):
-        part[:, group] = b[:, group]
-    values = {"f_A": task.law(a), "f_B": task.law(b), "f_AB": task.law(mixed)}
-    # a copy of the first output: scipy's indices have no axis for a single one
-    own = np.append(np.arange(len(task.nominal)), 0)
-    return {name: np.moveaxis(value, -1, -2)[..., own, :] for name, value in values.items()}
+
+    coordinate: FloatArray  # (LOADS,), (P/E*/sqrt(s))^(2/3)
+    table: FloatArray  # (3, LOADS), coefficients of the parabola in (s - 1)/step [mm^2]
+    step: float
+
+    @classmethod
+    def of(cls, surface: Surface, model: Model, inputs: Inputs, load: float) -> Response:
+        """Return the response up to the largest likely rescaled load, from the largest nominal load [N]."""
+        sd = {name: float(value.max()) for name, value in zip(inputs.names, inputs.sd, strict=True)}
+        radius_sd = sd.get("radius", 0.0) / float(surface.radius.mean())
+        lowest = surface.material.composite_modulus - FARTHEST * sd.get("composite_modulus", 0.0)
+        last = (load + FARTHEST * sd.get("load", 0.0)) / lowest
+        last /= np.sqrt(1.0 - FARTHEST * radius_sd)
+        coordinate, step, area = np.linspace(0.0, last ** (2.0 / 3.0), LOADS), APART * radius_sd, []
+        for factor in (1.0 - step, 1.0, 1.0 + step):
+            loads = np.sqrt(factor) * coordinate**1.5
+            area.append(model.areas(surface, loads, surface.height[None], factor * surface.radius[None])[0])
+            failed = loads[~np.isfinite(area[-1])]
+            if failed.size:
+                raise NotConverged(f"the model has no solution at the rescaled load {failed[0]:.3g} mm^2")
+        low, middle, high = area[0] / (1.0 - step), area[1], area[2] / (1.0 + step)
+        parabola = np.array([middle, (high - low) / 2.0, (high + low) / 2.0 - middle])
+        return cls(coordinate, parabola, step)
+
+    def area(self, load: FloatArray, factor: FloatArray) -> FloatArray:
+        """Return A0 [mm^2] at rescaled loads [mm^2] and factors of the radii; 0 for negative loads."""
+        x = (np.maximum(load, 0.0) / np.sqrt(factor)) ** (2.0 / 3.0)
+        t = (factor - 1.0) / self.step if self.step > 0.0 else np.zeros(1)
+        constant, linear, square = (np.interp(x, self.coordinate, row) for row in self.table)
+        return np.asarray(factor * (constant + t * (linear + t * square)))
+
+
+def _drawn(
+    surface: Surface,
+    inputs: Inputs,
+    response: Response,
+    slope: Slope | None,
+    load: FloatArray,
+    force: FloatArray | None,
+    normal: FloatArray,
+) -> dict[str, FloatArray]:
+    """Return the quantities (..., k) by name for normal numbers (..., p); the slope has k = 1."""
+    errors = defaultdict(lambda: np.zeros(1), inputs.errors(normal))
+    material, friction = surface.material, surface.friction
+    modulus = material.composite_modulus + errors["composite_modulus"]
+    factor = 1.0 + errors["radius"] / surface.radius.mean()
+    rescaled = (load + errors["load"]) / modulus
+    found = {"area": response.area(rescaled, factor)}
+    if friction is not None:
+        strength = friction.shear_strength + errors["shear_strength"]
+        stress = strength * (friction.area_ratio + errors["area_ratio"])
+        if force is None:
+            found["friction_force"] = stress * found["area"]
+        else:
+            found["rescaled_load"] = rescaled
+            found["rescaled_friction"] = (force + errors["friction_force"]) / stress
+            found["deviation"] = found["rescaled_friction"] - found["area"]
+    if slope is not None:
+        area = response.area(slope.load * material.composite_modulus / modulus, factor)
+        found["slope"] = slope.fitted(area)[..., None]
+    # a quantity that depends on no random parameter has the same value at all points
+    shape = normal.shape[:-1]
+    return {name: np.broadcast_to(value, (*shape, value.shape[-1])) for name, value in found.items()}
+
+
+def _sampled(
+    draw: Callable[[FloatArray], dict[str, FloatArray]],
+    inputs: Inputs,
+    random: np.random.Generator,
+    points: int,
+) -> dict[str, dict[str, FloatArray]]:
+    """Return each quantity at two sets of points, and with the columns of each group exchanged.
+
+    The values have the names and the shapes (k, points) and (g, k, points) that `sobol_indices` takes.
+    """
+    first, second = inputs.drawn(points, random)
+    mixed = np.array([first] * len(inputs.groups))
+    for part, group in zip(mixed, inputs.groups, strict=True):
+        part[:, group] = second[:, group]
+    at = {"f_A": draw(first), "f_B": draw(second), "f_AB": draw(mixed)}
+    return {name: {key: np.moveaxis(of[name], -1, -2) for key, of in at.items()} for name in at["f_A"]}
 
 
 def _estimates(values: dict[str, FloatArray]) -> dict[str, FloatArray]:
-    """Return mean and standard deviation (q,), and the Sobol indices (g, q)."""
-    both = np.concatenate([values["f_A"], values["f_B"]], axis=-1)[:-1]
-    found = sobol_indices(func=values, n=values["f_A"].shape[-1])
-    first, total = (
-        np.reshape(part, (len(both) + 1, -1)).T[:, :-1] for part in (found.first_order, found.total_order)
-    )
+    """Return mean and standard deviation (k,), and the Sobol indices (g, k)."""
+    both = np.concatenate([values["f_A"], values["f_B"]], axis=-1)
+    # a copy of the first value: scipy's indices have no axis for a single one
+    twice = {key: np.concatenate([value, value[..., :1, :]], axis=-2) for key, value in values.items()}
+    found = sobol_indices(func=twice, n=values["f_A"].shape[-1])
+    shape = len(both) + 1, -1
+    first, total = (np.reshape(part, shape).T[:, :-1] for part in (found.first_order, found.total_order))
     return {"mean": both.mean(axis=-1), "sd": both.std(axis=-1), "first_order": first, "total": total}
-
-
-def _dataset(
-    task: LawDraws, sets: list[dict[str, FloatArray]], model: Model, seed: int, draws: int, notes: list[Note]
-) -> xr.Dataset:
-    """Return the dataset that holds the estimates of all outputs."""
-    whole = _estimates({name: np.concatenate([each[name] for each in sets], axis=-1) for name in sets[0]})
-    parts = [_estimates(values) for values in sets]
-    found = {
-        name: Estimate(value, np.std([part[name] for part in parts], axis=0, ddof=1) / np.sqrt(SETS))
-        for name, value in whole.items()
-    }
-    k = len(task.load)
-    variables: Variables = {}
-    for i, name in enumerate(task.outputs):
-        # the slope is the last output and has a single value
-        part, over = (-1, ()) if name == "slope" else (slice(i * k, (i + 1) * k), ("rescaled_load",))
-        for statistic, estimate in found.items():
-            axes = over if statistic in ("mean", "sd") else ("parameter", *over)
-            own = estimate.value[..., part], estimate.error[..., part]
-            variables |= with_error(f"{name}_{statistic}", axes, own)
-        variables[f"nominal_{name}"] = over, task.nominal[part]
-    variables.pop("nominal_rescaled_load", None)  # the coordinate holds these values
-    rescaled = task.load / task.surface.material.composite_modulus
-    return dataset(
-        "uncertainty",
-        variables,
-        {"rescaled_load": rescaled, "parameter": task.inputs.labels},
-        model=model,
-        slope=task.fit,
-        seed=seed,
-        draws=draws,
-        notes=notes,
-    )

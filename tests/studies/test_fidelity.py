@@ -8,7 +8,7 @@ import pytest
 
 import metafem as mf
 from metafem.studies import summary
-from metafem.studies.cap_contact import caps_of
+from metafem.studies.caps import caps_of
 
 # Radius of the cylinder with the base area of the block [mm].
 SIDE = 20.0 / np.sqrt(np.pi)
@@ -17,7 +17,7 @@ SIDE = 20.0 / np.sqrt(np.pi)
 @pytest.fixture(scope="module")
 def fidelity(design, tmp_path_factory):
     """The laws under all models, on a block of large cells, and the table of its caps by finite elements."""
-    kept, module = [], import_module("metafem.studies.fidelity")
+    kept, module = [], import_module("metafem.studies.models")
     with pytest.MonkeyPatch.context() as patch:
         folder = tmp_path_factory.mktemp("cache")
         patch.setattr("metafem.fe.block3d.cache_folder", lambda: folder)

@@ -4,9 +4,7 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.studies.interaction import _areas
-from metafem.studies.misalignment import Tilts, both_signs
-from metafem.studies.sampling.slope import Slope
+from metafem.studies.misalignment import _areas
 
 OWN = mf.Elastic()
 CAPS = (mf.Power(4.0), mf.Sphere(), mf.Power(1.5, 0.3), mf.Paraboloid())
@@ -41,35 +39,25 @@ def moved(part, order):
     )
 
 
-def test_assignments_of_the_interaction_study_move_the_caps():
-    part, rng = surface(radius=np.linspace(0.4, 0.6, 9)), np.random.default_rng(1)
-    orders = [rng.permutation(9) for _ in range(3)]
-    found = _areas(MODELS[1], part, orders, LOAD)
-    expected = [MODELS[1].curve(moved(part, order), LOAD).area for order in orders]
-    np.testing.assert_allclose(found, expected, rtol=1e-11)
-
-
 @pytest.mark.parametrize("model", MODELS, ids=lambda model: model.name)
 def test_shuffles_of_the_misalignment_study_move_the_caps(model):
-    part, angle = surface(radius=np.linspace(0.4, 0.6, 9)), both_signs(np.array([0.001]))
-    fit = Slope.of(part, (0.05, 0.2), model)
-    task = Tilts(part, model, np.array([1.0, 0.0]), angle, fit, 2, 0)
+    part, angle = surface(radius=np.linspace(0.4, 0.6, 9)), np.array([-0.001, 0.0, 0.001])
     order = np.random.default_rng(2).permutation(9)
-    found = task._areas(order)
-    for row, tilt in zip(found, angle, strict=True):
-        tilted = moved(part, order).tilted(float(tilt), 0.0)
-        np.testing.assert_allclose(row, model.curve(tilted, fit.load).area, rtol=1e-10)
+    tilt = np.outer(np.tan(angle), [1.0, 0.0])
+    found = _areas(part, model, tilt, LOAD, order)
+    for row, each in zip(found, angle, strict=True):
+        tilted = moved(part, order).tilted(float(each), 0.0)
+        np.testing.assert_allclose(row, model.curve(tilted, LOAD).area, rtol=1e-10)
 
 
 def test_perturbed_surfaces_keep_their_caps():
     part, model = surface(), mf.Interacting(contact=OWN)
     tolerances = mf.Tolerances(height_sd=0.001, position_sd=0.01, radius_sd=0.01)
-    unit = np.random.default_rng(3).uniform(0.01, 0.99, (3, tolerances.dimensions(part)))
-    made = tolerances.perturbed(part, unit)
-    found = model.areas(part, LOAD, *made)
+    height, radius, position = tolerances.perturbed(part, 3, np.random.default_rng(3))
+    found = model.areas(part, LOAD, height, radius, position)
     for row in range(3):
-        given = {name: value[row] for name, value in made._asdict().items() if value is not None}
-        np.testing.assert_allclose(found[row], model.curve(part.replaced(**given), LOAD).area, rtol=1e-11)
+        made = part.replaced(height=height[row], radius=radius[row], position=position[row])
+        np.testing.assert_allclose(found[row], model.curve(made, LOAD).area, rtol=1e-11)
 
 
 def test_the_plasticity_index_uses_the_curvature_of_the_summits():

@@ -76,7 +76,7 @@ def measured(name: str, load: np.ndarray):
     surface, printed = surfaces()[name], paper()["force_error"]
     force = mf.friction_law(surface, load=load).friction_force
     sd = errors(name) | {"friction_force": printed["friction_N"] + printed["friction_relative"] * force}
-    return mf.studies.uncertainty(surface, sd, draws=DRAWS, load=load, friction_force=force)
+    return mf.studies.uncertainty(surface, sd, draws=DRAWS, load=[load, force])
 
 
 def plain_deviation(name: str) -> np.ndarray:

@@ -36,6 +36,10 @@ RADII = (1.0, 2.0, 5.0, 10.0)
 # near the largest ratio to which order 3 was compared, cells per contact radius, and steps to equal contacts.
 SIDE, WIDE, FEWER_CELLS, STEPS = 8, 0.319, 14, 12
 
+# Largest ratio of contact radius to the distance of neighbours at which order 3 was compared with resolved
+# contacts.
+COMPARED = 0.32
+
 # Tolerance of `Automatic` and of the reference [-]; cells per contact radius and their number in the latter.
 TOLERANCE = 1e-3
 CELLS, SIZES = 32, (5, 7)

@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from metafem.drawing import QUIET
-from metafem.prediction.validity import BOUND, COMPARED
+from metafem.prediction.validity import BOUND, STATED
 from validation.check import Check, Claim, Picture, Row, below, near, reported
 from validation.figures import panels
 from validation.methods.resolved_areas import extrapolated_area
@@ -43,9 +43,8 @@ def claim() -> Claim:
     layer. Automatic estimates the errors of independent asperities, of order 1 and of order 3 from their
     contacts, takes the first within the tolerance, and resolves the contacts by cells where none is, where
     contacts overlap, and where order 3 refuses. Errors are those of A0 at a given load. Order 3 warns where
-    contacts overlap (“{overlap}”) and where its estimated error exceeds {bound:g} % (“{wide}”); it notes
-    where a/r, the contact radius over the distance of a neighbour, exceeds {compared:g}. For a smaller
-    tolerance use Automatic.{refusal}
+    contacts overlap (“{overlap}”) and where its estimated error exceeds {bound:g} % (“{wide}”), and notes an
+    error above {stated:g} %. For a smaller tolerance use Automatic.{refusal}
     """
     pairs = [points.crowded(width, spread) for spread in points.SPREADS for width in points.WIDTHS]
     layers = [points.on_layer(width, ratio) for ratio in points.RATIOS for width in points.LAYERS]
@@ -57,7 +56,7 @@ def claim() -> Claim:
         "crowded contacts": Picture(_crowded_figure),
     }
     values = {
-        "overlap": OVERLAP, "wide": TOO_WIDE, "bound": 100.0 * BOUND, "compared": COMPARED,
+        "overlap": OVERLAP, "wide": TOO_WIDE, "bound": 100.0 * BOUND, "stated": 100.0 * STATED,
         "refusal": next(iter(refusals), ""),
     }  # fmt: skip
     title = "Maps of the errors: where order 3 holds, and what Automatic chooses"
@@ -67,7 +66,7 @@ def claim() -> Claim:
 def _checks(every: list[points.Point], pairs: list[points.Point]) -> list[Check]:
     """Compare the errors with those that the models state."""
     solved = [point for point in every if not point.refusal]
-    inside = [point for point in pairs if point.ratio <= COMPARED]
+    inside = [point for point in pairs if point.ratio <= points.COMPARED]
     narrow = [points.on_layer(width, ratio) for width in points.LAYERS if width <= 0.3
               for ratio in points.RATIOS]  # fmt: skip
     least = CERTAIN * points.TOLERANCE
@@ -76,7 +75,7 @@ def _checks(every: list[points.Point], pairs: list[points.Point]) -> list[Check]
     return [
         below(f"Automatic({points.TOLERANCE:g}): largest error of A0",
               max(_beyond(point.automatic, point) for point in every), points.TOLERANCE, RESOLVED),
-        below(f"order 3 up to a/r = {COMPARED:g} on the half-space, nine contacts: largest error of A0",
+        below(f"order 3 up to a/r = {points.COMPARED:g} on the half-space, nine contacts: error of A0",
               max(_beyond(point.third, point) for point in inside), FEW_ERROR, RESOLVED),
         below(f"order 3, {points.SIDE**2} equal contacts at a/r = {points.equal().ratio:.2g}: error of A0",
               _beyond(points.equal().third, points.equal()), AREA_ERROR, RESOLVED),

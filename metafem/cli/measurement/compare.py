@@ -71,9 +71,8 @@ def compare(
 
     Example: metafem compare linear measured.csv --calibration calibration.json --explain
     """
-    from metafem.studies.measurements import explained, measured
-    from metafem.studies.summaries import summary
-    from metafem.studies.summaries.measurements import answers, features
+    from metafem.studies.measured import answers, explained, features, measured
+    from metafem.studies.summary import summary
 
     priors = _priors(given, explain)
     with progress(), given_deviations(sd, PARAMETERS) as errors:

@@ -85,7 +85,7 @@ def uncertainty(design: Design, **options: Any) -> Dataset:
     """
     arguments = study_arguments(design, options)
     if options["measured"] is not None:
-        arguments["load"], arguments["friction_force"] = mf.files.measured_pairs(options["measured"])
+        arguments["load"] = mf.files.measured_pairs(options["measured"])
     with given_deviations(options["sd"], INPUTS, design.surface.material) as deviations:
         if options["calibration"] is None:
             example = "--sd radius=2um, or --calibration calibration.json"

@@ -65,10 +65,9 @@ def manufacturing(design: Design, **options: Any) -> Dataset:
     Example: metafem study manufacturing linear --height-sd 0.9um,3um
     """
     return mf.studies.manufacturing(
-        design.surface,
+        design if options["misfit"] else design.surface,
         [*itertools.chain(*options["height_sd"])] or LEVELS,
         others=mf.Tolerances(**{name: options[name] for name in ERRORS}),
-        design=design if options["misfit"] else None,
         **study_arguments(design, options),
     )
 

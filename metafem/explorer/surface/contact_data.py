@@ -16,7 +16,7 @@ from metafem.inversion import Design
 from metafem.models.curve import Curve
 from metafem.models.model import contact_of
 from metafem.prediction import ContactState, equilibrium
-from metafem.prediction.contact_state import MILLINEWTONS
+from metafem.prediction.state import MILLINEWTONS
 from metafem.progress import each
 
 PERCENT = 100.0

@@ -16,7 +16,7 @@ from metafem.files.caps import cap_named, cap_text
 from metafem.files.part.block import mirrored
 from metafem.files.tables import Columns
 from metafem.inversion import Design
-from metafem.prediction import FrictionLaw, equilibrium, tables
+from metafem.prediction import FrictionLaw, equilibrium
 from metafem.surface import Block, Friction, Material, Surface
 
 if TYPE_CHECKING:
@@ -32,6 +32,9 @@ COLUMNS = Columns(
 
 # Column titles of heights.csv.
 HEIGHTS = ("site", "x_mm", "y_mm", "height_mm", "radius_mm")
+
+# Columns of a law that are omitted from law.csv.
+UNWRITTEN = ("friction_coefficient", "approach_mm", "stiffness_N_per_mm", "residual")
 
 # Number of digits in a table; the rounding errors of sums, in the sixteenth digit, do not appear.
 DIGITS = 13
@@ -59,7 +62,7 @@ def made_table(made: MadeSurface, sites: IntArray) -> str:
 
 def law_table(law: FrictionLaw) -> str:
     """Return the text of law.csv, which has friction forces only if the surface has a Friction."""
-    columns = tables.columns(law.quantities(), without=tables.UNWRITTEN)
+    columns = {name: column for name, column in law.columns().items() if name not in UNWRITTEN}
     return csv(tuple(columns), zip(*(column.tolist() for column in columns.values()), strict=True))
 
 

@@ -62,7 +62,7 @@ class Interacting:
     1e-4.
 
     The notes of a state or law warn if contacts overlap, or if the estimated error of order 3 in A0 exceeds
-    4 %. They also state if a/r exceeds 0.32, or a/t exceeds 0.3.
+    4 %, and state this error above 1 %.
 
     Parameters
     ----------

@@ -76,13 +76,12 @@ def test_the_error_of_order_3_on_a_thin_layer():
         assert error < truncation(surface, third.asperity_area, mf.BondedLayer()) < 3.0 * error
 
 
-def test_contacts_wider_than_compared_on_a_layer_are_noted():
+def test_wide_contacts_on_a_layer_are_noted():
     """Order 3 is 0.87 % off at a/t = 0.42."""
     layer = mf.Interacting(substrate=mf.BondedLayer())
     surface = mf.Surface([[0, 0]], [0.3], 0.4, mf.Material(1.0, 0.5), block=mf.Block(50.0, 50.0, 0.365))
     (note,) = mf.equilibrium(surface, layer, load=0.013).notes
-    assert "a/t = 0.42 exceeds 0.3" in note.text
-    assert 0.0087 <= float(note.text.split()[-2]) / 100 < 1.6 * 0.0087
+    assert 0.0087 <= float(note.text.split("may be ")[1].split()[0]) / 100 < 1.6 * 0.0087
     assert not mf.equilibrium(surface, layer, load=0.004).notes
 
 

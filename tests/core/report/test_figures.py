@@ -21,8 +21,8 @@ from metafem.report.figures import (
 )
 from metafem.report.interaction import compared, interaction_figure
 from metafem.report.studies import QUESTIONS, exactness_section, measured_figure, measured_section
-from metafem.studies.measurements import explained, measured
-from metafem.studies.summaries import summary
+from metafem.studies.measured import explained, measured
+from metafem.studies.summary import summary
 from tests.core.report.test_page import LATTICE, POINTS
 
 MATERIAL = LATTICE.material

@@ -5,7 +5,7 @@ import numpy as np
 
 import metafem as mf
 from metafem.progress import listening
-from metafem.studies.sampling.batches import computed
+from metafem.studies.draws import computed
 from tests.conftest import MATERIAL, RADIUS
 
 SURFACE = mf.Surface.square_lattice(

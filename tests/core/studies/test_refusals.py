@@ -8,9 +8,9 @@ import xarray as xr
 
 import metafem as mf
 from metafem.studies import summary
-from metafem.studies.cap_contact import caps_of
-from metafem.studies.sampling.inputs import Inputs
-from metafem.studies.sampling.slope import Slope
+from metafem.studies.caps import caps_of
+from metafem.studies.inputs import Inputs
+from metafem.studies.slope import Slope
 from tests.core.studies.test_inputs import MEAN
 from tests.refusals import faults
 
@@ -39,7 +39,8 @@ def uncertainty(surface=SURFACE, **given):
 
 
 def inputs(parameters, covariance=None):
-    return lambda: Inputs.of(parameters, covariance, MEAN)
+    given = parameters if covariance is None else (parameters, covariance)
+    return lambda: Inputs.of(given, MEAN)
 
 
 REFUSALS = {
@@ -59,15 +60,14 @@ REFUSALS = {
     ],
     "uncertainty": [
         (uncertainty(load=[0.1, -0.1]), "load[1]", "-0.1"),
-        (uncertainty(friction_force=[0.1]), "friction_force", "load"),
-        (uncertainty(load=[0.1], friction_force=[0.1, 0.2]), "friction_force", "2"),
+        (uncertainty(load=[[0.1], [-0.1]]), "load", "-0.1"),
         (
             uncertainty(load=[0.1], parameters={"friction_force": 0.1}),
             "parameters.friction_force",
             "measured",
         ),
         (uncertainty(BARE, parameters={"shear_strength": 0.01}), "parameters.shear_strength", "Friction"),
-        (uncertainty(BARE, load=[0.1], friction_force=[0.1]), "friction_force", "Friction"),
+        (uncertainty(BARE, load=[[0.1], [0.1]]), "load", "Friction"),
         (uncertainty(model="layer"), "model", "layer"),
         (
             uncertainty(parameters={"composite_modulus": 0.05}, model=PLASTIC, load=[0.01]),
@@ -76,15 +76,14 @@ REFUSALS = {
         ),
     ],
     "ranges": [
-        (lambda: Slope.of(FLAT), "load_range", "height"),
-        (lambda: Slope.of(FLAT, (0.3, 0.1)), "load_range", "0.1"),
+        (lambda: Slope.of(FLAT, None, mf.Independent()), "load_range", "height"),
+        (lambda: Slope.of(FLAT, (0.3, 0.1), mf.Independent()), "load_range", "0.1"),
         (lambda: summary(xr.Dataset()), "summary", ""),
     ],
     "inputs": [
         (inputs({}), "parameters", "once"),
         (inputs(["radius", "radius"], np.eye(2)), "parameters", "once"),
         (inputs([["radius"]], np.eye(1)), "parameter", "radius"),
-        (inputs(["radius"]), "parameters", "names"),
         (inputs({"young_modulus": 0.1}), "young_modulus", "composite_modulus"),
         (inputs({"radius": -0.01}), "parameters.radius", "-0.01"),
         (inputs({"radius": 0.1}), "parameters.radius", "0.1 must be at most 0.0714"),
@@ -94,7 +93,7 @@ REFUSALS = {
         (inputs({"radius": 0.0, "load": [0.0, 0.0]}), "parameters", "errors"),
         (inputs(["radius", "load"], np.eye(3)), "covariance", "(3, 3)"),
         (inputs(["radius", "load"], [[1e-4, 1e-5], [0, 1e-4]]), "covariance", "symmetric"),
-        (inputs(["radius", "load"], [[1e-4, 2e-4], [2e-4, 1e-4]]), "covariance", "-1"),
+        (inputs(["radius", "load"], [[1e-4, 2e-4], [2e-4, 1e-4]]), "covariance", "PSD"),
         (inputs(["radius"], [[0.04]]), "parameters.radius", "0.2"),
     ],
     "finite elements": [

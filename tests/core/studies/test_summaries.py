@@ -4,7 +4,7 @@ import numpy as np
 
 import metafem as mf
 from metafem.studies import summary
-from metafem.studies.summaries.tolerances import shown
+from metafem.studies.summary import shown
 
 
 def test_a_table_has_at_most_twelve_rows_and_whole_numbers():

@@ -62,7 +62,7 @@ def test_small_errors_propagate_linearly(surface):
 def test_measured_pairs_have_errors_in_both_directions(surface):
     force = np.array([0.15, 0.3, 0.5])
     sd = {**SD, "friction_force": 0.001 + 0.01 * force}
-    found = mf.studies.uncertainty(surface, sd, load=LOAD, friction_force=force, draws=40_000)
+    found = mf.studies.uncertainty(surface, sd, load=[LOAD, force], draws=40_000)
     np.testing.assert_allclose(found.rescaled_load, LOAD / 1.36)
     # products and quotients of independent Gaussian variables to the first order; the second is below 1 %
     load = LOAD / 1.36 * np.hypot(0.005 / LOAD, 0.04 / 1.36)

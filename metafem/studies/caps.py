@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.polynomial.chebyshev import chebpts1
-from numpy.polynomial.polynomial import polyval2d
+from numpy.polynomial.polynomial import polyval2d, polyvander2d
 from numpy.typing import NDArray
 from scipy.optimize import elementwise
 
@@ -23,7 +23,11 @@ from metafem.surface import Surface
 # deviations of load and indentation from Hertz's law are smooth functions of height and ratio, and vanish for
 # small contacts. With 3 x 3 nodes the error is 6e-5 on the bilinear surface that the source paper draws in
 # red; `CapContact.error` estimates the error.
-HEIGHT_NODES, RATIO_NODES = 3, 3
+NODES = 3
+
+# Smallest ratio in the table over the largest: smaller contacts obey Hertz's law and are hard to mesh. Above
+# LARGEST the contact reaches the foot of the cap.
+SMALLEST, LARGEST = 0.1, 0.9
 
 # Largest number of different radii. Each radius needs its own table, which takes half a minute to compute.
 MOST_RADII = 4
@@ -63,10 +67,8 @@ class CapContact:
             found = elementwise.find_root(self._beyond, (np.zeros_like(d), most), args=(d, h))
             if not found.success.all():
                 raise NotConverged("the table of caps cannot be extrapolated to this indentation", found.x)
-            a[closed], load[closed] = (
-                found.x,
-                self._relative(found.x, h)[0] * HERTZ.load(found.x, self.radius),
-            )
+            a[closed] = found.x
+            load[closed] = self._relative(found.x, h)[0] * HERTZ.load(found.x, self.radius)
         return a, load
 
     def _beyond(self, a: FloatArray, d: FloatArray, h: FloatArray) -> FloatArray:
@@ -80,24 +82,34 @@ class CapContact:
 
     def excess_at(self, h: FloatArray, ratio: FloatArray) -> FloatArray:
         """Return the values of the polynomials f and g, (2, n)."""
-        x, y = _scaled(h, self.height), _scaled(ratio, self.ratio)
-        return np.asarray(polyval2d(x, y, self.excess))
+        return np.asarray(polyval2d(_scaled(h, self.height), _scaled(ratio, self.ratio), self.excess))
 
 
-def solve_caps(
-    surface: Surface, tables: Mapping[float, CapContact], indentation: FloatArray
+def law_of_caps(
+    surface: Surface, tables: Mapping[float, CapContact], rescaled_load: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return contact radii [mm] and rescaled loads [mm^2] of all caps at indentations (n, k) [mm]; 0 if open.
+    """Return areas [mm^2] and separations [mm] (k,) of independent asperities with tabulated laws.
 
     Asperities whose radius has no table follow Hertz's law.
     """
-    depth, radius = np.maximum(indentation, 0.0), surface.radius[:, None]
-    a = HERTZ.contact_radius(depth, radius)
-    load = HERTZ.load(a, radius)
-    for size, table in tables.items():
-        own = surface.radius == size
-        a[own], load[own] = table.solve(surface.height[own, None], indentation[own])
-    return a, load
+
+    def solved(separation: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return contact radii [mm] and rescaled loads [mm^2] of all caps, (n, k) each."""
+        indentation = surface.height[:, None] - separation
+        a = HERTZ.contact_radius(np.maximum(indentation, 0.0), surface.radius[:, None])
+        load = HERTZ.load(a, surface.radius[:, None])
+        for size, table in tables.items():
+            own = surface.radius == size
+            a[own], load[own] = table.solve(surface.height[own, None], indentation[own])
+        return a, load
+
+    def missing(separation: FloatArray, load: FloatArray) -> FloatArray:
+        return np.asarray(solved(separation)[1].sum(axis=0) - load)
+
+    start, given = np.full(len(rescaled_load), float(surface.height.max())), (rescaled_load,)
+    ends = elementwise.bracket_root(missing, 0.98 * start, start, xmax=start, args=given).bracket
+    separation = elementwise.find_root(missing, ends, args=given).x
+    return np.pi * (solved(separation)[0] ** 2).sum(axis=0), separation
 
 
 def caps_of(surface: Surface, indentation: FloatArray) -> dict[float, CapContact]:
@@ -109,28 +121,21 @@ def caps_of(surface: Surface, indentation: FloatArray) -> dict[float, CapContact
     of these summits does not satisfy 0 < h <= R.
     """
     touching = indentation > 0.0
-    refuse_if(
-        touching.any() and surface.cap.at(touching) != SPHERE,
-        f"must be {SPHERE!r}, the cap of the finite elements",
-        key="cap",
-        value=repr(surface.cap),
-    )
-    radii, height = np.unique(surface.radius[touching]).tolist(), surface.height[touching]
-    refuse_if(
-        len(radii) > MOST_RADII,
-        f"the summits in contact have {len(radii)} different radii; "
-        f"finite elements of caps are limited to {MOST_RADII} radii",
-    )
+    height, radius, cap = surface.height[touching], surface.radius[touching], surface.cap.at(touching)
+    words = f"must be {SPHERE!r}, the cap of the finite elements"
+    refuse_if(touching.any() and cap != SPHERE, words, key="cap", value=repr(surface.cap))
+    radii = np.unique(radius).tolist()
+    words = f"the summits in contact have {len(radii)} different radii; finite elements of caps are limited"
+    refuse_if(len(radii) > MOST_RADII, f"{words} to {MOST_RADII} radii")
     refuse_if(surface.block is None, "the surface has no block")
     words = "the height of a summit in contact must be above 0 and at most its radius"
-    refuse_if(((height <= 0.0) | (height > surface.radius[touching])).any(), words)
+    refuse_if(((height <= 0.0) | (height > radius)).any(), words)
     return {
-        radius: cap_contact(surface, radius, touching & (surface.radius == radius), indentation)
-        for radius in radii
+        each: _tabulated(surface, each, touching & (surface.radius == each), indentation) for each in radii
     }
 
 
-def cap_contact(
+def _tabulated(
     surface: Surface, radius: float, which: NDArray[np.bool_], indentation: FloatArray
 ) -> CapContact:
     """Return the contact law of the caps `which`, all of one radius, up to their indentations (n,) [mm]."""
@@ -142,8 +147,7 @@ def cap_contact(
     heights = surface.height[which]
     ratio = float((HERTZ.contact_radius(indentation[which], radius) / foot_radius(heights, radius)).max())
     low, high = float(heights.min()), float(heights.max())
-    # the table starts at a tenth of the range: smaller contacts obey Hertz's law and are hard to mesh
-    ranges = (low, high), (0.1 * ratio, min(ratio, 0.9))
+    ranges = (low, high), (SMALLEST * ratio, min(ratio, LARGEST))
 
     def excess(h: float, s: float) -> FloatArray:
         """Return f and g at height h [mm] and ratio s, (2,)."""
@@ -152,20 +156,18 @@ def cap_contact(
         load = contact.rescaled_load / float(HERTZ.load(a, radius))
         return np.array([load - 1.0, contact.indentation * radius / a**2 - 1.0]) / s
 
-    counts = HEIGHT_NODES if high > low else 1, RATIO_NODES
-    scaled = [chebpts1(count) for count in counts]
-    nodes = [
-        0.5 * (first + last) + 0.5 * (last - first) * x
-        for (first, last), x in zip(ranges, scaled, strict=True)
-    ]
-    pairs = [(h, s) for h in nodes[0] for s in nodes[1]]
-    pressed = [excess(h, s) for h, s in each("finite elements of a cap", pairs)]
-    by_height, by_ratio = (np.linalg.inv(np.vander(x, increasing=True)) for x in scaled)
-    table = np.einsum("ih,hsk,js->ijk", by_height, np.reshape(pressed, (*counts, 2)), by_ratio)
+    scaled = [chebpts1(NODES if end > start else 1) for start, end in ranges]
+    x, y = (values.ravel() for values in np.meshgrid(*scaled, indexing="ij"))
+    h, s = (start + (end - start) * (at + 1.0) / 2.0 for (start, end), at in zip(ranges, (x, y), strict=True))
+    pairs = list(zip(h.tolist(), s.tolist(), strict=True))
+    pressed = [excess(*pair) for pair in each("finite elements of a cap", pairs)]
+    counts = [len(nodes) for nodes in scaled]
+    powers = polyvander2d(x, y, [count - 1 for count in counts])
+    table = np.asarray(np.linalg.solve(powers, pressed).reshape(*counts, 2), dtype=np.float64)
     bare = CapContact(radius, *ranges, table)
     # a test point between the nodes, where the errors of both polynomials are close to their maximum
-    h, s = 0.75 * low + 0.25 * high, 0.6 * ranges[1][1]
-    error = np.abs(excess(h, s) - bare.excess_at(np.array(h), np.array(s))).max() * s
+    height, most = 0.75 * low + 0.25 * high, 0.6 * ranges[1][1]
+    error = np.abs(excess(height, most) - bare.excess_at(np.array(height), np.array(most))).max() * most
     return replace(bare, error=float(error))
 
 

@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem._values import Value
 from metafem.drawing import card
-from metafem.errors import InvalidInput
-from metafem.models import ContactField, Model, Status
+from metafem.errors import InvalidInput, NotConverged, refuse_if
+from metafem.models import ContactField, Independent, Model, Status
 from metafem.models.curve import ModelError
-from metafem.notes import Note, late, printed_count
-from metafem.prediction.validity import NOT_ESTIMATED
+from metafem.models.model import checked_model
+from metafem.notes import Note, late, printed_count, when_read
+from metafem.prediction.validity import NOT_ESTIMATED, REMEDY, Validity
+from metafem.surface import Surface
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -76,7 +79,7 @@ class ContactState(Value):
     >>> state.asperity_area.round(3)
     array([0.055, 0.022])
     >>> state
-    <ContactState: load 0.01 N, area 0.07696 mm^2, separation 0.08672 mm, 2 of 2 asperities in contact, ...>
+    <ContactState: load 0.01 N, area 0.07696 mm^2, separation 0.08672 mm, stiffness ..., in contact ...>
     """
 
     load: float
@@ -98,18 +101,13 @@ class ContactState(Value):
     def field(self) -> ContactField:
         """Pressure, gap and displacement on the cells; raises InvalidInput for models without cells."""
         if self._field is None:
-            raise InvalidInput(
-                f"{self.model!r} has no pressure field; solve with metafem.BoundaryElements(cell=...)"
-            )
+            words = "has no pressure field; solve with metafem.BoundaryElements(cell=...)"
+            raise InvalidInput(f"{self.model!r} {words}")
         return self._field
 
     def __repr__(self) -> str:
-        facts = self._facts()
-        parts = [f"{name} {facts[name]}" for name in ("load", "area", "separation")]
-        return (
-            f"<ContactState: {', '.join(parts)}, {facts['in contact']}, {self.model!r}, "
-            f"{self.status.name.lower()}, residual {facts['residual']}, {facts['notes']}>"
-        )
+        *facts, (_, notes) = self._facts().items()
+        return f"<ContactState: {', '.join(f'{name} {fact}' for name, fact in facts)}, {notes}>"
 
     def _repr_html_(self) -> str:
         """Return the HTML representation for notebooks."""
@@ -130,9 +128,88 @@ class ContactState(Value):
             "area": f"{self.area:.4g} mm^2",
             "separation": f"{self.separation:.4g} mm",
             "stiffness": f"{self.stiffness:.4g} N/mm",
-            "in contact": f"{closed:,} of {len(self.asperity_area):,} asperities in contact",
+            "in contact": f"{closed:,} of {len(self.asperity_area):,}",
             "model": repr(self.model),
-            "status": self.status.value,
+            "status": self.status.name.lower(),
             "residual": f"{self.residual:.1e}",
             "notes": printed_count(self),
         }
+
+
+def equilibrium(
+    surface: Surface,
+    model: Model | None = None,
+    *,
+    load: float | None = None,
+    approach: float | None = None,
+    separation: float | None = None,
+) -> ContactState:
+    """Return the equilibrium of a surface pressed on the rigid plane.
+
+    Parameters
+    ----------
+    surface : Surface
+    model : Model, optional
+        Default: `Independent()`.
+    load : float, optional
+        Normal load P [N], at least 0.
+    approach : float, optional
+        Height of the tallest summit minus separation [mm]; there is no contact if it is negative.
+    separation : float, optional
+        Distance from the undeformed base plane to the rigid plane [mm]. Exactly one of load, approach and
+        separation must be given.
+
+    Returns
+    -------
+    ContactState
+
+    Raises
+    ------
+    InvalidInput
+        If not exactly one of load, approach and separation is given, or if its value is out of range.
+    NotConverged
+        If the residual exceeds the model's tolerance; the state is attached.
+
+    Examples
+    --------
+    >>> from metafem import Material
+    >>> surface = Surface.square_lattice(0.1, (2, 2), radius=0.526, material=Material(1.36))
+    >>> state = equilibrium(surface, load=0.2)
+    >>> round(state.area, 4), round(state.load, 12)
+    (0.7474, 0.2)
+    """
+    check.instance("surface", surface, Surface, "a metafem.Surface")
+    solver = checked_model(Independent() if model is None else model)
+    given = {"load": load, "approach": approach, "separation": separation}
+    named = [name for name, value in given.items() if value is not None]
+    words = "exactly one of load, approach and separation must be given; got"
+    refuse_if(len(named) != 1, f"{words} {named or 'none'}")
+    value = check.number(named[0], given[named[0]], at_least=None if load is None else 0.0)
+    modulus, top = surface.material.composite_modulus, float(surface.height.max())
+    if load is not None:
+        curve = solver.curve(surface, np.array([value / modulus]))
+    else:
+        curve = solver.curve(surface, approach=np.array([value if separation is None else top - value]))
+    last, reached = curve.last, float(curve.approach[0])
+    notes = (*curve.notes, *last.notes)
+    validity = Validity(surface, solver, curve)
+    state = ContactState(
+        load=modulus * float(curve.load[0]),
+        area=float(curve.area[0]),
+        separation=top - reached if separation is None else value,
+        approach=reached,
+        stiffness=modulus * float(curve.stiffness[0]),
+        asperity_load=modulus * last.load,
+        asperity_area=last.area,
+        residual=float(curve.residual[0]),
+        status=curve.status,
+        model=last.model,
+        base_gap=last.base_gap,
+        notes=when_read(validity.notes, notes, size=surface.count) if curve.converged else notes,
+        model_error=when_read(getattr, validity, "error", size=surface.count),
+        _field=None if last.field is None else replace(last.field, pressure=modulus * last.field.pressure),
+    )
+    if not curve.converged:
+        reason = "; ".join([f"residual {state.residual:.2g}", *map(str, notes)])
+        raise NotConverged(f"{state.status.value}: {reason}; {REMEDY}", state)
+    return state

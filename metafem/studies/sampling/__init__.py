@@ -1,1 +1,0 @@
-"""Random numbers of the studies, and estimates from them."""
