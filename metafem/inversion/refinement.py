@@ -55,7 +55,13 @@ RATIO_DEGREE = 3
 
 # Random changes without a gain after which a search under a model ends, where a descent takes ten times as
 # long as for independent asperities; the same with adhesion, and for a draft.
-PATIENCE_MODEL, PATIENCE_ADHESIVE, PATIENCE_DRAFT = 3, 10, 2
+PATIENCE_MODEL, PATIENCE_ADHESIVE, PATIENCE_DRAFT = 3, 3, 2
+
+# Largest number of steps of a descent of interacting adhesive asperities.
+ADHESIVE_STEPS = 6
+
+# Up to this misfit under a model, points count as met up to the kinks of the law, and no random changes follow.
+AT_KINKS = 1e-3
 
 # Factors of the depths of summits, so that no level first touches exactly at an operating point. Interaction
 # lowers open summits by between a hundredth and a tenth of their depth.
@@ -118,6 +124,7 @@ def _nearest(problem: Problem, law: TargetLaw, rng: np.random.Generator) -> Foun
     # no surface meets a target outside the bounds, and one restart tells how near surfaces come
     outside = nearest_law(sought, problem.bounds)[0] > goal
     agreeing, most = (1, PATIENCE // 2) if outside else (AGREEING, PATIENCE)
+    agreeing = 1 if problem.tools.law.adhesive else agreeing
     for tool in problem.tools.tried.tolist():
         starts = (
             start for friction in guesses for start in of_one_tool(problem, sought.load, friction, tool, rng)
@@ -232,17 +239,19 @@ def _refined(problem: Problem, candidate: Candidate, before: float, rng: np.rand
         starts += [_stretched(problem, start, factor) for factor in STRETCHES[:2]]
     elif model.couples and before > CLOSE:
         starts = [_corrected(problem, start, law, rng), start]
+    # a step of interacting adhesive asperities takes a tenth of a second to a second
+    most = ADHESIVE_STEPS if problem.tools.law.adhesive and model.couples else None
+    enough = (AT_KINKS if most else EXACT) if exact else NEAR * goal
     best = Found(start, np.inf)
     for start in starts:
-        found = descend(residual, start, problem, goal, exact)
+        found = descend(residual, start, problem, goal, exact, most)
         best = found if found.misfit < best.misfit else best
-        if best.misfit <= (EXACT if exact else NEAR * goal):
+        if best.misfit <= enough:
             break
-    if best.misfit > (EXACT if exact else goal):
+    if best.misfit > (AT_KINKS if exact else goal) and most is None:
         given = residual, [best.asperities], problem, NEARLY if exact else goal, rng
-        best = min(
-            best, search(*given, patience=patience(problem, PATIENCE_MODEL)), key=lambda one: one.misfit
-        )
+        found = search(*given, patience=patience(problem, PATIENCE_MODEL), agreeing=1)
+        best = min(best, found, key=lambda one: one.misfit)
         best = _to_rounding(problem, residual, best, rng) if exact else best
     if model.gradient_model != model:
         best = descend(model_residual(problem, law, own=True), best.asperities, problem, goal, exact)

@@ -175,11 +175,17 @@ def _with_base(
 
 
 def descend(
-    residual: Residual, start: Asperities, problem: Problem, goal: float, exact: bool = False
+    residual: Residual,
+    start: Asperities,
+    problem: Problem,
+    goal: float,
+    exact: bool = False,
+    most: int | None = None,
 ) -> Found:
     """Return the minimum of a descent from `start`, which ends at the goal or when no step lowers the misfit.
 
     The descent also ends at small gains; an exact one continues, and converges to rounding near a solution.
+    most: largest number of steps, if it is below the usual one.
     """
     options = HERTZ if has_paraboloids(problem.model) else OTHERS
     low, high = problem.foot, problem.limits.top
@@ -188,7 +194,8 @@ def descend(
     height, at, damping = start.height[some], start, options.damping
     r, jacobian = residual(at)
     squares, count, known = float(r @ r), len(r) - 1, None
-    for _ in each("step", range(EXACT_STEPS if exact else options.steps), at_most=True):
+    steps = EXACT_STEPS if exact else options.steps
+    for _ in each("step", range(min(steps, most or steps)), at_most=True):
         if np.sqrt(squares / count) <= goal or damping > MOST_DAMPING or not np.isfinite(squares):
             break
         if known is None:
