@@ -11,8 +11,8 @@ import numpy as np
 from metafem._values import MICROMETRES, percent, three_digits
 from metafem.errors import MetafemWarning
 from metafem.inversion import Design, plasticity_index
-from metafem.inversion.result import misfit_text
 from metafem.inversion.infeasible import ELASTIC_LIMIT, INDEX
+from metafem.inversion.result import misfit_text
 from metafem.models import Model
 from metafem.models.curve import ModelError
 from metafem.notes import Level, Note

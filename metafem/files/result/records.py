@@ -19,8 +19,7 @@ from metafem._given import printable, shown
 from metafem._validate import plain
 from metafem.contact import TabulatedContact
 from metafem.errors import InvalidInput, refuse_if
-from metafem.inversion import density, problem
-from metafem.inversion import wording
+from metafem.inversion import density, problem, wording
 from metafem.models.curve import ModelError
 
 # Modules whose dataclasses and enums may occur in a record.

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from metafem.inversion.tools.radii import Radii
 
 import metafem as mf
 from metafem.inversion.bounds import Bounds, relative_depth
-from metafem.inversion.tools.radii import Radii
 
 RADIUS = 0.526
 

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from metafem.inversion.adjustment import height_steps
 
 import metafem as mf
 from metafem.inversion import DesignStatus
-from metafem.inversion.adjustment import height_steps
 from tests.models.scenes import said
 
 STEP = 0.006

@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
+from metafem.inversion.strategies.proportional import line_range
+from metafem.inversion.tools.radii import Radii
 
 import metafem as mf
 from metafem.inversion import DesignStatus
 from metafem.inversion.bounds import Bounds
-from metafem.inversion.strategies.proportional import line_range
-from metafem.inversion.tools.radii import Radii
 
 TALL, DEMO = mf.Limits(0.27), mf.Limits(0.12, offset=0.084)
 ONE = Radii.of(0.526)

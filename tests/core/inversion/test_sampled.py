@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
+from metafem.inversion.tools.radii import Radii
 
 import metafem as mf
 from metafem.inversion import DesignStatus
 from metafem.inversion.bounds import Bounds
 from metafem.inversion.infeasible import nearest_within
-from metafem.inversion.tools.radii import Radii
 from validation.scenes.random_laws import LATTICE, RADIUS, random_law
 
 LIMITS = mf.Limits(0.6)

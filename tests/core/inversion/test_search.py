@@ -4,14 +4,14 @@ import math
 
 import numpy as np
 import pytest
-
-import metafem as mf
-from metafem.contact.law import contacts
 from metafem.inversion.search.initial_guess import initial_heights
 from metafem.inversion.search.levenberg_marquardt import descend, search
 from metafem.inversion.search.spaces import Bounded, Heights
 from metafem.inversion.search.target_law import TargetLaw
 from metafem.inversion.strategies.level import Level, Step
+
+import metafem as mf
+from metafem.contact.law import contacts
 
 START, MATERIAL = np.array([0.3, 0.2, 0.1]), mf.Material(1.36)
 LIMITED = Bounded(0.0, 1.0, np.array([1]), np.array([0.5]))

@@ -4,15 +4,15 @@ import math
 
 import numpy as np
 import pytest
-
-import metafem as mf
-from metafem.inversion.density import ExponentialDensity
 from metafem.inversion.search.asperities import OfExponents, OfRadii
 from metafem.inversion.search.mixed_tools import grouped
 from metafem.inversion.search.target_law import TargetLaw
 from metafem.inversion.strategies.mixture import Mixture
 from metafem.inversion.tools.kit_bounds import least_ratio
 from metafem.inversion.tools.radii import Radii
+
+import metafem as mf
+from metafem.inversion.density import ExponentialDensity
 
 LATTICE = mf.Surface.square_lattice(0.3, radius=0.526, material=mf.Material(1.36))
 CELL = LATTICE.only(slice(6))

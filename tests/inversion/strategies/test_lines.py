@@ -4,12 +4,12 @@ import re
 
 import numpy as np
 import pytest
+from metafem.inversion.strategies.proportional import line_range
+from metafem.inversion.tools.radii import Radii
 
 import metafem as mf
 from metafem.inversion import DesignStatus, achievable_load_range
 from metafem.inversion.bounds import Bounds
-from metafem.inversion.strategies.proportional import line_range
-from metafem.inversion.tools.radii import Radii
 from tests.core.inversion.test_lines import DEMO, TALL, deviation
 from tests.models.scenes import said
 
