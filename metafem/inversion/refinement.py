@@ -252,7 +252,8 @@ def _refined(problem: Problem, candidate: Candidate, before: float, rng: np.rand
         given = residual, [best.asperities], problem, NEARLY if exact else goal, rng
         found = search(*given, patience=patience(problem, PATIENCE_MODEL), agreeing=1)
         best = min(best, found, key=lambda one: one.misfit)
-        best = _to_rounding(problem, residual, best, rng) if exact else best
+    if exact and best.misfit > EXACT and most is None:
+        best = _to_rounding(problem, residual, best, rng)
     if model.gradient_model != model:
         best = descend(model_residual(problem, law, own=True), best.asperities, problem, goal, exact)
     return best.asperities
