@@ -14,7 +14,7 @@ from metafem.inversion import Design
 from metafem.models.model import contact_of
 from metafem.notes import Note
 from metafem.prediction import FrictionLaw
-from metafem.studies.substrates import laws_on_substrates
+from metafem.studies.models import laws_on_substrates
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -14,9 +14,8 @@ from metafem.drawing import ACHIEVED, MARGINS, MEASURED, MEASURED_BESIDE, QUIET,
 from metafem.drawing.calibration import measured, residuals
 from metafem.drawing.inline import drawn
 from metafem.inversion import Design
-from metafem.studies.summary import summary
-from metafem.studies.summary.measurements import features
-from metafem.studies.summary.parameters import in_words, main_quantity, shares
+from metafem.studies.measured import features
+from metafem.studies.summary import in_words, main_quantity, shares, summary
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
