@@ -257,10 +257,10 @@ def _status(problem: Problem, candidate: Candidate, misfit: float, touching: boo
 def _refuse_missed(problem: Problem, law: TargetLaw, area: FloatArray, misfit: float) -> None:
     """Raise Infeasible for points, samples outside the bounds, or a band, that the law misses.
 
-    Heights on steps, and other heights beside given ones, are only missed.
+    Heights on steps, other heights beside given ones, and those of a draft are only missed.
     """
     target = problem.target
-    free = problem.limits.height_step is None and not problem.held
+    free = problem.limits.height_step is None and not problem.held and not problem.draft
     if misfit <= REACHED + law.noise or not target.refused or not free:
         return
     if target.exact:

@@ -208,8 +208,11 @@ def refined(problem: Problem, candidate: Candidate, rng: np.random.Generator) ->
     if not changes and before <= MISSED:
         return candidate
     with doing("refining the heights under the model"):
-        found = _raised(problem, _refined(problem, candidate, before, rng))
-    if found is candidate.asperities or misfit(problem, found, candidate.law) >= before:
+        found = _refined(problem, candidate, before, rng)
+        raised = _raised(problem, found)
+        after, lifted = (misfit(problem, each, candidate.law) for each in (found, raised))
+        found = raised if lifted <= max(after, EXACT) else found
+    if min(after, lifted) >= before:
         return candidate
     start = candidate.asperities
     same = start.exists & found.exists
