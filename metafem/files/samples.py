@@ -10,7 +10,7 @@ import numpy as np
 from metafem._validate import FloatArray
 from metafem.calibration import MeasuredLaw
 from metafem.errors import InvalidInput, refuse_if
-from metafem.files.measurement.contacts import contacts_of, is_of_contacts
+from metafem.files.contacts import contacts_of, is_of_contacts
 from metafem.files.tables import Columns, Entries, Table, table_of
 from metafem.surface import Material
 

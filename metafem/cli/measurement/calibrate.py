@@ -26,7 +26,7 @@ from metafem.cli.terminal import (
     terminal,
 )
 from metafem.errors import refuse_if
-from metafem.files.measurement.numbers import interval, published, rounded
+from metafem.files.numbers import interval, published, rounded
 from metafem.notes import information
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 from metafem.explorer.answer import Answer
 from metafem.explorer.law.shown import Units
-from metafem.files.measurement.laws import COLUMNS, read_measured_law
+from metafem.files.laws import COLUMNS, read_measured_law
 from metafem.files.samples import TARGET, columns_of
 from metafem.files.tables import table_of
 from metafem.surface import Friction, Material

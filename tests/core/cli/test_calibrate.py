@@ -10,7 +10,7 @@ import pytest
 
 import metafem as mf
 from metafem.calibration import ContactTable, MeasurementErrors
-from metafem.files.measurement.contacts import contacts_table
+from metafem.files.contacts import contacts_table
 
 A = np.linspace(0.08, 0.4, 20)
 AREA = 5.0 * math.pi * A**2

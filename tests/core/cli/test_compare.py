@@ -9,7 +9,7 @@ import pytest
 
 import metafem as mf
 from metafem.calibration import ContactTable
-from metafem.files.measurement.contacts import contacts_table
+from metafem.files.contacts import contacts_table
 
 
 @pytest.fixture

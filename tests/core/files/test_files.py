@@ -9,7 +9,7 @@ import xarray as xr
 import metafem as mf
 from metafem import files
 from metafem.calibration import ContactTable, fit_compression, shear
-from metafem.files.measurement.calibrated import calibration_data
+from metafem.files.calibrated import calibration_data
 from tests.core.files.specs import small, text
 
 MATERIAL, BLOCK = mf.Material(1.36), mf.Block(8.0, 8.0, 4.0)

@@ -16,9 +16,9 @@ from metafem import files
 from metafem._given import Names
 from metafem.calibration import fit_compression, shear
 from metafem.drawing import new_figure
-from metafem.files.measurement.calibrated import calibration_data
-from metafem.files.measurement.images import natural, read_image
-from metafem.files.measurement.numbers import interval, published, rounded
+from metafem.files.calibrated import calibration_data
+from metafem.files.images import natural, read_image
+from metafem.files.numbers import interval, published, rounded
 from metafem.progress import listening
 from tests.core.files.specs import spec
 from tests.core.files.test_files import CONTACTS, PRESSED, SHEARED, A

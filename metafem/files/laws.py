@@ -8,7 +8,7 @@ from typing import Any
 from metafem._validate import IntArray
 from metafem.calibration import MeasuredLaw, MeasurementErrors
 from metafem.errors import InvalidInput, named, refuse_if
-from metafem.files.measurement.contacts import contacts_of, is_of_contacts
+from metafem.files.contacts import contacts_of, is_of_contacts
 from metafem.files.tables import Columns, Table, read_table
 from metafem.surface import Friction, Material
 

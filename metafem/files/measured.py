@@ -17,7 +17,7 @@ from metafem._validate import FloatArray
 from metafem.calibration import ContactTable, at_peak, over_plateau
 from metafem.calibration.contact_table import pressed_images, sheared_points
 from metafem.errors import InvalidInput, named, refuse_if
-from metafem.files.measurement.contacts import contacts_of, is_of_contacts
+from metafem.files.contacts import contacts_of, is_of_contacts
 from metafem.files.reading import file_label
 from metafem.files.tables import Columns, Entries, read_table
 from metafem.notes import Note, information

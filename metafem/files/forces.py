@@ -11,7 +11,7 @@ from pathlib import Path
 from metafem._given import printable, shown
 from metafem.calibration.contact_table import listed
 from metafem.errors import InvalidInput
-from metafem.files.measurement.images import ImageFile
+from metafem.files.images import ImageFile
 from metafem.files.tables import Columns, Entries
 from metafem.notes import Note
 

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from metafem.calibration import ContactCalibration, ShearCalibration, StrengthFit, Verdict
-from metafem.files.measurement.numbers import interval, rounded
+from metafem.files.numbers import interval, rounded
 from metafem.files.specification.options import section_named
 
 # First line of the file.

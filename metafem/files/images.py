@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from metafem._extras import refuse_missing
 from metafem._given import printable
 from metafem.errors import InvalidInput, refuse_if
-from metafem.files.measurement.figures import MARK
+from metafem.files.figures import MARK
 from metafem.files.reading import file_label
 from metafem.progress import message
 
