@@ -14,7 +14,10 @@ from .forces import shots as shots
 from .images import ImageFile as ImageFile
 from .images import Images as Images
 from .images import find_images as find_images
+from .laws import measured_pairs as measured_pairs
+from .laws import read_law as read_law
 from .laws import read_measured_law as read_measured_law
+from .laws import read_sites as read_sites
 from .maps import read_height_map as read_height_map
 from .measured import CalibrationData as CalibrationData
 from .measured import of_tables as of_tables
@@ -36,7 +39,6 @@ from .result.tables import heights_table as heights_table
 from .result.tables import law_table as law_table
 from .result.tables import made_table as made_table
 from .result.tables import read_surface as read_surface
-from .sites import read_sites as read_sites
 from .specification.forms import KeyForm as KeyForm
 from .specification.forms import SectionForm as SectionForm
 from .specification.forms import all_keys as all_keys
@@ -45,7 +47,6 @@ from .specification.manual import manual as manual
 from .specification.models import DEMOS as DEMOS
 from .specification.models import MODELS as MODELS
 from .specification.models import demo_text as demo_text
-from .specification.named_tables import measured_pairs as measured_pairs
 from .specification.options import chosen_model as chosen_model
 from .specification.read import Specification as Specification
 from .specification.read import parsed as parsed
@@ -57,6 +58,7 @@ from .specification.schema import schema_text as schema_text
 from .specification.schema import write_schema as write_schema
 from .specification.targets import given_load as given_load
 from .specification.targets import rescaled_range as rescaled_range
+from .tables import read_table as read_table
 from .units import converted as converted
 from .units import option_names as option_names
 from .units import quantity as quantity

@@ -54,17 +54,12 @@ def read_contacts(path: str | Path) -> ContactTable:
     All images must have the same contacts. The columns of tests, friction forces, sites and sheared areas
     may be absent. Lengths, areas and forces may be in other units.
     """
-    return contacts_of(read_table(path, HEADER))
-
-
-def is_of_contacts(table: Table) -> bool:
-    """Return whether the columns of a table are those of contacts in images."""
-    return {"image", "contact"} <= set(table.header)
+    return contacts_of(read_table(path))
 
 
 def contacts_of(table: Table) -> ContactTable:
     """Return the contact areas in a table with the columns that `read_contacts` reads."""
-    return _Rows(COLUMNS.of(table)).contacts()
+    return _Rows(COLUMNS.read(table)).contacts()
 
 
 class _Rows:

@@ -12,7 +12,7 @@ from metafem._given import printable, shown
 from metafem.calibration.contact_table import listed
 from metafem.errors import InvalidInput
 from metafem.files.images import ImageFile
-from metafem.files.tables import Columns, Entries
+from metafem.files.tables import Columns, Entries, Table
 from metafem.notes import Note
 
 COLUMNS = Columns(
@@ -34,7 +34,9 @@ class Shot:
     friction_force: float = math.nan
 
 
-def shots(images: Sequence[ImageFile], forces: str | Path | None = None) -> tuple[list[Shot], list[Note]]:
+def shots(
+    images: Sequence[ImageFile], forces: str | Path | Table | None = None
+) -> tuple[list[Shot], list[Note]]:
     """Return the images with their forces, in the order of the images, and warnings on what is left out.
 
     `forces` is a table. Its columns are ``image``, ``load`` with its unit, such as ``load_mN``, and

@@ -91,7 +91,7 @@ class Fits:
             raise InvalidInput(f"E* needs the radius of the caps; add for example {example}")
         must = f"the tables hold {single} contacts one by one; leave it out"
         refuse_if(single is not None and count not in (None, single), f"--contacts {count}: {must}")
-        with mf.files.of_tables(replace(self.names, places=points.place), self.sources):
+        with named(self.names), mf.files.of_tables(self.sources, points.place):
             sample = mf.calibration.Sample(
                 contacts=single or count or 1,
                 radius_sd=lengths["radius_sd"] or 0.0,
@@ -109,7 +109,7 @@ class Fits:
         if points is None:
             return None
         errors = self.errors
-        with mf.files.of_tables(replace(self.names, places=points.place), self.sources):
+        with named(self.names), mf.files.of_tables(self.sources, points.place):
             return mf.calibration.shear(
                 points.area_before,
                 points.area_sheared,

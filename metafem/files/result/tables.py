@@ -11,10 +11,10 @@ import numpy as np
 
 from metafem._validate import IntArray
 from metafem.caps import SPHERE, Caps
-from metafem.errors import named, refuse_if
+from metafem.errors import refuse_if
 from metafem.files.caps import cap_named, cap_text
 from metafem.files.part.block import mirrored
-from metafem.files.tables import Columns
+from metafem.files.tables import Columns, Table
 from metafem.inversion import Design
 from metafem.prediction import FrictionLaw, equilibrium, tables
 from metafem.surface import Block, Friction, Material, Surface
@@ -85,7 +85,7 @@ def mould_table(design: Design, part: Surface | None = None) -> str:
 
 
 def read_surface(
-    path: str | Path,
+    path: str | Path | Table,
     material: Material,
     radius: float | None = None,
     friction: Friction | None = None,
@@ -95,12 +95,11 @@ def read_surface(
 
     Parameters
     ----------
-    path : str or Path
-        CSV file whose first line names the columns as quantity_unit, such as ``x_mm,y_mm,height_um``. The
-        columns are x, y, height and radius, in any order and in any unit of length, and cap: "sphere" (the
-        default), "paraboloid" or "power 4 0.5", with exponent and coefficient. Other columns are not
-        read, and `metafem.progress` reports them. Lines that begin with ``#`` are skipped. If semicolons or
-        tabs separate the columns, a comma is the decimal sign.
+    path : str, Path or Table
+        Text file whose columns are named as ``x_mm,y_mm,height_um`` or ``x [mm]``. The columns are x, y,
+        height and radius, in any order and in any unit of length, and cap: "sphere" (the default),
+        "paraboloid" or "power 4 0.5", with exponent and coefficient. Other columns are not read, and
+        `metafem.progress` reports them.
     material : Material
     radius : float, optional
         Radius of all summits [mm], for a table without a column radius.
@@ -134,10 +133,7 @@ def read_surface(
     words = f"{entries.table.name} has a column radius, and --radius is given too; leave one out"
     refuse_if(radius is not None and "radius" in entries.columns, words)
     position = np.column_stack([entries.numbers("x"), entries.numbers("y")])
-    names = {"position": f"{entries.title('x')}, {entries.title('y')}"}
-    if radius is not None:
-        names["radius"] = "--radius"
-    with named(entries.names(**names)):
+    with entries.located():
         radii = entries.numbers("radius") if radius is None else radius
         caps = entries.texts("cap") if "cap" in entries.columns else ["sphere"]
         known = {text: cap_named(text) for text in dict.fromkeys(caps)}

@@ -12,8 +12,9 @@ from typing import Any
 
 from metafem._given import printable, shown
 from metafem.errors import InvalidInput, refuse_if
+from metafem.files.laws import COLUMNS, columns_of
 from metafem.files.reading import TABLE, file_label, read_bytes
-from metafem.files.samples import COLUMNS, TARGET, columns_of, samples_of
+from metafem.files.tables import table_of
 
 # Names of the files of a design in its result folder, which also holds copies of the tables.
 RESULT_FILES = frozenset(
@@ -104,11 +105,11 @@ def fill(label: str, section: dict[str, Any], source: Source) -> bytes:
     words = f"must end with the printable name of a file, of at most {LONGEST} bytes"
     refuse_if(wrong, words, key=key, value=f'"{printable(name, 60)}"', example=EXAMPLE)
     twice = sorted(section.keys() & {*columns.units, *columns.plain})
-    words = f"and {label}.{', '.join(twice)} both give the {columns.what}; keep one"
+    words = f"and {label}.{', '.join(twice)} both give the points; keep one"
     refuse_if(twice, words, key=key)
     try:
         title, content = source(key, name)
-        found = samples_of(title, content) if columns is TARGET else columns_of(title, content, columns)
+        found = columns_of(table_of(title, content), section["kind"])
         section |= {key: list(column) for key, column in found.items()}
     except InvalidInput as error:
         raise (error if error.key == key else InvalidInput(f"cannot be used: {error}", key=key)) from None
@@ -145,11 +146,3 @@ def _naming_copy(text: str, place: tuple[str, ...], name: str, copy: str) -> str
                 return new
     words = f'cannot be renamed to its copy; write file = "{name}" on a line of its own'
     raise InvalidInput(words, key=f"{'.'.join(place)}.file", value=f'"{name}"')
-
-
-def measured_pairs(path: str | Path) -> tuple[list[float], list[float]]:
-    """Return loads and friction forces [N] of a measured law, sorted by load."""
-    samples = samples_of(file_label(path), read_bytes(path, TABLE))
-    words = f"{printable(str(path))} must hold forces; name its columns {TARGET.example}"
-    refuse_if(not samples.keys() >= {"load", "friction_force"}, words)
-    return samples["load"].tolist(), samples["friction_force"].tolist()

@@ -10,7 +10,7 @@ from typing import Any
 
 from metafem.errors import InvalidInput
 from metafem.files.atomic import write_text
-from metafem.files.samples import COLUMNS
+from metafem.files.laws import COLUMNS
 from metafem.files.specification.forms import (
     KeyForm,
     Schema,

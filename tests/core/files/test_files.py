@@ -93,7 +93,7 @@ def test_a_file_is_written_read_equal_and_refused_if_damaged(name, tmp_path):
     whole = path.read_bytes()
     write(path)
     assert name.endswith("nc") or path.read_bytes() == whole
-    for content in (b"", whole[: 2 * len(whole) // 3], b"\xff" + whole):
+    for content in (b"", whole[: 2 * len(whole) // 3], b"\0\xff" + whole):
         path.write_bytes(content)
         with pytest.raises(mf.InvalidInput, match=name):
             read(path)

@@ -13,7 +13,6 @@ from PIL import Image
 
 import metafem as mf
 from metafem import files
-from metafem._given import Names
 from metafem.calibration import fit_compression, shear
 from metafem.drawing import new_figure
 from metafem.files.calibrated import calibration_data
@@ -54,7 +53,7 @@ def test_a_measured_law_is_read_in_any_unit_and_order(tmp_path):
     assert found.label == "sliding"
     np.testing.assert_array_equal(found.load_sd, [1e-3, 2e-3])
     np.testing.assert_allclose(found.friction_force_sd, [1.5e-3, 1.9e-3], rtol=1e-12)  # of the paper
-    found = law("load_N;area_um2;area_sd_mm2\n0,1;100000;.01\n0,2;200000;.02\n")
+    found = law("load_N;area_um2;area_sd_mm2\n0,1;100000;,01\n0,2;200000;,02\n")
     assert (found.area.tolist(), found.area_sd.tolist()) == ([0.1, 0.2], [0.01, 0.02])
     area = np.array([[0.1, 0.2], [0.3, 0.4]])
     one = {"friction_force": np.full(2, np.nan), "area": area, "area_error": 0.01 * area}
@@ -147,7 +146,7 @@ def test_contacts_of_images_are_points(read):
     assert data.boundary == pytest.approx(1e-3, rel=1e-12)
     assert read(files.contacts_table(table), "load_mN,area_mm2\n10,0.3\n").boundary is None
     for words, message in (("too few", "a.csv, b.csv: too few"), ("b.csv, line 2: x", "b.csv, line 2: x")):
-        with pytest.raises(mf.InvalidInput) as caught, files.of_tables(Names(), ["a.csv", "b.csv"]):
+        with pytest.raises(mf.InvalidInput) as caught, files.of_tables(["a.csv", "b.csv"]):
             raise mf.InvalidInput(words)
         assert str(caught.value) == message
 

@@ -11,9 +11,9 @@ from jsonschema import Draft7Validator
 
 import metafem as mf
 from metafem import files
+from metafem.files.laws import columns_of
 from metafem.files.reading import SPECIFICATION, TABLE, read_record
 from metafem.files.result.records import from_record, to_record
-from metafem.files.samples import MEASURED, PROFILE, TARGET, columns_of, samples_of
 from metafem.files.specification.models import model_named
 from metafem.files.specification.options import contact_named
 from metafem.files.specification.schema import schema
@@ -74,13 +74,6 @@ length = partial(of_value, quantity, "limits.max_height", unit="mm")
 
 def design_json(content):
     return of_file(lambda path: mf.load(path.parent), content, "design.json")
-
-
-def samples(path, columns):
-    """Read a table that a specification names."""
-    return (samples_of if columns is TARGET else partial(columns_of, columns=columns))(
-        path.name, path.read_bytes()
-    )
 
 
 def calibration(path, **options):
@@ -256,7 +249,7 @@ TABLES = {
         (f"{SURFACE}\n# a\n0,0,nan,5\n", "line 3: height_um", "'nan'"),
         (f"{SURFACE}\n0,0,1e999,5\n", "height_um", "1e999"),
         (f"{SURFACE}\n0,0,5,5\n\n1,0,5,-5\n", "line 4: radius_um", "-5"),
-        (f'{SURFACE}\n0,0,"0\n,5",5\n', "line 3", r"0\n,5"), (b"x_mm,\xff\n", "line 1", "UTF-8"),
+        (f'{SURFACE}\n0,0,"0\n,5",5\n', "line 3", r"0\n,5"), (b"x_mm,\0\n", "t.csv", "null"),
         ("x_mm,y_mm,height_um\n0,0,5\n", "radius_um", "--radius"),
         (f"{SURFACE},cap\n0,0,5,5,cone\n", "cap", "cone"),
         (f"{SURFACE},cap\n0,0,5,5,power x\n", "cap", "power x"),
@@ -274,16 +267,16 @@ TABLES = {
         ("site,x_mm,y_mm\n1,1,1\n1,2,2\n", "line 3: site", "1 is"), (large(TABLE), "t.csv", "64 MiB"),
     ],
     files.measured_pairs: [("load_N,area_mm2\n1,2\n", "t.csv", "load_N,friction_force_N")],
-    partial(samples, columns=TARGET): [
+    partial(columns_of, kind="sampled"): [
         ("load_N,area_mm2\n0,2\n", "line 2: load_N", "0"),
         ("load_N,area_mm2,area_sd_mm2,relative_error\n1,2,1,1\n", "relative_error", "area_sd"),
         ("load_N,load_sd_N,area_mm2\n1,2,3\n", "t.csv", "sample 1"),
     ],
-    partial(samples, columns=PROFILE): [
+    partial(columns_of, kind="profile"): [
         ("rho_mm,f_um\n0.1,1\n0.2,3\n", "line 2: rho_mm", "0.1"),
         ("rho_mm,f_um\n0,0\n1,3\n2,2\n", "line 4: f_um", "2"),
     ],
-    partial(samples, columns=MEASURED): [
+    partial(columns_of, kind="tabulated"): [
         ("indentation_um,load_mN,area_mm2\n5,1,2\n5,2,3\n", "line 3: indentation_um", "5"),
     ],
     files.read_contacts: [
@@ -305,7 +298,7 @@ TABLES = {
         ("load_mN,area_mm2,area_1_mm2\n1,2,3\n", "area", "area_1"),
         ("area_mm2,area_before_mm2,area_sheared_mm2\n1,2,3\n", "area", "area_before"),
         (f"{PULL}1,2,3\n".replace(",area_mm2", ",test"), "area_mm2", "displacement_um"),
-        (PULL + "".join(f"{i},{i},{5 - i}\n" for i in range(5)), "friction_force_mN", "last entry"),
+        (PULL + "".join(f"{i},{i},{5 - i}\n" for i in range(5)), "friction_force", "last entry"),
         (f"{IMAGES}\na,,1,3,0,0,.1,.01\n", "t.csv", "no image has a load"),
     ],
     partial(calibration, sliding=True): [("load_mN,area_mm2\n1,2\n", "--sliding", "displacement_um")],

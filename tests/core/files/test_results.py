@@ -150,7 +150,7 @@ def test_caps_cells_and_errors_have_columns_where_they_differ():
 def test_tables_of_summits_are_read_with_other_units_separators_and_decimals(tmp_path):
     path, material = tmp_path / "heights.csv", mf.Material(1.36)
     for table in (
-        "x_mm;y_mm;height_um;radius_mm\n0;0;120,5;0,5\n15e-1;0;94.3;0,5\n",
+        "x_mm;y_mm;height_um;radius_mm\n0;0;120,5;0,5\n15e-1;0;94,3;0,5\n",
         "x_mm\ty_cm\theight_um\tradius_um\n0\t0\t120,5\t500\n1,5\t0\t94,3\t500\n",
         "# cold; d\nby,X (mm),y_mm,Height [nm],radius_mm\n  # first\na,0,0,120500,0.5\r\nb,1.5,0,94300,.5",
     ):
