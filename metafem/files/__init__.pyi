@@ -42,8 +42,11 @@ from .result.tables import read_surface as read_surface
 from .specification.forms import KeyForm as KeyForm
 from .specification.forms import SectionForm as SectionForm
 from .specification.forms import all_keys as all_keys
+from .specification.forms import manual as manual
+from .specification.forms import place_schema as place_schema
+from .specification.forms import schema_text as schema_text
 from .specification.forms import section_forms as section_forms
-from .specification.manual import manual as manual
+from .specification.forms import write_schema as write_schema
 from .specification.models import DEMOS as DEMOS
 from .specification.models import MODELS as MODELS
 from .specification.models import demo_text as demo_text
@@ -53,9 +56,6 @@ from .specification.read import parsed as parsed
 from .specification.read import read_spec as read_spec
 from .specification.read import refuse_missing_block as refuse_missing_block
 from .specification.read import toml_table as toml_table
-from .specification.schema import place_schema as place_schema
-from .specification.schema import schema_text as schema_text
-from .specification.schema import write_schema as write_schema
 from .specification.targets import given_load as given_load
 from .specification.targets import rescaled_range as rescaled_range
 from .tables import read_table as read_table

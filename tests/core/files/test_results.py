@@ -16,9 +16,9 @@ import metafem as mf
 from metafem import files
 from metafem.caps import Caps
 from metafem.files.part.caps import with_alignment
+from metafem.files.result.names import RESERVED
 from metafem.files.result.records import from_record, to_record
 from metafem.files.result.tables import mould_table, write_surface
-from metafem.files.specification.named_tables import RESERVED
 from metafem.models.curve import ModelError
 from tests.core.files.specs import small
 from tests.core.files.test_files import MIXED
