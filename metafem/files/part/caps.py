@@ -15,6 +15,10 @@ from metafem.surface import Block, Surface
 # Number of digits of a length that a message proposes.
 DIGITS = 3
 
+# Least distance of the rims of two caps, and from the edge, in units of the last place of a coordinate in
+# single precision, which STL has: one for each of the two coordinates of both points.
+APART = 4.0
+
 # Advice on alignment asperities that cannot be made.
 LEAVE_OUT = "leave out part.alignment_height: the part then has no alignment asperities"
 
@@ -110,7 +114,8 @@ def refuse_impossible(surface: Surface, block: Block, asperities: int) -> None:
         raise CannotBeMade(f"{name(i)} has the height {h[i]:g} mm; {needs}", "limits.max_height")
     base = surface.cap.foot_radius(h, R)
     room = 0.5 * np.array([block.width, block.length])
-    ends = np.abs(surface.position) + base[:, None]
+    apart = APART * float(np.finfo(np.float32).eps * room.max())
+    ends = np.abs(surface.position) + base[:, None] + apart
     for i in np.flatnonzero((ends >= room).any(axis=1))[:1]:
         needed = " by ".join(f"{_rounded(2.0 * end, True):g}" for end in ends.max(axis=0))
         raise refused(
@@ -120,9 +125,9 @@ def refuse_impossible(surface: Surface, block: Block, asperities: int) -> None:
             "block.width" if ends[i, 0] >= room[0] else "block.length",
             i,
         )
-    pairs = KDTree(surface.position).query_pairs(2.0 * float(base.max()), output_type="ndarray")
+    pairs = KDTree(surface.position).query_pairs(2.0 * float(base.max()) + apart, output_type="ndarray")
     distance = np.linalg.norm(np.diff(surface.position[pairs], axis=1)[:, 0], axis=1)
-    for row in np.flatnonzero(distance <= base[pairs].sum(axis=1))[:1]:
+    for row in np.flatnonzero(distance <= base[pairs].sum(axis=1) + apart)[:1]:
         i, j = pairs[row]
         remedy = "increase the pitch or lower the summits"
         if R[i] == R[j] and surface.cap.one(i) == surface.cap.one(j):
@@ -131,7 +136,8 @@ def refuse_impossible(surface: Surface, block: Block, asperities: int) -> None:
             )
             remedy += f": with this pitch and radius they can be {top:g} mm high above the base plane"
         raise refused(
-            f"{name(i)} and {name(j)} overlap: their caps have base radii of {base[i]:g} and {base[j]:g} mm",
+            f"{name(i)} and {name(j)} overlap or touch: their caps have base radii of {base[i]:g} and "
+            f"{base[j]:g} mm",
             remedy,
             "limits.max_height",
             i,

@@ -13,7 +13,7 @@ from metafem.caps.shapes import STEEPEST
 from metafem.contact import JKR, Contact, Elastic, Hertz, JacksonGreen, KogutEtsion, TabulatedContact
 from metafem.errors import InvalidInput, refuse_if
 from metafem.files.caps import cap_named
-from metafem.files.part.gcode import DWELL, FEED, SAFE, SPINDLE
+from metafem.files.part.mould import DWELL, FEED, SAFE, SPINDLE
 from metafem.files.part.plan import PartOptions
 from metafem.files.specification.fields import (
     Angle,
