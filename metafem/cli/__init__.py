@@ -18,7 +18,7 @@ def run() -> None:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # numpy's import reads this variable
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # files that are being written are removed
     try:
-        from metafem.cli.commands import main
+        from metafem.cli.group import main
 
         main(prog_name="metafem")
     except KeyboardInterrupt:
@@ -29,6 +29,6 @@ def __getattr__(name: str) -> Any:
     """Return `main`, the group of commands, which is imported only when it is used."""
     if name != "main":
         raise AttributeError(f"module {__name__} has no attribute {name}")
-    from metafem.cli.commands import main
+    from metafem.cli.group import main
 
     return main

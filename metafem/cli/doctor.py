@@ -20,7 +20,8 @@ import click
 
 import metafem as mf
 from metafem import _caches
-from metafem.cli.group import NOT_ACHIEVED, json_option, main
+from metafem.cli.group import NOT_ACHIEVED
+from metafem.cli.options import command, json_option
 
 if TYPE_CHECKING:
     from metafem.inversion import Design
@@ -159,13 +160,13 @@ def _design() -> Design:
     return mf.design(mf.LinearLaw(7.0), template)
 
 
-@main.command(short_help="Check the installation.")
-@click.option(
-    "--clear-cache",
-    is_flag=True,
-    help="Remove compiled kernels and the stored influence of blocks.",
+@command(
+    click.option(
+        "--clear-cache", is_flag=True, help="Remove compiled kernels and the stored influence of blocks."
+    ),
+    json_option,
+    short_help="Check the installation.",
 )
-@json_option
 def doctor(clear_cache: bool, as_json: bool) -> None:
     """Check the installation: versions, caches, compiled kernels, a test contact, part and report."""
     if clear_cache:

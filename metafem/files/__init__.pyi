@@ -9,11 +9,11 @@ from .contacts import contacts_table as contacts_table
 from .contacts import read_contacts as read_contacts
 from .figures import refuse_figure as refuse_figure
 from .figures import write_figure as write_figure
-from .forces import Shot as Shot
-from .forces import shots as shots
 from .images import ImageFile as ImageFile
 from .images import Images as Images
+from .images import Shot as Shot
 from .images import find_images as find_images
+from .images import shots as shots
 from .laws import measured_pairs as measured_pairs
 from .laws import read_law as read_law
 from .laws import read_measured_law as read_measured_law
@@ -60,6 +60,4 @@ from .specification.targets import given_load as given_load
 from .specification.targets import rescaled_range as rescaled_range
 from .tables import read_table as read_table
 from .units import converted as converted
-from .units import option_names as option_names
 from .units import quantity as quantity
-from .units import written_unit as written_unit

@@ -5,11 +5,10 @@ from __future__ import annotations
 import datetime
 import math
 import re
-from collections.abc import Mapping
 from fractions import Fraction
 from typing import Any
 
-from metafem._given import Names, printable, shown
+from metafem._given import printable, shown
 from metafem.errors import InvalidInput
 
 # Numbers that neither overflow nor underflow in any unit; the same ones above 0 hold a digit from 1 to 9.
@@ -153,36 +152,3 @@ def pattern(units: tuple[str, ...], positive: bool = False) -> str:
     usual = "|".join(name.replace("^2", SQUARE) for unit in units for name in UNITS[unit])
     names = re.sub(r"\bu(?=[mN])", "[uµμ]", usual)
     return rf"^[ \t]*{ABOVE_ZERO if positive else NUMBER}[ \t]*({names})[ \t]*$"
-
-
-def option_names(options: Mapping[str, str | None]) -> Names:
-    """Return how errors name the options of a command, and the unit in which each option was written."""
-    names = {name: f"--{name.replace('_', '-')}" for name in options}
-    units = {name: written_unit(text) for name, text in options.items()}
-    return Names(names, {name: unit for name, unit in units.items() if unit is not None})
-
-
-def written_units(table: Mapping[str, Any]) -> dict[str, tuple[str, float]]:
-    """Return the written unit of each quantity in a TOML file, and its size in the package's unit."""
-    units = {
-        f"{section}.{key}": written_unit(value)
-        for section, keys in table.items()
-        for key, value in (keys.items() if isinstance(keys, dict) else ())
-    }
-    return {key: unit for key, unit in units.items() if unit is not None}
-
-
-def written_unit(value: Any) -> tuple[str, float] | None:
-    """Return the unit of a quantity or of a list's first quantity, and its size in the package's unit."""
-    while isinstance(value, list) and value:
-        value = value[0]
-    match = QUANTITY.fullmatch(value) if isinstance(value, str) else None
-    name = match["unit"] if match else ""
-    size = _size(name) if name else None
-    return None if size is None else (name, size)
-
-
-def _size(name: str) -> float | None:
-    """Return the size of a unit in the package's unit of its dimension; None for an unknown unit."""
-    plain = plain_unit(name)
-    return next((float(Fraction(known[plain])) for known in UNITS.values() if plain in known), None)

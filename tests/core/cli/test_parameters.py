@@ -8,7 +8,7 @@ import pytest
 
 import metafem as mf
 from metafem import progress
-from metafem.cli.study.parameters import with_calibration
+from metafem.cli.study import with_calibration
 
 SURFACE = mf.Surface.square_lattice(
     0.1, (1, 2), radius=0.526, material=mf.Material(1.36), friction=mf.Friction(0.37, 0.85)

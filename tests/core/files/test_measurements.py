@@ -15,9 +15,9 @@ import metafem as mf
 from metafem import files
 from metafem.calibration import fit_compression, shear
 from metafem.drawing import new_figure
+from metafem.files.block_text import interval, published, rounded
 from metafem.files.calibrated import calibration_data
 from metafem.files.images import natural, read_image
-from metafem.files.numbers import interval, published, rounded
 from metafem.progress import listening
 from tests.core.files.specs import spec
 from tests.core.files.test_files import CONTACTS, PRESSED, SHEARED, A
