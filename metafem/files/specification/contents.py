@@ -19,15 +19,11 @@ from metafem.files.specification.targets import AnyTarget
 from metafem.inversion import Limits
 from metafem.inversion.tools.kit import chosen, default_contact, refuse_misfits
 from metafem.models._resources import require_memory
-from metafem.progress import message
 from metafem.surface import Block, Friction, Material, PeriodicCell, Surface
 
-# Cost of one site: size of its record [bytes], peak memory [bytes], and time for the design, the report and
-# the files [s]. They were measured under the independent model on lattices of 10^5 and 10^6 sites.
-RECORDED, MEMORY, TIME = 250, 1_800, 4.5e-5
-
-# Shortest expected time of a design that is reported [s].
-WORTH_A_LINE = 5.0
+# Cost of one site: size of its record and peak memory of its design [bytes], measured under the independent
+# model on lattices of 10^5 and 10^6 sites.
+RECORDED, MEMORY = 250, 1_800
 
 
 class Sections(Section):
@@ -150,13 +146,3 @@ def refuse_too_many(rows: int, columns: int) -> None:
     must = f"has {places:,} sites; at most {most:,} are allowed, so that the result can be read"
     refuse_if(places > most, must, key="shape", value=shape)
     require_memory(MEMORY * places, f"shape = {shape}: use fewer sites, because their design")
-
-
-def tell_cost(places: int) -> None:
-    """Print the expected time and memory before a design of many sites."""
-    if TIME * places >= WORTH_A_LINE:
-        memory = f"{MEMORY * places / 2**30:.1f} GiB of memory"
-        message(
-            f"{places:,} sites: about {TIME * places:.0f} s and {memory} for the design and its files under "
-            "the independent model; other models and the part take longer"
-        )

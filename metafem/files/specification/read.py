@@ -18,7 +18,7 @@ from metafem.files.laws import COLUMNS, columns_of
 from metafem.files.part.plan import PartOptions, planned
 from metafem.files.reading import SPECIFICATION, TABLE, decoded, file_label, read_bytes
 from metafem.files.result.names import RESERVED
-from metafem.files.specification.contents import Sections, tell_cost
+from metafem.files.specification.contents import Sections
 from metafem.files.specification.forms import as_toml, section_forms
 from metafem.files.specification.models import suggestion
 from metafem.files.tables import table_of
@@ -107,7 +107,6 @@ class Specification:
         chosen = self.model if model is None else model
         remedy = "add [block] with width, length and thickness"
         refuse_missing_block(chosen, self.template, remedy)
-        tell_cost(self.template.count)
         limits = replace(self.limits, pinned=self.pinned)
         with drafting() if draft else nullcontext():
             found = design(self.target, self.template, chosen, limits, self.seed, tools=self.tools)

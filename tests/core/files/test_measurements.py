@@ -15,7 +15,6 @@ import metafem as mf
 from metafem import files
 from metafem.calibration import fit_compression, shear
 from metafem.drawing import new_figure
-from metafem.files.block_text import interval, published, rounded
 from metafem.files.calibrated import calibration_data
 from metafem.files.images import natural, read_image
 from metafem.progress import listening
@@ -178,16 +177,6 @@ def test_sites_are_read_with_and_without_numbers(tmp_path):
         path.write_text(table, "utf-8")
         position, number = files.read_sites(path)
         assert (position.tolist(), number.tolist()) == ([[0.0, 1.5], [1.5, 0.0]], numbers)
-
-
-def test_values_have_the_digits_of_their_errors():
-    pairs = (1.35987, 0.0393), (0.404, 0.0054), (0.8512, 0.0121), (0.8512, 0.00996)
-    assert [published(*pair) for pair in pairs] == [
-        "1.36 ± 0.04", "0.404 ± 0.005", "0.851 ± 0.012", "0.851 ± 0.010",
-    ]  # fmt: skip
-    assert (published(523.4, 47.1, "mm"), published(0.85, 0.0)) == ("523 ± 47 mm", "0.85 ± 0")
-    assert (rounded(1.35987, 0.0393, 3), rounded(0.37, math.inf)) == ("1.3599", "0.37")
-    assert interval((0.36, 0.39), 0.0148, "MPa") == "0.360 to 0.390 MPa"
 
 
 def adhesive(energy):

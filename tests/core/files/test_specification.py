@@ -11,11 +11,10 @@ from jsonschema import Draft7Validator
 
 import metafem as mf
 from metafem import files
-from metafem.files.specification.contents import Sections, tell_cost
+from metafem.files.specification.contents import Sections
 from metafem.files.specification.forms import SCHEMA_FILE, as_toml, whole_schema
 from metafem.files.specification.options import contact_named, contacts
 from metafem.models.model import with_contact
-from metafem.progress import listening
 from tests.core.files.specs import SHAPE, spec, text
 
 MATERIAL, FRICTION = mf.Material(1.36, 0.5), mf.Friction(0.358, 0.85)
@@ -75,12 +74,6 @@ def test_a_target_is_stated_in_the_units_in_which_it_was_given():
          "exponent 1.2 from 0.136 to 0.544 N"),
     ):  # fmt: skip
         assert spec(target=keys).target.title.endswith(end)
-
-
-def test_loads_of_a_command_are_forces_or_areas():
-    loads = [files.given_load("0.2 N"), files.given_load("300 mN"), files.given_load("0.144 mm^2")]
-    assert [(load.value, load.unit) for load in loads] == [(0.2, "N"), (0.3, "N"), (0.144, "mm^2")]
-    assert files.rescaled_range(loads[:2], MATERIAL) == (0.2 / 1.36, 0.3 / 1.36)
 
 
 # Sections, a member of the specification or of its template, and its value.
@@ -274,14 +267,6 @@ def test_a_design_uses_all_keys():
     draft = found.design(draft=True)
     assert (draft.target, dict(draft.pinned)) == (found.target, {5: None, 2: 0.1})
     assert found.with_chord_error(0.002).part.chord_error == 0.002
-
-
-def test_the_cost_of_many_sites_is_told():
-    facts = []
-    with listening(lambda step, done: None, facts.append):
-        tell_cost(64)
-        tell_cost(1_000_000)
-    assert [fact[:55] for fact in facts] == ["1,000,000 sites: about 45 s and 1.7 GiB of memory for t"]
 
 
 def test_all_problems_are_listed_and_survive_a_process():
