@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -264,10 +265,12 @@ def _measured(source: tuple[Path, ...], options: dict[str, Any]) -> Series:
     after = [i for i, shot in enumerate(series) if shot.sheared is not None]
     load = np.array([shot.load for shot in series])
     images = mf.files.Images([*before, *(shot.sheared for shot in series if shot.sheared is not None)])
-    found = _areas(images, pixel, np.concatenate([load, load[after]]), options["bright_contacts"])
+    bright = options["bright_contacts"]
+    with hinting(bright):
+        found = _areas(images, pixel, np.concatenate([load, load[after]]), bright)
     areas, sheared = found[: len(before)], dict(zip(after, found[len(before) :], strict=True))
     others = [sheared.get(i) for i in range(len(before))]
-    with doing("following the contacts"):
+    with doing("following the contacts"), hinting(bright):
         tracked = mf.calibration.track_contacts(
             areas,
             [file.name for file in before],
@@ -282,6 +285,16 @@ def _measured(source: tuple[Path, ...], options: dict[str, Any]) -> Series:
     first = [note for note in tracked.notes if note.warns]
     last = [note for note in tracked.notes if not note.warns]
     return Series(series, areas, others, tracked, pixel, (*first, *more, *last))
+
+
+@contextmanager
+def hinting(bright: bool) -> Iterator[None]:
+    """Add to errors of the body that contacts may be brighter or darker than the ground."""
+    try:
+        yield
+    except InvalidInput as error:
+        hint = "if contacts are dark, leave out" if bright else "if contacts are bright, add"
+        raise InvalidInput(f"{error}; {hint} --bright-contacts") from None
 
 
 def _areas(images: Images, pixel: float, load: Any, bright: bool) -> list[ContactAreas]:
@@ -302,8 +315,7 @@ def _areas(images: Images, pixel: float, load: Any, bright: bool) -> list[Contac
     try:
         found = mf.calibration.stack_areas(images, pixel, loads=order, bright_contacts=bright)
     except InvalidInput as error:
-        hint = "are they darker than the ground?" if bright else "if they are bright, add --bright-contacts"
-        raise InvalidInput(f"{named(str(error))}; {hint}") from None
+        raise InvalidInput(named(str(error))) from None
     return [
         replace(
             areas,

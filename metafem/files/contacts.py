@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from itertools import product
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from metafem._given import printable, shown
-from metafem._validate import FloatArray
+from metafem._validate import FloatArray, IntArray
 from metafem.calibration import ContactTable
 from metafem.errors import InvalidInput, refuse_if
 from metafem.files.tables import Columns, Entries, Table, read_table
@@ -59,102 +58,87 @@ def read_contacts(path: str | Path) -> ContactTable:
 
 def contacts_of(table: Table) -> ContactTable:
     """Return the contact areas in a table with the columns that `read_contacts` reads."""
-    return _Rows(COLUMNS.read(table)).contacts()
+    entries = COLUMNS.read(table)
+    images, place = _arranged(entries)
+    values = {name: entries.numbers(name, empty=True) for name in COLUMNS.units}
+    for name, error in ERROR_OF.items():
+        for column in (name, error):
+            _refuse(entries, column, values[column] < 0.0, "= {text} must not be negative")
+        for given, missing in ((error, name), (name, error)):
+            alone = np.isnan(values[missing]) & ~np.isnan(values[given])
+            if alone.any() and missing not in entries.columns:
+                raise COLUMNS.lacking(entries, missing)
+            words = f"is empty, and {entries.title(given)} is not; write both or none"
+            _refuse(entries, missing, alone, words)
+    for name in ("x", "y"):
+        _refuse(entries, name, np.isnan(values[name]), "is empty; write the contact's position")
 
+    def common(name: str, axis: int, column: FloatArray) -> FloatArray:
+        return _common(entries, name, column[place], place, axis)
 
-class _Rows:
-    """The entries of a table, arranged by image and contact."""
-
-    def __init__(self, entries: Entries) -> None:
-        self.entries = entries
-        names = entries.texts("image")
-        if "" in names:
-            cell = entries.cell(names.index(""), "image")
-            raise InvalidInput(f"{cell} is empty; write the name of the image")
-        images = list(zip(entries.texts("test"), names, strict=True))
-        numbers = entries.whole("contact", 1)
-        found: dict[tuple[tuple[str, str], int], int] = {}
-        for index, (image, number) in enumerate(zip(images, numbers, strict=True)):
-            before = found.setdefault((image, number), index)
-            if before != index:
-                raise InvalidInput(
-                    f"{entries.cell(index, 'contact')} = {number} of image {printable(image[1], 60)} is in "
-                    f"line {self._line(before)} too; keep one"
-                )
-        self.images, every = list(dict.fromkeys(images)), list(dict.fromkeys(numbers))
-        for image, number in product(self.images, every):
-            if (image, number) not in found:
-                raise InvalidInput(
-                    f"{entries.table.name}: image {printable(image[1], 60)} lacks contact {number}, which "
-                    "others have; add its line, with the area 0 if it is open"
-                )
-        # row of the table for each image and contact, (k, n)
-        self.place = np.array([[found[image, number] for number in every] for image in self.images])
-
-    def contacts(self) -> ContactTable:
-        """Return the contact areas; raise InvalidInput for inconsistent entries."""
-        values: dict[str, Any] = {
-            name: self.entries.numbers(name, empty=True)[self.place] for name in COLUMNS.units
-        }
-        for name, error in ERROR_OF.items():
-            for column in (name, error):
-                self._refuse(values[column] < 0.0, column, "= {text} must not be negative")
-            for given, missing in ((error, name), (name, error)):
-                alone = np.isnan(values[missing]) & ~np.isnan(values[given])
-                if alone.any() and missing not in self.entries.columns:
-                    raise COLUMNS.lacking(self.entries, missing)
-                title = self.entries.title(given) if alone.any() else given
-                self._refuse(alone, missing, f"is empty, and {title} is not; write both or none")
-        for name in ("x", "y"):
-            self._refuse(np.isnan(values[name]), name, "is empty; write the contact's position")
-        of_image: dict[str, Any] = {
-            name: self._common(name, values[name], 1) for name in ("load", "friction_force")
-        }
-        position = np.column_stack([self._common(name, values[name], 0) for name in ("x", "y")])
-        sites = self._sites()
-        tests, names = zip(*self.images, strict=True)
-        return ContactTable(
-            image=names,
-            test=tests,
-            position=position,
-            site=np.arange(len(position)) if sites is None else sites,
-            matched=sites is not None,
-            **of_image,
-            **{name: values[name] for pair in ERROR_OF.items() for name in pair},
-        )
-
-    def _sites(self) -> NDArray[np.intp] | None:
-        """Return the site of each contact, (n,), or None if no contact has a site."""
-        if not any(self.entries.texts("site")):
-            return None
-        whole = np.array(self.entries.whole("site", 0), dtype=float)
-        sites = self._common("site", whole[self.place], 0).astype(np.intp)
-        _, first = np.unique(sites, return_index=True)
-        for j in np.setdiff1d(np.arange(len(sites)), first)[:1]:
-            cell = self.entries.cell(self.place[0, j], "site")
+    matched = any(entries.texts("site"))
+    sites = np.arange(place.shape[1])
+    if matched:
+        sites = common("site", 0, np.array(entries.whole("site", 0), dtype=float)).astype(np.intp)
+        twice = np.flatnonzero([site in sites[:j] for j, site in enumerate(sites)])
+        for j in twice[:1]:
+            cell = entries.cell(place[0, j], "site")
             raise InvalidInput(f"{cell} = {sites[j]} is the site of another contact too")
-        return sites
+    tests, names = zip(*images, strict=True)
+    return ContactTable(
+        image=names,
+        test=tests,
+        load=common("load", 1, values["load"]),
+        friction_force=common("friction_force", 1, values["friction_force"]),
+        position=np.column_stack([common(name, 0, values[name]) for name in ("x", "y")]),
+        site=sites,
+        matched=matched,
+        **{name: values[name][place] for pair in ERROR_OF.items() for name in pair},
+    )
 
-    def _common(self, name: str, values: FloatArray, axis: int) -> FloatArray:
-        """Return the values of a column that must be equal for all images (axis 0) or contacts (axis 1)."""
-        first = values.take([0], axis)
-        differs = (values != first) & ~(np.isnan(values) & np.isnan(first))
-        before = np.broadcast_to(self.place.take([0], axis), differs.shape)
-        for i, j in np.argwhere(differs)[:1]:
-            of, line = ("the contact", "the image")[axis], self._line(before[i, j])
-            self._refuse(differs, name, f"= {{shown}} differs from line {line}; {of} has one value")
-        return np.asarray(first.ravel())
 
-    def _line(self, index: int) -> int:
-        return self.entries.table.rows[index][0]
+def _arranged(entries: Entries) -> tuple[list[tuple[str, str]], IntArray]:
+    """Return the images, as pairs of test and name, and the row of each image and contact, (k, n)."""
+    texts = entries.texts("image")
+    _refuse(
+        entries, "image", np.array([text == "" for text in texts]), "is empty; write the name of the image"
+    )
+    images, numbers = list(zip(entries.texts("test"), texts, strict=True)), entries.whole("contact", 1)
+    found: dict[tuple[tuple[str, str], int], int] = {}
+    for row, key in enumerate(zip(images, numbers, strict=True)):
+        before = found.setdefault(key, row)
+        if before != row:
+            words = f"= {key[1]} of image {printable(key[0][1], 60)} is in line {_line(entries, before)} too"
+            raise InvalidInput(f"{entries.cell(row, 'contact')} {words}; keep one")
+    every, ours = list(dict.fromkeys(images)), list(dict.fromkeys(numbers))
+    for image, number in product(every, ours):
+        words = (
+            f"image {printable(image[1], 60)} lacks contact {number}, which others have; add its line, with"
+        )
+        refuse_if((image, number) not in found, f"{entries.table.name}: {words} the area 0 if it is open")
+    return every, np.array([[found[image, number] for number in ours] for image in every])
 
-    def _refuse(self, wrong: NDArray[np.bool_], name: str, must: str) -> None:
-        """Raise InvalidInput for the first entry of a column for which `wrong`, (k, n), is True."""
-        for index in self.place[wrong][:1].tolist():
-            text = self.entries.texts(name)[index]
-            raise InvalidInput(
-                f"{self.entries.cell(index, name)} {must.format(text=text, shown=shown(text, 40))}"
-            )
+
+def _common(entries: Entries, name: str, values: FloatArray, place: IntArray, axis: int) -> FloatArray:
+    """Return the values of a column that must be equal for all images (axis 0) or contacts (axis 1)."""
+    first = values.take([0], axis)
+    differs = (values != first) & ~(np.isnan(values) & np.isnan(first))
+    for i, j in np.argwhere(differs)[:1]:
+        before = place[0, j] if axis == 0 else place[i, 0]
+        text, of = shown(entries.texts(name)[place[i, j]], 40), ("the contact", "the image")[axis]
+        words = f"= {text} differs from line {_line(entries, before)}; {of} has one value"
+        raise InvalidInput(f"{entries.cell(place[i, j], name)} {words}")
+    return np.asarray(first.ravel())
+
+
+def _refuse(entries: Entries, name: str, wrong: NDArray[np.bool_], must: str) -> None:
+    """Raise InvalidInput for the first row for which `wrong`, (rows,), is true."""
+    for row in np.flatnonzero(wrong)[:1].tolist():
+        raise InvalidInput(f"{entries.cell(row, name)} {must.format(text=entries.texts(name)[row])}")
+
+
+def _line(entries: Entries, row: int) -> int:
+    return entries.table.rows[row][0]
 
 
 def _cell(value: object) -> str:

@@ -106,7 +106,7 @@ def read_calibration(
         refuse_if(files.count(path) > 1, f"{file_label(path)} is given twice")
     stems = [path.stem for path in files]
     for path in files:
-        table = read_table(path, columns)
+        table = read_table(path, columns, every=len(files) == 1)
         # files of the same name in different folders are different tests
         label = path.stem if stems.count(path.stem) == 1 else str(path.with_suffix(""))
         if is_of_contacts(table):

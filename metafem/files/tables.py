@@ -78,7 +78,7 @@ class Table:
     separator: str
 
 
-def read_table(path: str | Path | Table, columns: Mapping[str, str] = NONE) -> Table:
+def read_table(path: str | Path | Table, columns: Mapping[str, str] = NONE, *, every: bool = True) -> Table:
     """Return the table of a file.
 
     Parameters
@@ -88,6 +88,8 @@ def read_table(path: str | Path | Table, columns: Mapping[str, str] = NONE) -> T
     columns : mapping of str to str
         Titles in the file by the names that they stand for, such as ``{"load": "Kraft [N]"}``, or with a unit
         that the file does not state, ``{"load_N": "Kraft"}``.
+    every : bool
+        Whether the table must have all of these titles; default: True.
 
     Returns
     -------
@@ -100,10 +102,10 @@ def read_table(path: str | Path | Table, columns: Mapping[str, str] = NONE) -> T
     """
     if isinstance(path, Table):
         return path
-    return table_of(file_label(path), read_bytes(path, TABLE), columns)
+    return table_of(file_label(path), read_bytes(path, TABLE), columns, every)
 
 
-def table_of(name: str, content: bytes, columns: Mapping[str, str] = NONE) -> Table:
+def table_of(name: str, content: bytes, columns: Mapping[str, str] = NONE, every: bool = True) -> Table:
     """Return the table in the content of a file; errors state the file's `name`."""
     text = text_of_table(name, content)
     lines = ["\n" if line.lstrip().startswith("#") else line for line in io.StringIO(text, newline=None)]
@@ -134,7 +136,7 @@ def table_of(name: str, content: bytes, columns: Mapping[str, str] = NONE) -> Ta
     if found and _is_of_units(found[0][1]):
         pairs = zip(header, found.pop(0)[1], strict=True)
         header = [title if "[" in title or not unit else f"{title} [{bare(unit)}]" for title, unit in pairs]
-    return Table(name, _renamed(name, header, columns), found, separator)
+    return Table(name, _renamed(name, header, columns, every), found, separator)
 
 
 def is_of_contacts(table: Table) -> bool:
@@ -185,11 +187,13 @@ def _is_of_units(entries: list[str]) -> bool:
     )
 
 
-def _renamed(name: str, header: list[str], columns: Mapping[str, str]) -> list[str]:
+def _renamed(name: str, header: list[str], columns: Mapping[str, str], every: bool) -> list[str]:
     """Return the titles, of which `columns` renames some."""
     header = list(header)
     for wanted, title in columns.items():
         places = [i for i, each in enumerate(header) if each == title or LABEL.sub(r"\1", each) == title]
+        if not places and not every:
+            continue
         has = f"{name} has the columns {printable(', '.join(header), 120)}"
         refuse_if(len(places) != 1, f"{has}; --column {wanted}={shown(title, 40)} must name one of them")
         quantity, unit = named(wanted)

@@ -23,14 +23,6 @@ APART = 4.0
 LEAVE_OUT = "leave out part.alignment_height: the part then has no alignment asperities"
 
 
-class CannotBeMade(InvalidInput):
-    """Error for caps that cannot be made; `remedy` is the key of the specification to change."""
-
-    def __init__(self, message: str, remedy: str) -> None:
-        super().__init__(message)
-        self.remedy = remedy
-
-
 def alignment_positions(template: Surface) -> FloatArray:
     """Return the positions of four alignment asperities, (4, 2) [mm].
 
@@ -99,7 +91,7 @@ def refuse_impossible(surface: Surface, block: Block, asperities: int) -> None:
     def refused(words: str, remedy: str, key: str, *rows: int) -> InvalidInput:
         """Return the error for asperities `rows`; for alignment asperities its key is alignment_height."""
         if max(rows) < asperities:
-            return CannotBeMade(f"{words}; {remedy}", key)
+            return InvalidInput(f"does not suit the part: {words}; {remedy}", key=key)
         why = f"cannot be made: {words}; {LEAVE_OUT}. Or {remedy}"
         return InvalidInput(why, key="part.alignment_height", value=f"{h[-1]:g} mm")
 
@@ -111,7 +103,8 @@ def refuse_impossible(surface: Surface, block: Block, asperities: int) -> None:
             if surface.cap.one(i) == SPHERE
             else f"a cap needs a height above 0 and at most {most[i]:.4g} mm, where its profile ends"
         )
-        raise CannotBeMade(f"{name(i)} has the height {h[i]:g} mm; {needs}", "limits.max_height")
+        words = f"does not suit the part: {name(i)} has the height {h[i]:g} mm"
+        raise InvalidInput(f"{words}; {needs}", key="limits.max_height")
     base = surface.cap.foot_radius(h, R)
     room = 0.5 * np.array([block.width, block.length])
     apart = APART * float(np.finfo(np.float32).eps * room.max())

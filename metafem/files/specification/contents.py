@@ -9,7 +9,6 @@ from typing import Any
 from metafem.caps import SPHERE, Cap
 from metafem.contact import Contact
 from metafem.errors import InvalidInput, refuse_if
-from metafem.files.part.caps import CannotBeMade
 from metafem.files.part.plan import PartOptions, planned
 from metafem.files.reading import RECORD
 from metafem.files.specification import sections
@@ -122,10 +121,7 @@ class Sections(Section):
             except InvalidInput as error:
                 raise InvalidInput(f"do not suit: {error}", key="tools") from None
             return
-        try:
-            planned(template, template, part)
-        except CannotBeMade as error:
-            raise InvalidInput(f"does not suit the part: {error}", key=error.remedy) from None
+        planned(template, template, part)
 
 
 @contextmanager

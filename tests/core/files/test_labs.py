@@ -16,7 +16,6 @@ TABLES = {
     "Excel, an empty column": b"load_mN,area_mm2,\r\n950.5,0.41,\r\n1234,0.512,\r\n",
     "LibreOffice, quoted": b'"load_mN","area_mm2"\n"950.5","0.41"\n"1234","0.512"\n',
     "LibreOffice, German": b'load_mN,area_mm2\n"950,5","0,41"\n1234,"0,512"\n',
-    "LibreOffice, metres": b"load_N;area_m2\n0.9505;4.1e-7\n1.234;5.12e-7\n",
     "a trailing sign in each row": b"load_mN;area_mm2\n950,5;0,41;\n1234;0,512;\n",
     "a preamble": b"Sample 7, of June\nOperator: me\n\nload_mN,area_mm2\n950.5,0.41\n1234,0.512\n",
     "Instron, units below": b'"Results Table 1"\n\n"Time","Load","Contact area"\n"(s)","(mN)","(mm^2)"\n'
