@@ -40,23 +40,6 @@ if TYPE_CHECKING:
 SCALE = 0.01
 
 
-# Column titles of the printed table. Columns in OPTIONAL are left out if they are empty.
-TITLES = {
-    "image": "image",
-    "test": "test",
-    "load_N": "load [N]",
-    "friction_force_N": "friction [N]",
-    "contacts": "contacts",
-    "open": "open",
-    "not_measured": "not measured",
-    "area_mm2": "area [mm²]",
-    "area_error_mm2": "± [mm²]",
-    "sheared_area_mm2": "sheared area [mm²]",
-    "sheared_area_error_mm2": "± [mm²]",
-}
-OPTIONAL = ("test", "load_N", "friction_force_N", "sheared_area_mm2", "sheared_area_error_mm2")
-
-
 @dataclass(frozen=True)
 class Series:
     """Measured images, with their forces and their contacts before and under shear."""
@@ -77,34 +60,25 @@ class Series:
         return [image.name for image, areas in pairs if image and areas and areas.failed]
 
     def lines(self) -> tuple[list[str], list[list[str]]]:
-        """Return the column titles and the rows of the printed table."""
+        """Return the column titles and the rows of the printed table, without columns that are empty."""
         rows = self.rows()
-        names = [name for name in TITLES if name not in OPTIONAL or any(row[name] for row in rows)]
-        return [TITLES[name] for name in names], [[_text(name, row[name]) for name in names] for row in rows]
+        names = [name for name in rows[0] if any(row[name] not in (None, "") for row in rows)]
+        return [_title(name) for name in names], [[_text(row[name]) for name in names] for row in rows]
 
     def rows(self) -> list[dict[str, Any]]:
         """Return forces, numbers of contacts and areas of each image, for JSON and the printed table.
 
         An area is the sum over the contacts that could be measured.
         """
-        table = self.tracked.table
-        return [
-            {
-                "image": name,
-                "test": table.test[i],
-                "load_N": _known(table.load[i]),
-                "friction_force_N": _known(table.friction_force[i]),
-                **_numbers(self.areas[i], table.area[i], table.area_error[i]),
-                **{
-                    f"sheared_{key}": value
-                    for key, value in _numbers(
-                        self.sheared[i], table.sheared_area[i], table.sheared_area_error[i]
-                    ).items()
-                    if key.startswith("area")
-                },
-            }
-            for i, name in enumerate(table.image)
-        ]
+        table, rows = self.tracked.table, []
+        for i, name in enumerate(table.image):
+            row = {"image": name, "test": table.test[i], "load_N": table.load[i]}
+            row["friction_force_N"] = table.friction_force[i]
+            row |= _numbers(self.areas[i], table.area[i], table.area_error[i])
+            sheared = _numbers(self.sheared[i], table.sheared_area[i], table.sheared_area_error[i])
+            row |= {f"sheared_{key}": value for key, value in sheared.items() if key.startswith("area")}
+            rows.append(mf.files.plain_data(row))
+        return rows
 
     def sentences(self) -> Iterator[str]:
         """Yield how the contacts were numbered or matched to sites, and the remarks on single contacts."""
@@ -139,7 +113,7 @@ class Series:
             "images": self.rows(),
             "match": matched,
             "site": table.site.tolist(),
-            "area_mm2": [[_known(value) for value in row] for row in table.area.tolist()],
+            "area_mm2": mf.files.plain_data(table.area),
             "failed": self.failed,
             "remarks": list(self.tracked.remarks),
             "notes": notes_data(self.notes),
@@ -373,10 +347,6 @@ def _figure(found: Series, name: str | None) -> tuple[Figure, str]:
     return found_figure(mf.files.Images([file])[0], areas, found.tracked, index, sheared), name
 
 
-def _known(value: float) -> float | None:
-    return None if math.isnan(value) else float(value)
-
-
 def _numbers(areas: ContactAreas | None, area: Any, error: Any) -> dict[str, Any]:
     """Return the numbers of contacts, and the sum of their areas with its error; None if not measured.
 
@@ -395,9 +365,13 @@ def _numbers(areas: ContactAreas | None, area: Any, error: Any) -> dict[str, Any
     return {name: value if measured else None for name, value in values.items()}
 
 
-def _text(name: str, value: Any) -> str:
+def _title(name: str) -> str:
+    """Return the title of a column of the printed table."""
+    base, _, unit = name.rpartition("_")
+    units = {"N": "N", "mm2": "mm²"}
+    return f"{base.replace('_', ' ')} [{units[unit]}]" if unit in units else name.replace("_", " ")
+
+
+def _text(value: Any) -> str:
     """Return the text of an entry in the printed table."""
-    if value is None:
-        return ""
-    digits = ".2g" if "error" in name else ".4f" if "area" in name else ".5g"
-    return f"{value:{digits}}" if isinstance(value, float) else str(value)
+    return "" if value is None else f"{value:.4g}" if isinstance(value, float) else str(value)
