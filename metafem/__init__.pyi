@@ -19,6 +19,7 @@ from .errors import InvalidInput as InvalidInput
 from .errors import MetafemError as MetafemError
 from .errors import NotConverged as NotConverged
 from .files import load as load
+from .files import read_law as read_law
 from .files import read_spec as read_spec
 from .files import save as save
 from .inversion import Band as Band

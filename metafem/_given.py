@@ -1,9 +1,9 @@
-"""Names, units and values of arguments in error messages."""
+"""Units of arguments, and their values as texts of messages."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 # Unit of each argument that has a unit. An argument name has the same meaning in the whole package.
@@ -39,10 +39,9 @@ def unit_of(name: str) -> str:
 
 @dataclass(frozen=True)
 class Given:
-    """An argument or an entry of an array argument, such as ``radius[3]``, named in an error message.
+    """An argument or an entry of an array argument, such as ``radius[3]``, in the template of a message.
 
-    `value` is None if the message does not state the value. A number is in the package's unit. A text is
-    printed unchanged.
+    `value` is a number in the package's unit, or a text; None if the message does not state it.
     """
 
     name: str
@@ -50,61 +49,13 @@ class Given:
 
     @property
     def number(self) -> str:
-        """Value as text."""
-        return str(self.value)
+        """Value as text, with its unit."""
+        if self.value is None or isinstance(self.value, str):
+            return self.value or ""
+        return f"{self.value:g} {unit_of(self.name)}".removesuffix(" 1")
 
     def __str__(self) -> str:
-        return f"{self.name} = {self.value}"
-
-
-@dataclass(frozen=True)
-class Names:
-    """Names of arguments as a reader knows them: in Python, in a file or on the command line.
-
-    `names` maps arguments to the reader's names. `units` maps quantities to the unit in which they were
-    written and the size of this unit in the package's unit. `places` holds the location of each entry of an
-    array argument, such as a line of a file.
-    """
-
-    names: Mapping[str, str] = field(default_factory=dict)
-    units: Mapping[str, tuple[str, float]] = field(default_factory=dict)
-    places: Sequence[str] = ()
-
-    def under(self, inner: Names) -> Names:
-        """Return these names combined with `inner`, which takes precedence."""
-        places = inner.places or self.places
-        return Names({**self.names, **inner.names}, {**self.units, **inner.units}, places)
-
-    def filled(self, message: str, *about: Given) -> str:
-        """Return a message with its fields ``{}``, ``{.name}`` and ``{.number}`` filled by the arguments."""
-        return message.format(*map(self.said, about)) if about else message
-
-    def said(self, given: Given) -> Given:
-        """Return an argument with the reader's name, and its value as text with the reader's unit."""
-        value = given.value
-        number = value if isinstance(value, str) else "" if value is None else self.number(given.name, value)
-        return Given(self.name(given.name), number)
-
-    def number(self, name: str, value: float) -> str:
-        """Return a number as text, in the unit in which the reader wrote the quantity."""
-        if not self.units:
-            return f"{value:g}"
-        base = name.partition("[")[0]
-        unit, size = self.units.get(base) or (unit_of(name), 1.0)
-        return f"{float(value) / size:g} {unit}".removesuffix(" 1").rstrip()
-
-    def name(self, name: str) -> str:
-        """Return the reader's name of an argument or of an entry, such as ``radius[3]``."""
-        if name in self.names:
-            return self.names[name]
-        base, bracket, index = name.partition("[")
-        known = self.names.get(base, base)
-        if self.places and bracket:
-            return f"{self.places[int(index.rstrip(']').partition(',')[0])]}: {known}"
-        return known + bracket + index
-
-
-AS_IN_PYTHON = Names()
+        return self.name if self.value is None else f"{self.name} = {self.number}"
 
 
 def shown(value: Any, most: int = 60) -> str:

@@ -2,31 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
-from copyreg import __newobj__  # type: ignore[attr-defined]
 from typing import Any
 
-from metafem._given import AS_IN_PYTHON, Given, Names
+from metafem._given import Given
 
 
 class MetafemError(Exception):
     """Base class of all errors that metafem raises.
 
-    A message about arguments is a template with one field for each argument. `str` fills the fields with the
-    names and values of the arguments: Python's names, unless `named` sets those of a file or a command.
+    A message is one sentence; `about` fills the fields of a message that is a template.
     """
 
-    names: Names = AS_IN_PYTHON
-
     def __init__(self, message: str = "", *about: Given) -> None:
-        super().__init__(message, *about)
-
-    def __str__(self) -> str:
-        return self.names.filled(*self.args)
-
-    def __reduce__(self) -> Any:
-        return __newobj__, (type(self), *self.args), self.__dict__
+        super().__init__(message.format(*about) if about else message)
 
 
 class InvalidInput(MetafemError, ValueError):
@@ -71,8 +59,8 @@ class InvalidInput(MetafemError, ValueError):
             return "\n".join(f"{self.must}: {problem}" for problem in self.problems)
         if not self.key:
             return self.must
-        said = self.names.said(Given(self.key, self.value))
-        return f"{said.name if self.value is None else said} {self.must}"
+        number = self.value if isinstance(self.value, (str, type(None))) else f"{self.value:g}"
+        return f"{self.key} {self.must}" if number is None else f"{self.key} = {number} {self.must}"
 
     def at(self, key: str) -> InvalidInput:
         """Return the error of a value as an error of `key`."""
@@ -82,10 +70,7 @@ class InvalidInput(MetafemError, ValueError):
         """Return the error of an argument as an error of a key in `section`."""
         if not self.key:
             return InvalidInput(f"cannot be used: {self}", key=section)
-        message, *about = self.args
-        moved = (Given(f"{section}.{other.name}", other.value) for other in about)
-        key = f"{section}.{self.key}"
-        return InvalidInput(message, *moved, key=key, value=self.value, example=self.example)
+        return self.at(f"{section}.{self.key}")
 
 
 def refuse_if(
@@ -147,16 +132,3 @@ class NotConverged(MetafemError):
 
 class MetafemWarning(UserWarning):
     """Warning that a result lies outside the range in which the model is valid."""
-
-
-@contextmanager
-def named(names: Names) -> Iterator[None]:
-    """Set the names and units that errors raised in the ``with`` block use, such as those of a file.
-
-    Names that an inner ``named`` block has set take precedence.
-    """
-    try:
-        yield
-    except MetafemError as error:
-        error.names = names.under(error.names)
-        raise

@@ -20,8 +20,6 @@ from enum import Enum
 from functools import partial
 from typing import Any
 
-from metafem._given import AS_IN_PYTHON, Given, Names
-
 # Largest number of asperities and loads of a result whose notes are estimated for printing. The estimate then
 # takes at most a few tenths of a second; for a million asperities it would take 17 s.
 FEW = 1000
@@ -77,42 +75,11 @@ class Note:
         """Whether the note is a warning."""
         return self.level is Level.WARNING
 
-    def named(self, names: Names) -> Note:
-        """Return the note itself, because its text contains no argument names."""
-        return self
-
     def to_json(self) -> dict[str, Any]:
         """Return the level, the text and the numbers of the note; without those that it does not have."""
         numbers = {"quantity": self.quantity, "value": self.value, "bound": self.bound}
         given = {name: value for name, value in numbers.items() if value not in ("", None)}
         return {"level": self.level.value, "text": self.text, **given}
-
-
-@dataclass(frozen=True)
-class ArgumentNote(Note):
-    """A note whose text names arguments; `named` returns the note with the reader's names.
-
-    Parameters
-    ----------
-    text, level, quantity, value, bound, remedies
-        As for `Note`; the text contains the Python names.
-    template : str
-        The text with one field for each argument, as in an error message.
-    about : tuple of Given
-    """
-
-    template: str = ""
-    about: tuple[Given, ...] = ()
-
-    @classmethod
-    def of(cls, template: str, *about: Given, level: Level = Level.WARNING) -> ArgumentNote:
-        """Return the note with a template and its arguments."""
-        return cls(AS_IN_PYTHON.filled(template, *about), level, template=template, about=about)
-
-    def named(self, names: Names) -> Note:
-        """Return the note with the reader's names of the arguments."""
-        text = names.filled(self.template, *self.about)
-        return Note(text, self.level, self.quantity, self.value, self.bound, self.remedies)
 
 
 def information(text: str, **numbers: Any) -> Note:

@@ -1,38 +1,26 @@
-"""The group of all commands, with their common options and exit codes."""
+"""The group of all commands; a module is imported when one of its commands runs."""
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
-from pathlib import Path
+from collections.abc import Mapping
+from importlib import import_module
 from typing import Any
 
 import click
 
-import metafem as mf
-from metafem._given import Names
 from metafem.cli.output import printing, show_error
-from metafem.errors import InvalidInput, MetafemError, named
-from metafem.files.specification.models import MODELS
+from metafem.errors import InvalidInput, MetafemError
 
-# How the option --contact states each contact law; `form` in files/specification/options.py returns the same
-# texts.
-CONTACTS = (
-    *(
-        "hertz",
-        "elastic",
-        "jkr ADHESION_ENERGY [CAP]",
-        "kogut-etsion HARDNESS",
-        "jackson-green YIELD_STRENGTH",
-    ),
-    "tabulated FILE",
-)
+# Module of each command.
+MODULES = {
+    "demo": "design", "design": "design", "spec": "design", "predict": "predict", "study": "study",
+    "calibrate": "calibrate", "images": "images", "topography": "topography", "compare": "compare",
+    "report": "design", "explore": "design", "doctor": "doctor",
+}  # fmt: skip
 
-# Names in errors: the option of the command instead of the argument of a Python function.
-ARGUMENTS = Names({"force=True": "--force"})
-
-# Key in the context of a command; its value holds the units in which quantities were written.
-UNITS = "metafem.units"
+# Key in the context of a command: the texts of its quantities, by the name of the option.
+TEXTS = "metafem.texts"
 
 # Exit codes for a target that is not achieved, for invalid input, and after Ctrl-C.
 NOT_ACHIEVED, BAD_INPUT, STOPPED = 1, 2, 130
@@ -46,66 +34,53 @@ class Ended(click.ClickException):
         self.kind, self.data = kind, data
 
 
-class Name(click.Path):
-    """Type of an option that names a file or folder; an empty name is refused.
+class Command(click.Command):
+    """A command whose errors are `Ended`, and name its options instead of arguments."""
 
-    Path would read an empty name as the current folder.
-    """
-
-    name = "path"
-
-    def __init__(self) -> None:
-        super().__init__(path_type=Path)
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """Return the path that a text names."""
-        if value == "":
-            self.fail("the name is empty; write the name of a file or folder", param, ctx)
-        return super().convert(value, param, ctx)
-
-
-class Quantity(click.ParamType):  # type: ignore[type-arg]
-    """Type of an option that is a quantity with a unit, or a list of quantities if `listed` is true.
-
-    The value is a number in the package's unit. The unit of the first quantity is stored in the context, so
-    that errors state values in this unit.
-    """
-
-    name = "quantity"
-
-    def __init__(
-        self,
-        unit: str = "",
-        example: str | None = None,
-        *,
-        listed: bool = False,
-        read: Callable[[str], Any] | None = None,
-    ) -> None:
-        self.read = read or (lambda text: mf.files.converted(text, unit, example))
-        self.listed = listed
-
-    def convert(self, value: Any, param: Any, ctx: Any) -> Any:
-        """Return the number that a text states, or the numbers in a list separated by commas."""
-        if not isinstance(value, str):
-            return value
-        parts = value.split(",") if self.listed else [value]
-        ctx.meta.setdefault(UNITS, {}).setdefault(param.name, mf.files.written_unit(parts[0]))
+    def invoke(self, ctx: click.Context) -> Any:
+        """Run the command."""
         try:
-            found = [self.read(part) for part in parts]
+            return super().invoke(ctx)
         except InvalidInput as error:
-            raise error.at(param.opts[0]) from None
-        return found if self.listed else found[0]
+            raise Ended("InvalidInput", str(in_options(error, ctx))) from None
+        except MetafemError as error:
+            raise Ended(type(error).__name__, str(error)) from None
+        except OSError as error:
+            if error.filename is None:  # an error of the output stream, not of a file
+                raise
+            raise Ended("InvalidInput", f"{error.filename!s:.300}: {error.strerror}") from None
 
 
-def option_names() -> Names:
-    """Return how errors name the options of the running command, and the units in which they were written."""
-    ctx = click.get_current_context()
-    names = {each.name: each.opts[0] for each in ctx.command.params if each.name and each.opts[0][:1] == "-"}
-    return Names(names, {name: unit for name, unit in ctx.meta.get(UNITS, {}).items() if unit})
+def in_options(error: InvalidInput, ctx: click.Context) -> InvalidInput:
+    """Return an error of an argument as one of the option of this name that was given."""
+    name, bracket, rest = error.key.partition("[")
+    option = f"--{name.replace('_', '-')}"
+    label, texts = ctx.meta.get(TEXTS, {}).get(name, (option, ()))
+    given = texts or ctx.params.get(name) not in (None, (), False)
+    if not given and (error.value is not None or name not in ctx.params):
+        return error
+    found = error.at(f"{label}{bracket}{rest}")
+    if error.value is not None and texts:
+        index = int(rest[:-1]) if rest[:-1].isdecimal() else 0
+        found.value = texts[min(index, len(texts) - 1)]
+    return found
 
 
 class Commands(click.Group):
-    """A group of commands; an error ends a command with a message and an exit code, without a traceback."""
+    """The group of all commands; an error ends a command with a message and an exit code."""
+
+    modules: Mapping[str, str] = MODULES
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """Return the names of all commands, in the order in which they are used."""
+        return list(self.modules)
+
+    def get_command(self, ctx: click.Context, name: str) -> click.Command | None:
+        """Return a command, after the import of its module."""
+        if name not in self.modules:
+            return None
+        found: click.Command = getattr(import_module(f"metafem.cli.{self.modules[name]}"), name)
+        return found
 
     def main(self, args: Any = None, *rest: Any, **extra: Any) -> Any:
         """Parse the arguments, run the command and exit; with --json, an error is printed as JSON too."""
@@ -121,50 +96,6 @@ class Commands(click.Group):
                 click.echo("stopped; no unfinished file is left", err=True)
                 code = STOPPED
             sys.exit(code if isinstance(code, int) else 0)
-
-    def invoke(self, ctx: click.Context) -> Any:
-        """Run the command, and raise errors of the package as `Ended`."""
-        try:
-            with named(ARGUMENTS):
-                return super().invoke(ctx)
-        except InvalidInput as error:
-            raise Ended("InvalidInput", str(error)) from None
-        except MetafemError as error:
-            raise Ended(type(error).__name__, str(error)) from None
-        except OSError as error:
-            if error.filename is None:  # an error of the output stream, not of a file
-                raise
-            words = f"{error.filename!s:.300}: {error.strerror}"
-            raise Ended("InvalidInput", words) from None
-
-
-def model_option(default: str, multiple: bool = False) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """Return the decorator that adds the options --model and --contact; `default` describes their default."""
-    again = " May be repeated, to compare laws." if multiple else ""
-    text = f"Model of the law, from single contacts to resolved ones.{again} Default: {default}."
-    model = click.option("--model", type=click.Choice(tuple(MODELS)), multiple=multiple, help=text)
-    law = default.replace("independent", "hertz")
-    text = f"Law of one contact, a kind and its values: {', '.join(CONTACTS)}."
-    text += f' For example --contact "jkr 9 mJ/m^2 elastic".{again} Default: {law}.'
-    contact = click.option(
-        "--contact", metavar="LAW", multiple=multiple, help=text, shell_complete=_contact_kinds
-    )
-    return lambda command: model(contact(command))
-
-
-def _contact_kinds(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[str]:
-    """Return the kinds of contact laws that begin with `incomplete`, for shell completion."""
-    kinds = (law.partition(" ")[0] for law in CONTACTS)
-    return [kind for kind in kinds if kind.startswith(incomplete)]
-
-
-json_option = click.option(
-    "--json",
-    "as_json",
-    is_flag=True,
-    help="Print only data, as JSON; an error is an object with type and message.",
-)
-force_option = click.option("--force", is_flag=True, help="Replace existing files.")
 
 
 @click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})

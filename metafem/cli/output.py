@@ -1,4 +1,4 @@
-"""Output of the command on terminals that lack characters, and errors of the output stream."""
+"""The printer of results, and output on terminals that lack characters or into full files."""
 
 from __future__ import annotations
 
@@ -7,10 +7,24 @@ import errno
 import json
 import os
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import click
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from metafem.notes import Note
+
+# A table that is printed: column titles, rows and a title.
+Printed = tuple[Sequence[str], Sequence[Sequence[str]], str | None]
+
+# Least number of characters per line if the output is not a terminal, so that tables are not wrapped, and
+# largest number at which columns are separated by one blank; above it by two.
+WIDE, NARROW = 160, 80
 
 # Replacements of characters that a terminal cannot show; all other such characters become a question mark.
 PLAIN = {
@@ -87,3 +101,69 @@ def show_error(error: click.ClickException, as_json: bool) -> None:
         click.echo(json.dumps({"error": {"type": kind, "message": error.format_message(), **data}}))
     else:
         error.show()
+
+
+def show(
+    as_json: bool,
+    data: Any,
+    *,
+    head: Iterable[str] = (),
+    tables: Iterable[Printed] = (),
+    lines: Iterable[str] = (),
+    notes: Iterable[Note] = (),
+    files: Iterable[Path | None] = (),
+) -> None:
+    """Print the result of a command: its data as JSON, or its lines, tables, notes and written files."""
+    if as_json:
+        click.echo(json.dumps(data))
+        return
+    from rich.console import Console
+
+    console = Console()
+    if not console.is_terminal:
+        console = Console(width=max(WIDE, console.width))
+    say(console, *head)
+    for table in tables:
+        print_table(console, *table)
+    say(console, *lines)
+    for note in dict.fromkeys(notes):
+        word, style = ("warning", "yellow") if note.warns else ("note", None)
+        console.print(f"{word}: {note}", style=style, highlight=False, markup=False)
+    say(console, *(f"wrote {path}" for path in files if path is not None))
+
+
+def say(console: Console, *lines: str) -> None:
+    """Print lines unchanged, without markup, highlighting or wrapping."""
+    for line in lines:
+        console.print(line, highlight=False, markup=False, soft_wrap=True)
+
+
+def print_table(
+    console: Console, columns: Sequence[str], rows: Sequence[Sequence[str]], title: str | None = None
+) -> None:
+    """Print a table; headings may wrap between words, but numbers never wrap."""
+    from rich.box import SIMPLE_HEAD
+    from rich.markup import escape
+    from rich.table import Table
+
+    apart = 1 if console.width > NARROW else 0
+    table = Table(
+        title=title and escape(title),
+        title_justify="left",
+        box=SIMPLE_HEAD if any(columns) else None,
+        show_header=any(columns),
+        padding=(0, apart, 0, 0),
+        pad_edge=False,
+    )
+    for i, heading in enumerate(columns):
+        longest = max((len(text) for text in (*heading.split(), *(row[i] for row in rows))), default=1)
+        justify: Any = "right" if i and any(columns) else "left"
+        table.add_column(escape(heading), justify=justify, min_width=longest, overflow="fold")
+    for row in rows:
+        table.add_row(*(escape(text) for text in row))
+    console.print(table, crop=False)
+
+
+def notes_data(notes: Iterable[Note]) -> list[dict[str, Any]]:
+    """Return level, text and numbers of each note, for JSON."""
+    return [note.to_json() for note in notes]

@@ -8,23 +8,25 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
-import numpy as np
 
 import metafem as mf
 from metafem._given import printable
-from metafem.cli.group import (
+from metafem.cli.options import (
     Name,
     Quantity,
+    column_option,
+    columns_of,
+    command,
     force_option,
     json_option,
-    main,
-    model_option,
-    option_names,
+    model_options,
+    option_name,
+    quantities,
+    refuse_files,
 )
-from metafem.cli.progress import printing_messages, progress
-from metafem.cli.study.options import option_name, with_options
-from metafem.cli.terminal import loaded, notes_data, print_json, print_notes, print_table, say, terminal
-from metafem.errors import named, refuse_if
+from metafem.cli.output import Printed, notes_data, show
+from metafem.cli.progress import loaded, progress
+from metafem.errors import refuse_if
 from metafem.progress import doing
 
 if TYPE_CHECKING:
@@ -35,58 +37,50 @@ if TYPE_CHECKING:
 # Dimensions of a block, with an example of each; they are options and arguments of `Block`.
 BLOCK = {"width": "20 mm", "length": "20 mm", "thickness": "7.2 mm"}
 
-# Unit and help text of the options for a table of heights.
+# Options for a table of heights: unit, example and help text.
 SCENE = {
-    "composite_modulus": ("MPa", 'E* for a table of heights, such as "1.36 MPa".'),
-    "young_modulus": ("MPa", 'E for a table of heights, instead of E*, such as "1.02 MPa".'),
-    "poisson_ratio": (None, "ν for a table of heights; default: 0.5."),
-    "shear_strength": ("MPa", 'σ for a table of heights, such as "0.404 MPa", for friction forces.'),
-    "area_ratio": (None, "B: sheared area over initial area, with --shear-strength; default: 1."),
-    "radius": ("mm", 'Radius of all summits, such as "526 um", for a table without radii.'),
-    "thickness": ("mm", 'Thickness of the block of a table of heights, such as "7.2 mm".'),
-    "width": ("mm", 'Width of that block along x, such as "20 mm"; for --model block.'),
-    "length": ("mm", 'Length of that block along y, such as "20 mm"; for --model block.'),
+    "composite_modulus": ("MPa", "1.36 MPa", "E* for a table of heights, such as {}."),
+    "young_modulus": ("MPa", "1.02 MPa", "E for a table of heights, instead of E*, such as {}."),
+    "poisson_ratio": ("1", "0.5", "ν for a table of heights; default: 0.5."),
+    "shear_strength": ("MPa", "0.404 MPa", "σ for a table of heights, such as {}, for friction forces."),
+    "area_ratio": ("1", "0.85", "B: sheared area over initial area, with --shear-strength; default: 1."),
+    "radius": ("mm", "526 um", "Radius of all summits, such as {}, for a table without radii."),
+    "thickness": ("mm", "7.2 mm", "Thickness of the block of a table of heights, such as {}."),
+    "width": ("mm", "20 mm", "Width of that block along x, such as {}; for --model block."),
+    "length": ("mm", "20 mm", "Length of that block along y, such as {}; for --model block."),
 }
 
-scene_options = with_options(
-    *(
-        click.option(
-            option_name(name),
-            type=Quantity(unit) if unit else float,
-            metavar={"MPa": "STRESS", "mm": "LENGTH"}.get(unit or ""),
-            help=text,
-        )
-        for name, (unit, text) in SCENE.items()
-    )
-)
 
-
-@main.command(short_help="Predict the friction law of a folder or a table of heights.")
-@click.argument("source", type=Name())
-@click.option(
-    "--load",
-    type=Quantity("N"),
-    metavar="FORCE",
-    multiple=True,
-    help='Load, such as "0.2 N"; may be repeated. Default: a grid of loads.',
+@command(
+    click.argument("source", type=Name()),
+    click.option(
+        "--load",
+        type=Quantity("N"),
+        metavar="FORCE",
+        multiple=True,
+        help='Load, such as "0.2 N"; may be repeated. Default: a grid of loads.',
+    ),
+    click.option(
+        "--onset",
+        type=Quantity("N"),
+        metavar="FORCE",
+        help="Also print the onset of sliding at this load: friction force over tangential displacement.",
+    ),
+    *quantities(SCENE),
+    column_option,
+    *model_options("that of the folder; independent for a table", multiple=True),
+    click.option("-o", "--output", type=Name(), help="Also write the law to this CSV file."),
+    force_option,
+    json_option,
+    short_help="Predict the friction law of a folder or a table of heights.",
 )
-@click.option(
-    "--onset",
-    type=Quantity("N"),
-    metavar="FORCE",
-    help="Also print the onset of sliding at this load: friction force over tangential displacement.",
-)
-@scene_options
-@model_option("that of the folder; independent for a table", multiple=True)
-@click.option("-o", "--output", type=Name(), help="Also write the law to this CSV file.")
-@force_option
-@json_option
 def predict(
     source: Path,
     load: tuple[float, ...],
     onset: float | None,
     model: tuple[str, ...],
     contact: tuple[str, ...],
+    column: tuple[str, ...],
     output: Path | None,
     force: bool,
     as_json: bool,
@@ -103,24 +97,22 @@ def predict(
     """
     given = {name: value for name, value in scene.items() if value is not None}
     name = printable(str(source))
-    if source.is_dir():
-        options = ", ".join(map(option_name, given))
-        own = f"the folder {name} holds its own material, friction, radii and block"
-        refuse_if(given, f"{options}: only for tables of heights; {own}")
-        with progress():
+    with progress():
+        if source.is_dir():
+            options = ", ".join(map(option_name, [*given, *(["column"] if column else [])]))
+            own = f"the folder {name} holds its own material, friction, radii and block"
+            refuse_if(options, f"{options}: only for tables of heights; {own}")
             stored = loaded(source)
-        surface, used = stored.surface, stored.law.model
-    else:
-        refuse_if(not source.exists(), f"{name}: no such file or folder")
-        remedy = f"run metafem design {name} -o FOLDER, then metafem predict FOLDER"
-        refuse_if(source.suffix.lower() == ".toml", f"{name} is a specification; {remedy}")
-        with printing_messages(), named(option_names()):
-            surface, used = _surface(source, given, model), mf.Independent()
+            surface, used = stored.surface, stored.law.model
+        else:
+            refuse_if(not source.exists(), f"{name}: no such file or folder")
+            remedy = f"run metafem design {name} -o FOLDER, then metafem predict FOLDER"
+            refuse_if(source.suffix.lower() == ".toml", f"{name} is a specification; {remedy}")
+            surface, used = _surface(source, given, model, columns_of(column)), mf.Independent()
     pairs = [(kind, words) for kind in model or (None,) for words in contact or (None,)]
-    if output is not None:
-        several = f"--output holds one law, and {len(pairs)} are compared; choose one of them"
-        refuse_if(len(pairs) > 1, several)
-        mf.files.refuse_existing(output, force)
+    several = f"--output holds one law, and {len(pairs)} are compared; choose one of them"
+    refuse_if(output is not None and len(pairs) > 1, several)
+    refuse_files(force, output)
     models = []
     for kind, words in pairs:
         chosen = mf.files.chosen_model(used, kind, words)
@@ -135,23 +127,37 @@ def predict(
         for each in models:
             loads = laws[0].load if laws else load or None
             laws.append(mf.friction_law(surface, each, load=loads))
-        slides = [None if onset is None else mf.onset(surface, each, load=onset) for each in models]
+        slides = [] if onset is None else [mf.onset(surface, each, load=onset) for each in models]
     if output is not None:
         mf.files.write_text(output, mf.files.law_table(laws[0]), force=force)
-    if as_json:
-        data = [_law_data(law) for law in laws]
-        for part, sliding in zip(data, slides, strict=True):
-            if sliding is not None:
-                part["onset"] = mf.report.onset_data(sliding)
-        print_json(data[0] if len(data) == 1 else {"laws": data})
-    else:
-        _print_laws(laws, whole=bool(load))
-        for number, sliding in enumerate(slides, 1):
-            if sliding is not None:
-                _print_onset(sliding, f"{number}: " if len(slides) > 1 else "")
+    data = [_law_data(law) for law in laws]
+    for part, sliding in zip(data, slides, strict=False):
+        part["onset"] = mf.report.onset_data(sliding)
+    labels = [f"{number}: " if len(laws) > 1 else "" for number in range(1, len(laws) + 1)]
+    lines = [
+        line
+        for label, law in zip(labels, laws, strict=True)
+        for line in (
+            f"{label}model {law.model.name}, {law.status.value}",
+            f"{label}{mf.report.error_words(law.model_error)}",
+        )
+    ]
+    show(
+        as_json,
+        data[0] if len(data) == 1 else {"laws": data},
+        tables=[_table(laws, whole=bool(load)), *map(_onset_table, slides)],
+        lines=[
+            *lines,
+            *(f"{a}{mf.report.onset_words(slide)}" for a, slide in zip(labels, slides, strict=False)),
+        ],
+        notes=() if as_json else [note for law in laws for note in law.notes],
+        files=[output],
+    )
 
 
-def _surface(source: Path, given: Mapping[str, float], models: tuple[str, ...]) -> Surface:
+def _surface(
+    source: Path, given: Mapping[str, float], models: tuple[str, ...], columns: Mapping[str, str]
+) -> Surface:
     """Return the surface in a table of heights; the options state its material, friction and block."""
     refuse_if(
         ("composite_modulus" in given) == ("young_modulus" in given),
@@ -171,7 +177,8 @@ def _surface(source: Path, given: Mapping[str, float], models: tuple[str, ...]) 
     strength = given.get("shear_strength")
     friction = None if strength is None else mf.Friction(strength, given.get("area_ratio", 1.0))
     block = _block({name: given[name] for name in BLOCK if name in given}, models)
-    return mf.files.read_surface(source, material, given.get("radius"), friction, block)
+    table = mf.files.read_table(source, columns)
+    return mf.files.read_surface(table, material, given.get("radius"), friction, block)
 
 
 def _block(given: dict[str, float], models: tuple[str, ...]) -> mf.Block | None:
@@ -191,35 +198,30 @@ def _block(given: dict[str, float], models: tuple[str, ...]) -> mf.Block | None:
     return mf.Block(**given) if given.keys() == BLOCK.keys() else None
 
 
-def _print_laws(laws: list[FrictionLaw], whole: bool) -> None:
-    """Print one law, or the areas of several laws with their relative difference from the first law.
+def _table(laws: list[FrictionLaw], whole: bool) -> Printed:
+    """Return one law, or the areas of several laws with their relative difference from the first law.
 
-    All loads are printed if `whole` is true, which means that the user stated them; otherwise about ten.
+    It has all loads if `whole` is true, which means that the user stated them; otherwise about ten.
     """
-    first, console = laws[0], terminal()
+    first = laws[0]
     step = 1 if whole else max(1, len(first.load) // 10)
     shown = _quantities(first) if len(laws) == 1 else _compared(laws)
     rows = [
         [_printed(title, float(values[i])) for title, values in shown.items()]
         for i in range(step - 1, len(first.load), step)
     ]
-    print_table(console, list(shown), rows)
-    for number, law in enumerate(laws, 1):
-        label = f"{number}: " if len(laws) > 1 else ""
-        say(console, f"{label}model {law.model.name}, {law.status.value}")
-        say(console, f"{label}{mf.report.error_words(law.model_error)}")
-        print_notes(console, law.notes)
+    return list(shown), rows, None
 
 
-def _print_onset(sliding: Onset, label: str) -> None:
-    """Print friction forces of the onset of sliding at up to ten displacements, and its summary."""
-    console = terminal()
+def _onset_table(sliding: Onset) -> Printed:
+    """Return friction forces of the onset of sliding at up to ten displacements."""
+    import numpy as np
+
     # of contacts that start together, the last
     ends = np.flatnonzero(np.append(np.diff(sliding.displacement) > 0.0, True))
     shown = ends[:: -max(1, len(ends) // 10)][::-1].tolist()
     rows = [[f"{sliding.displacement[i]:.6g}", f"{sliding.friction_force[i]:.6g}", str(i + 1)] for i in shown]
-    print_table(console, ["displacement [mm]", "friction [N]", "contacts that slide"], rows)
-    say(console, f"{label}{mf.report.onset_words(sliding)}")
+    return ["displacement [mm]", "friction [N]", "contacts that slide"], rows, None
 
 
 def _quantities(law: FrictionLaw) -> dict[str, FloatArray]:
@@ -231,6 +233,8 @@ def _quantities(law: FrictionLaw) -> dict[str, FloatArray]:
 
 
 def _compared(laws: list[FrictionLaw]) -> dict[str, FloatArray]:
+    import numpy as np
+
     first, *others = laws
     shown = {"load [N]": first.load, "1: area [mm²]": first.area}
     for number, law in enumerate(others, 2):

@@ -9,25 +9,20 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING
 
-import click
-
+import metafem as mf
 from metafem import _caches
-from metafem.progress import listening
+from metafem.progress import doing, listening
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from rich.console import Console
 
+    from metafem.inversion import Design
     from metafem.progress import OnStep
 
 # Time before the first line and between two lines, if the output is not a terminal [s].
 FIRST_LINE, NEXT_LINE = 5.0, 10.0
-
-
-@contextmanager
-def printing_messages() -> Iterator[None]:
-    """Print messages of the body on stderr, for example on columns of a table that are not read."""
-    with listening(lambda step, done: None, lambda text: click.echo(text, err=True)):
-        yield
 
 
 @contextmanager
@@ -99,3 +94,9 @@ def _lines(console: Console) -> Iterator[OnStep]:
 def worded(step: str, done: float | None) -> str:
     """Return the text of a step with its completed fraction."""
     return step if done is None else f"{step}, {100.0 * done:.0f} %"
+
+
+def loaded(folder: Path) -> Design:
+    """Return the design in a result folder."""
+    with doing("reading the design"):
+        return mf.load(folder)

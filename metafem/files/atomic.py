@@ -9,7 +9,6 @@ from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from metafem._given import Given
 from metafem.errors import InvalidInput, refuse_if
 
 
@@ -58,8 +57,8 @@ def refuse_existing(goal: str | Path, force: bool = False, *, folder: bool = Fal
         words = "is in the way; choose another name"
         usable = (target / "design.json").is_file() if found else stat.S_ISREG(kind) and not folder
         refuse_if(not usable, f"{target} is no {'result folder' if folder else 'regular file'} and {words}")
-        words = "{.number} exists; choose another name, or replace it with {.name}"
-        refuse_if(not force, words, Given("path", str(target)), Given("force=True"))
+        words = f"{target} exists; choose another name, or replace it with force=True (--force)"
+        refuse_if(not force, words)
 
 
 def write_file(path: str | Path, write: Callable[[Path], object], *, force: bool = False) -> None:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from metafem._given import shown
-from metafem.caps import Cap, Paraboloid, Power, Profile, Sphere
+from metafem.caps import SPHERE, Cap, Paraboloid, Power, Profile, Sphere
 from metafem.errors import InvalidInput
+from metafem.surface import Surface
 
 # Name of each kind of cap.
 NAMES: dict[type[Cap], str] = {Sphere: "sphere", Paraboloid: "paraboloid", Power: "power", Profile: "profile"}
@@ -20,6 +21,13 @@ def cap_text(cap: Cap) -> str:
     """
     values = f" {cap.exponent!r} {cap.coefficient!r}" if isinstance(cap, Power) else ""
     return NAMES[type(cap)] + values
+
+
+def caps_column(surface: Surface) -> dict[str, list[str]]:
+    """Return the column of the caps of a table, unless all are spheres."""
+    if surface.cap == SPHERE:
+        return {}
+    return {"cap": [cap_text(surface.cap.one(i)) for i in range(surface.count)]}
 
 
 def cap_named(text: str) -> Cap:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import json
 import os
 import stat
@@ -69,6 +70,23 @@ def decoded(path: str | Path, raw: bytes) -> str:
         raise InvalidInput(
             f"{file_label(path)}: line {line} is not UTF-8; save the file with that encoding"
         ) from None
+
+
+def text_of_table(path: str | Path, raw: bytes) -> str:
+    """Return the text of a table, which spreadsheets write as UTF-8, UTF-16 or Windows-1252."""
+    name = file_label(path)
+    try:
+        if raw.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+            text = raw.decode("utf-16")
+        else:
+            try:
+                text = raw.decode("utf-8-sig")
+            except UnicodeDecodeError:
+                text = raw.decode("cp1252")
+    except UnicodeDecodeError:
+        raise InvalidInput(f"{name} is not a text; save the table as CSV in UTF-8") from None
+    refuse_if("\0" in text, f"{name} is not a text: it holds null characters; save the table as CSV")
+    return text
 
 
 @contextmanager

@@ -1,208 +1,296 @@
-"""Tables in CSV files: columns are declared, and entries are read with their units and line numbers."""
+"""Tables in text files: the header is found, and entries are read with their units and line numbers.
+
+A title is ``name_unit`` or ``name [unit]``, or units stand in the line below the names. Python's csv splits
+the lines, because errors state the lines of entries, which pandas does not keep.
+"""
 
 from __future__ import annotations
 
 import csv
 import io
 import re
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+import sys
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 
-from metafem._given import Names, printable, shown
+from metafem._given import printable, shown
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput, refuse_if
-from metafem.files.reading import TABLE, decoded, file_label, read_bytes
-from metafem.files.units import decimal, factor
+from metafem.files.reading import TABLE, file_label, read_bytes, text_of_table
+from metafem.files.units import NUMBER, UNITS, factor, plain_unit
 from metafem.progress import message
 
-# Units in the declared names of columns, with the package's unit of each.
-OWN = {"mm": "mm", "um": "mm", "mm2": "mm^2", "N": "N", "mN": "N", "MPa": "MPa"}
+# Quantities of all tables, by the package's unit. A standard deviation has the unit of its quantity.
+QUANTITIES = {
+    name: unit
+    for unit, names in {
+        "mm": "x y height radius rho f indentation displacement sd_position sd_height sd_radius",
+        "mm^2": "area area_error area_before area_sheared sheared_area sheared_area_error rescaled_load "
+        "rescaled_friction",
+        "N": "load friction_force",
+    }.items()
+    for name in names.split()
+}
+TEXTS = {"image", "sheared_image", "test", "contact", "site", "cap", "weight", "relative_error"}
+
+# Names of quantities in titles of other programs.
+ALIASES = {
+    "normal_load": "load", "normal_force": "load", "p": "load", "load_p": "load",
+    "friction": "friction_force", "tangential_force": "friction_force", "friction_force_f": "friction_force",
+    "contact_area": "area", "f": "friction_force",
+}  # fmt: skip
+
+# A title with its unit in brackets, such as "Load [mN]", and the area of one contact of several.
+LABEL = re.compile(r"(.*?)\s*[\[(]\s*([^\[\]()]*?)\s*[\])]")
+SINGLE = re.compile(r"area_\d{1,4}", re.ASCII)
+
+# A number with a decimal sign that could be a sign of thousands.
+GROUP = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}", re.ASCII)
+
+# Largest number of lines in which a header is sought, and columns of a line that make it one.
+PREAMBLE, ENOUGH = 200, 2
 
 SEMICOLONS = "if commas are decimal, separate the columns by semicolons"
 
-
-# A column title with its unit in brackets, such as "Load [mN]", and further names of quantities in such
-# titles.
-LABEL = re.compile(r"(.*?)\s*[\[(]\s*([^\s\[\]()]+)\s*[\])]")
-ALIASES = {
-    "normal_load": "load", "normal_force": "load", "p": "load", "friction": "friction_force",
-    "tangential_force": "friction_force", "f": "friction_force", "contact_area": "area", "load_p": "load",
-    "friction_force_f": "friction_force",
-}  # fmt: skip
+# Column of a table by its name: its index and the size of its unit in the package's unit.
+Found = dict[str, tuple[int, Fraction]]
+NONE: Mapping[str, str] = {}
 
 
-# Index of a column, and the size of its unit in the package's unit.
-Column = tuple[int, Fraction]
+def base_of(name: str) -> str:
+    """Return the quantity that a column holds: "area" for "area_1" and for "area_sd"."""
+    return "area" if SINGLE.fullmatch(name) else name.removesuffix("_sd")
 
 
 @dataclass(frozen=True)
 class Table:
-    """A table whose first line names its columns.
-
-    Empty lines and lines that begin with ``#`` are skipped. If the first line contains a semicolon or a tab,
-    this sign separates the columns, and a comma is the decimal sign. Otherwise commas separate the columns.
-    """
+    """A table: its name in errors, its titles, and its lines with their numbers."""
 
     name: str
     header: list[str]
     rows: list[tuple[int, list[str]]]
     separator: str
 
-    def number(self, line: int, column: int, text: str) -> Fraction:
-        """Return an entry as an exact fraction."""
-        try:
-            value = decimal(self.plain(text))
-            float(value)  # raises an error for a number that is too large
-        except (ValueError, OverflowError):
-            hint = f"; {SEMICOLONS}" if "," in text and self.separator == "," else ""
-            title = printable(self.header[column], 40)
-            raise InvalidInput(
-                f"{self.name}, line {line}: {title} = {shown(text, 40)} is not a finite number{hint}"
-            ) from None
-        return value
 
-    def plain(self, text: str) -> str:
-        """Return an entry whose decimal sign is a point."""
-        return text.strip() if self.separator == "," else text.strip().replace(",", ".")
+def read_table(path: str | Path | Table, columns: Mapping[str, str] = NONE, *, every: bool = True) -> Table:
+    """Return the table of a file.
+
+    Parameters
+    ----------
+    path : str, Path or Table
+        A text file, or a table that was read before.
+    columns : mapping of str to str
+        Titles in the file by the names that they stand for, such as ``{"load": "Kraft [N]"}``, or with a unit
+        that the file does not state, ``{"load_N": "Kraft"}``.
+    every : bool
+        Whether the table must have all of these titles; default: True.
+
+    Returns
+    -------
+    Table
+
+    Raises
+    ------
+    InvalidInput
+        If the file cannot be read, or has fewer than two columns or lines of different lengths.
+    """
+    if isinstance(path, Table):
+        return path
+    return table_of(file_label(path), read_bytes(path, TABLE), columns, every)
 
 
-def read_table(path: str | Path, example: str) -> Table:
-    """Return the table of a file, or raise InvalidInput; `example` is a valid first line."""
-    return table_of(file_label(path), read_bytes(path, TABLE), example)
-
-
-def table_of(name: str, content: bytes, example: str) -> Table:
-    """Return the table in the content of a file, or raise InvalidInput; errors state the file's `name`."""
-    text = decoded(name, content)
+def table_of(name: str, content: bytes, columns: Mapping[str, str] = NONE, every: bool = True) -> Table:
+    """Return the table in the content of a file; errors state the file's `name`."""
+    text = text_of_table(name, content)
     lines = ["\n" if line.lstrip().startswith("#") else line for line in io.StringIO(text, newline=None)]
-    first = next((line for line in lines if line.strip()), None)
-    if first is None:
-        raise InvalidInput(f"{name} is empty; its first line must name the columns, for example {example}")
-    separator = next((sign for sign in ";\t" if sign in first), ",")
-    reader = csv.reader(lines, delimiter=separator)
+    stated = ""
+    if lines and (sign := re.fullmatch(r'"?sep=(.)"?\s*', lines[0])):  # which Excel writes and reads
+        stated, lines[0] = sign[1], "\n"
+    first, separator = _header(lines, stated, columns)
+    rows = csv.reader(lines[first:], delimiter=separator)
     try:
-        rows = [(reader.line_num, row) for row in reader if any(entry.strip() for entry in row)]
+        found = [(first + rows.line_num, row) for row in rows if any(entry.strip() for entry in row)]
     except csv.Error as error:
-        raise InvalidInput(f"{name}, line {reader.line_num}: {error}") from None
-    header = [title.strip() for title in rows[0][1]] if rows else []
-    words = f"name its columns, for example {example}, separated by commas or semicolons"
-    refuse_if(len(header) < 2, f"{name} has one column, {printable(''.join(header), 60)}; {words}")
-    for line, row in rows[1:]:
+        raise InvalidInput(f"{name}, line {first + rows.line_num}: {error}") from None
+    refuse_if(not found, f"{name} is empty; a line must name the columns, for example load_mN,area_mm2")
+    header, found = [title.strip() for title in found[0][1]], found[1:]
+    ends = [row[-1].strip() for _, row in found if len(row) == len(header) + 1]
+    if found and len(ends) == len(found) and not any(ends):  # a separator at the end of each line
+        found = [(line, row[:-1]) for line, row in found]
+    elif header[-1] == "" and all(row[len(header) - 1 :] in ([""], []) for _, row in found):
+        header, found = header[:-1], [(line, row[: len(header) - 1]) for line, row in found]
+    words = "name its columns, for example load_mN,area_mm2, separated by commas, semicolons or tabs"
+    refuse_if(len(header) < ENOUGH, f"{name} has one column, {printable(''.join(header), 60)}; {words}")
+    for line, row in found:
         if len(row) != len(header):
             hint = f"; {SEMICOLONS}" if separator == "," and len(row) > len(header) else ""
-            words = f"has {len(row)} entries; the first names {len(header)}{hint}"
-            raise InvalidInput(f"{name}, line {line} {words}")
-    return Table(name, header, rows[1:], separator)
+            raise InvalidInput(
+                f"{name}, line {line} has {len(row)} entries; the header names {len(header)}{hint}"
+            )
+    if found and _is_of_units(found[0][1]):
+        pairs = zip(header, found.pop(0)[1], strict=True)
+        header = [title if "[" in title or not unit else f"{title} [{bare(unit)}]" for title, unit in pairs]
+    return Table(name, _renamed(name, header, columns, every), found, separator)
+
+
+def is_of_contacts(table: Table) -> bool:
+    """Return whether the columns of a table are those of contacts in images."""
+    return {"image", "contact"} <= set(table.header)
+
+
+def named(title: str) -> tuple[str, str]:
+    """Return the name and the unit of a title; the unit is "" if there is none."""
+    label = LABEL.fullmatch(title)
+    name = re.sub(r"\W+", "_", (label[1] if label else title).strip().lower())
+    # F in newtons is a friction force, and f in millimetres is the profile of a cap
+    if label and name in ALIASES and plain_unit(label[2]) not in UNITS[QUANTITIES.get(name, "1")]:
+        return ALIASES[name], label[2]
+    if base_of(name) in QUANTITIES:
+        return name, label[2] if label else ""
+    name, _, unit = title.rpartition("_")
+    return (name, unit) if base_of(name) in QUANTITIES else (title, "")
+
+
+def bare(unit: str) -> str:
+    """Return a unit without brackets."""
+    return unit.strip().strip("()[]").strip()
+
+
+def _header(lines: list[str], stated: str, columns: Mapping[str, str]) -> tuple[int, str]:
+    """Return the index of the line that names the columns, and the sign that separates them."""
+    best, first, sign = 0, 0, stated or ","
+    for i, line in reversed(list(enumerate(lines[:PREAMBLE]))):
+        if not line.strip():
+            continue
+        separator = stated or next((sign for sign in ";\t" if sign in line), ",")
+        titles = [title.strip(' "') for title in line.split(separator)]
+        titles[-1] = titles[-1].strip(' "\n')
+        known = sum(base_of(named(title)[0]) in QUANTITIES or title in TEXTS for title in titles)
+        known += ENOUGH * len(set(titles) & {LABEL.sub(r"\1", title) for title in columns.values()})
+        known += ENOUGH * len(set(titles) & set(columns.values()))
+        if min(known, ENOUGH) >= best:
+            best, first, sign = min(known, ENOUGH), i, separator
+    return first, sign
+
+
+def _is_of_units(entries: list[str]) -> bool:
+    """Return whether a line holds the units of the names above it: at least one, and no number."""
+    known = {plain for units in UNITS.values() for plain in units if plain}
+    return any(plain_unit(bare(entry)) in known for entry in entries) and not any(
+        re.fullmatch(NUMBER, entry.strip().replace(",", ".")) for entry in entries
+    )
+
+
+def _renamed(name: str, header: list[str], columns: Mapping[str, str], every: bool) -> list[str]:
+    """Return the titles, of which `columns` renames some."""
+    header = list(header)
+    for wanted, title in columns.items():
+        places = [i for i, each in enumerate(header) if each == title or LABEL.sub(r"\1", each) == title]
+        if not places and not every:
+            continue
+        has = f"{name} has the columns {printable(', '.join(header), 120)}"
+        refuse_if(len(places) != 1, f"{has}; --column {wanted}={shown(title, 40)} must name one of them")
+        quantity, unit = named(wanted)
+        known = ", ".join(sorted({*QUANTITIES, *TEXTS}))
+        words = f"--column {shown(wanted, 40)} is not the name of a column; there are {known}"
+        refuse_if(base_of(quantity) not in QUANTITIES and wanted not in TEXTS, words)
+        label = LABEL.fullmatch(title) or LABEL.fullmatch(header[places[0]])
+        header[places[0]] = f"{quantity} [{label[2]}]" if label and not unit else wanted
+    return header
 
 
 @dataclass(frozen=True)
 class Columns:
     """The columns of a kind of table.
 
-    `titles` lists the columns, separated by commas. A quantity is written as quantity_unit, with the unit
-    that errors propose; a text or a number without unit has only a name. `needed` holds lists of names
+    `titles` lists the columns as errors propose them, separated by commas. `needed` holds lists of names
     separated by commas: all columns of one list must be present. The column NAME_sd of a standard deviation
-    is allowed only with the column NAME. `entry` describes a line for errors, and `wanted` the required first
-    line. `declared` returns the name in `titles` for the name in a table, for example "area" for "area_1".
+    is allowed only with the column NAME. `entry` describes a line for errors, and `wanted` the titles.
     """
 
     titles: str
     needed: tuple[str, ...]
     entry: str
     wanted: str = ""
-    declared: Callable[[str], str] = str
 
     @cached_property
     def units(self) -> Mapping[str, str]:
         """The unit of each quantity, as errors propose it."""
-        parts = (title.rpartition("_") for title in self.titles.split(","))
-        return {name: unit for name, _, unit in parts if unit in OWN}
+        return {name: unit for name, unit in map(named, self.titles.split(",")) if unit}
 
     @cached_property
     def plain(self) -> frozenset[str]:
         """The names of the columns without a unit."""
-        titles = self.titles.split(",")
-        return frozenset(title for title in titles if title.rpartition("_")[2] not in OWN)
+        return frozenset(title for title in self.titles.split(",") if not named(title)[1])
 
-    @property
-    def example(self) -> str:
-        """A valid first line of the table."""
-        return ",".join(map(self.title, self.needed[0].split(",")))
-
-    def read(self, path: str | Path) -> Entries:
-        """Return the entries of a file, or raise InvalidInput."""
-        return self.of(read_table(path, self.example))
-
-    def of(self, table: Table) -> Entries:
-        """Return the entries of a table, and print which columns are not read."""
-        found: dict[str, Column] = {}
+    def read(self, source: str | Path | Table) -> Entries:
+        """Return the entries of a file or table, and print which columns are not read."""
+        table, found = read_table(source), Found()
         for index, title in enumerate(table.header):
-            column = self._column(table, title)
-            if column is None:
-                continue
-            name, size = column
-            refuse_if(name in found, f"{table.name}: {name} is in two columns; keep one")
-            found[name] = index, size
+            name, size = self._column(table, title)
+            if size is not None:
+                refuse_if(name in found, f"{table.name}: {name} is in two columns; keep one")
+                found[name] = index, size
         entries = Entries(table, found)
         lacking = [[name for name in names.split(",") if name not in found] for names in self.needed]
         if self.needed and all(lacking):
             raise self.lacking(entries, *(lacking[0] if len(lacking) == 1 else ()))
         for name in found:
-            base = name.removesuffix("_sd")
-            words = f"without {base}; add its column or leave this one out"
-            refuse_if(base not in found, f"{table.name} has the column {entries.title(name)} {words}")
-        unread = [printable(title, 40) for title in entries.unread]
-        if unread:
+            of = name.removesuffix("_sd")
+            words = f"without {of}; add its column or leave this one out"
+            refuse_if(of not in found, f"{table.name} has the column {entries.title(name)} {words}")
+        if unread := [printable(title, 40) for title in entries.unread]:
             what = f"column {unread[0]} is" if len(unread) == 1 else f"columns {', '.join(unread)} are"
             message(f"{table.name}: the {what} not read")
         refuse_if(not table.rows, f"{table.name} names columns but holds no {self.entry}")
         return entries
 
     def lacking(self, entries: Entries, *names: str, hint: str = "") -> InvalidInput:
-        """Return the error for a table that lacks the required columns `names`."""
+        """Return the error for a table that lacks the columns `names`."""
         lacks = f"lacks {', '.join(map(self.title, names))}: it " if names else ""
         header = printable(", ".join(entries.table.header), 120)
-        wanted = self.wanted or f"{self.example} (or in other units)"
+        first = self.needed[0].split(",") if self.needed else []
+        wanted = self.wanted or f"{','.join(map(self.title, first))} (or in other units)"
+        unread = entries.unread or entries.table.header
+        other = named((*names, "load")[0])[0]
+        option = f'or say which they are, such as --column {other}="{printable(unread[0], 40)}"'
         return InvalidInput(
-            f"{entries.table.name} {lacks}has the columns {header}; name its columns {wanted}{hint}"
+            f"{entries.table.name} {lacks}has the columns {header}; name its columns {wanted}, {option}{hint}"
         )
 
     def title(self, name: str) -> str:
         """Return the title of a column: its name with the unit that errors propose, if it has one."""
-        kind = self.declared(name)
-        return f"{name}_{self.units[kind]}" if kind in self.units else name
+        unit = self.units.get(name) or self.units.get(base_of(name), "")
+        return f"{name}_{unit}" if unit else name
 
-    def _column(self, table: Table, title: str) -> tuple[str, Fraction] | None:
+    def _column(self, table: Table, title: str) -> tuple[str, Fraction | None]:
         """Return a column's name and the size of its unit in the package's unit; None if it is not read."""
         if title in self.plain:
             return title, Fraction(1)
-        if label := LABEL.fullmatch(title):
-            name = re.sub(r"\W+", "_", label[1].lower())
-            name = name if self.declared(name) in self.units else ALIASES.get(name, name)
-            title = f"{name}_{label[2]}" if self.declared(name) in self.units else title
+        name, unit = named(title)
+        single = SINGLE.fullmatch(name) and "area_1" in self.units
+        if name not in self.units and not single:
+            return name, None
         column = f"{table.name}: column {printable(title, 40)}"
-        known = self.declared(title) in self.units
-        refuse_if(known, f"{column} needs a unit in its name; write {self.title(title)}")
-        name, _, unit = title.rpartition("_")
-        if self.declared(name) not in self.units:
-            return None
+        refuse_if(not unit, f"{column} needs a unit in its name; write {self.title(name)}")
         try:
-            return name, factor(unit, OWN[self.units[self.declared(name)]])
+            return name, factor(unit, QUANTITIES[base_of(name)])
         except InvalidInput as error:
             raise InvalidInput(f"{column} {error}; write {self.title(name)}") from None
 
 
 @dataclass(frozen=True)
 class Entries:
-    """The entries of a table, by column name and row; rows are counted from 0."""
+    """The entries of a table, by column name and row."""
 
     table: Table
-    columns: Mapping[str, Column] = field(default_factory=dict)
+    columns: Found
 
     @property
     def unread(self) -> list[str]:
@@ -212,7 +300,7 @@ class Entries:
 
     def title(self, name: str) -> str:
         """Return the title of a column in the table."""
-        return self.table.header[self.columns[name][0]]
+        return self.table.header[self.columns[name][0]] if name in self.columns else name
 
     def places(self) -> list[str]:
         """Return the location of each row: the name of the file and the number of the line."""
@@ -236,13 +324,12 @@ class Entries:
         texts = self.texts(name)
         if empty and name not in self.columns:
             return np.full(len(texts), np.nan)
-        index, size = self.columns[name]
-        return np.array(
-            [
-                np.nan if empty and not text else float(self.table.number(line, index, text) * size)
-                for (line, _), text in zip(self.table.rows, texts, strict=True)
-            ]
-        )
+        size, sign = self.columns[name][1], self._decimal_sign
+        found = np.full(len(texts), np.nan)
+        for row, text in enumerate(texts):
+            if text or not empty:
+                found[row] = self._number(row, name, text, sign) * size
+        return found
 
     def whole(self, name: str, least: int) -> list[int]:
         """Return the entries of a column, which must be whole numbers of at least `least`."""
@@ -253,10 +340,54 @@ class Entries:
                 raise InvalidInput(f"{self.cell(row, name)} = {words}")
         return [int(text) for text in found]
 
-    def names(self, **names: str) -> Names:
-        """Return how errors name columns, units and rows; `names` adds the names of other arguments."""
-        return Names(
-            {**{name: self.title(name) for name in self.columns}, **names},
-            {name: ("", float(size)) for name, (_, size) in self.columns.items()},
-            self.places(),
-        )
+    @contextmanager
+    def located(self) -> Iterator[None]:
+        """Make errors of array arguments in the body, such as ``load[3]``, name the entry of this table."""
+        try:
+            yield
+        except InvalidInput as error:
+            name, row = row_of(error.key)
+            if name in self.columns and row < len(self.table.rows):
+                error = error.at(self.title(name))
+                error.value = self.texts(name)[row]
+                raise InvalidInput(f"{self.places()[row]}: {error}") from None
+            if error.key:  # another argument than a column
+                raise
+            raise InvalidInput(f"{self.table.name}: {error}") from None
+
+    def _number(self, row: int, name: str, text: str, sign: str) -> Fraction:
+        plain = text.replace(",", ".") if sign == "," else text
+        if not re.fullmatch(NUMBER, plain):
+            raise InvalidInput(f"{self.cell(row, name)} = {shown(text, 40)} is not a finite number")
+        return Fraction(plain)
+
+    @cached_property
+    def _decimal_sign(self) -> str:
+        """The decimal sign of all numbers; two signs, or one that could mean thousands, are refused."""
+        first: dict[str, str] = {}
+        sure = {"."} if self.table.separator == "," else set()
+        for name in (each for each in self.columns if base_of(each) in QUANTITIES):
+            for (line, _), text in zip(self.table.rows, self.texts(name), strict=True):
+                for sign in {".", ","} & set(text):
+                    first.setdefault(sign, f"line {line}: {self.title(name)} = {shown(text, 40)}")
+                    sure |= set() if GROUP.fullmatch(text) else {sign}
+        words = "have different decimal signs; write all numbers with the same one, and without thousands"
+        refuse_if(len(first) > 1, f"{self.table.name}, {' and '.join(first.values())} {words}")
+        for sign, cell in first.items():
+            words = f"can be read as {cell.partition(' = ')[2].strip(chr(39)).replace(sign, '')}"
+            words = f"{words}, too; write a fourth decimal, or no sign of thousands"
+            refuse_if(sign not in sure, f"{self.table.name}, {cell} {words}")
+        return next(iter(first), ".")
+
+
+def row_of(key: str) -> tuple[str, int]:
+    """Return name and first index of an array's entry.
+
+    Examples
+    --------
+    >>> row_of("load[3]"), row_of("area[2, 1]")[1]
+    (('load', 3), 2)
+    """
+    name, _, rest = key.partition("[")
+    index = rest.rstrip("]").partition(",")[0]
+    return name, int(index) if index.isdecimal() else sys.maxsize

@@ -5,19 +5,23 @@ from __future__ import annotations
 import datetime
 import math
 import re
-from collections.abc import Mapping
 from fractions import Fraction
 from typing import Any
 
-from metafem._given import Names, printable, shown
+from metafem._given import printable, shown
 from metafem.errors import InvalidInput
 
-# A decimal number, and what follows it.
-_NUMBER = r"[+-]?(?:\d{1,40}\.?\d{0,40}|\.\d{1,40})(?:[eE][+-]?\d{1,3})?"
-_QUANTITY = re.compile(rf"\s*({_NUMBER})\s*(.*?)\s*", re.DOTALL | re.ASCII)
+# Numbers that neither overflow nor underflow in any unit; the same ones above 0 hold a digit from 1 to 9.
+EXPONENT = r"([eE][+-]?[0-9]{1,2})?"
+NUMBER = rf"[+-]?([0-9]{{1,40}}\.?[0-9]{{0,40}}|\.[0-9]{{1,40}}){EXPONENT}"
+ABOVE_ZERO = (
+    r"[+]?([0-9]{0,19}[1-9][0-9]{0,20}\.?[0-9]{0,40}|[0-9]{0,40}\.[0-9]{0,19}[1-9][0-9]{0,20})" + EXPONENT
+)
+QUANTITY = re.compile(rf"\s*(?P<number>{NUMBER})\s*(?P<unit>.*?)\s*", re.DOTALL | re.ASCII)
 
-# Other spellings of a micrometre's sign and of a square.
-_PLAIN = (("µ", "u"), ("μ", "u"), ("²", "^2"), ("**", "^"), ("m2", "m^2"), (" /", "/"), ("/ ", "/"))
+# Other spellings of a micrometre's sign and of a square, and the pattern of all spellings of a square.
+PLAIN = (("µ", "u"), ("μ", "u"), ("²", "^2"), ("**", "^"), ("m2", "m^2"), (" /", "/"), ("/ ", "/"))
+SQUARE = r"(\^2|2|\*\*2|²)"
 
 # Units that laboratories write, by the package's unit of their dimension, each with its size in that unit.
 UNITS: dict[str, dict[str, str | Fraction]] = {
@@ -30,30 +34,15 @@ UNITS: dict[str, dict[str, str | Fraction]] = {
     "rad": {"deg": Fraction(math.pi) / 180, "°": Fraction(math.pi) / 180, "mrad": "1e-3", "rad": "1"},
     "1": {"": "1"},
     "%": {"%": "0.01"},
+    "mm/min": {"mm/min": "1"},
+    "1/min": {"1/min": "1"},
+    "s": {"s": "1", "ms": "1e-3"},
 }  # fmt: skip
 
-# Pattern of the numbers that the parser reads and that neither overflow nor underflow in any of the units.
-EXPONENT = r"([eE][+-]?[0-9]{1,2})?"
-NUMBER = rf"[+-]?([0-9]{{1,40}}\.?[0-9]{{0,40}}|\.[0-9]{{1,40}}){EXPONENT}"
-
-# Pattern of those numbers above 0: they contain a digit from 1 to 9.
-ABOVE_ZERO = (
-    r"[+]?([0-9]{0,19}[1-9][0-9]{0,20}\.?[0-9]{0,40}|[0-9]{0,40}\.[0-9]{0,19}[1-9][0-9]{0,20})" + EXPONENT
-)
-
-# Pattern of the four ways to write a square.
-SQUARE = r"(\^2|2|\*\*2|²)"
-
 EXAMPLES = {
-    "mm": "120 um",
-    "mm^2": "0.144 mm^2",
-    "N": "0.2 N",
-    "N/mm": "9 mJ/m^2",
-    "MPa": "1.36 MPa",
-    "rad": "0.1 deg",
-    "1": "0.85",
-    "%": "5 %",
-}
+    "mm": "120 um", "mm^2": "0.144 mm^2", "N": "0.2 N", "N/mm": "9 mJ/m^2", "MPa": "1.36 MPa",
+    "rad": "0.1 deg", "1": "0.85", "%": "5 %", "mm/min": "20 mm/min", "1/min": "8000 1/min", "s": "0.5 s",
+}  # fmt: skip
 
 
 def quantity(key: str, given: Any, unit: str, example: str | None = None) -> float:
@@ -99,10 +88,10 @@ def converted(given: Any, unit: str, example: str | None = None) -> float:
         cause = "needs a unit" if isinstance(given, (int, float)) else f"must be a text in {unit}"
         raise InvalidInput(cause, value=as_written(given), example=valid)
     text = f'"{printable(given, 60)}"'
-    match = _QUANTITY.fullmatch(given)
+    match = QUANTITY.fullmatch(given)
     if match is None:
         raise InvalidInput("does not begin with a number", value=text, example=valid)
-    number, name = match.groups()
+    number, name = match["number"], match["unit"]
     if not name and unit == "%":
         both = f'"{number} %" or "{100.0 * float(number):.6g} %"'
         raise InvalidInput(f"needs a unit; write {both}", value=text)
@@ -112,8 +101,6 @@ def converted(given: Any, unit: str, example: str | None = None) -> float:
         return float(Fraction(number) * factor(name, unit))
     except InvalidInput as error:
         raise InvalidInput(error.must, value=text, example=valid) from None
-    except OverflowError:
-        raise InvalidInput("is too large a number", value=text, example=valid) from None
 
 
 def as_written(value: Any) -> str:
@@ -125,38 +112,31 @@ def as_written(value: Any) -> str:
     return shown(value)
 
 
-def decimal(text: str) -> Fraction:
-    """Return a decimal number as an exact fraction; raise ValueError for any other text."""
-    if not re.fullmatch(_NUMBER, text, re.ASCII):
-        raise ValueError(text)
-    return Fraction(text)
+def factor(name: str, unit: str) -> Fraction:
+    """Return the exact factor from the unit `name` to `unit`."""
+    plain = plain_unit(name)
+    if plain in UNITS[unit]:
+        return Fraction(UNITS[unit][plain])
+    if any(plain in known for known in UNITS.values()):
+        wrong = "but is a number without unit" if unit == "1" else f"which does not measure in {unit}"
+        raise InvalidInput(f'has the unit "{printable(name, 40)}", {wrong}')
+    comma = "; write decimals with a point" if name.startswith(",") else ""
+    raise InvalidInput(
+        f'has the unknown unit "{printable(name, 40)}"{comma}; known are {", ".join(UNITS[unit])}'
+    )
 
 
-def option_names(options: Mapping[str, str | None]) -> Names:
-    """Return how errors name the options of a command, and the unit in which each option was written."""
-    names = {name: f"--{name.replace('_', '-')}" for name in options}
-    units = {name: written_unit(text) for name, text in options.items()}
-    return Names(names, {name: unit for name, unit in units.items() if unit is not None})
+def plain_unit(name: str) -> str:
+    """Return a unit in the spelling of `UNITS`.
 
-
-def written_units(table: Mapping[str, Any]) -> dict[str, tuple[str, float]]:
-    """Return the written unit of each quantity in a TOML file, and its size in the package's unit."""
-    units = {
-        f"{section}.{key}": written_unit(value)
-        for section, keys in table.items()
-        for key, value in (keys.items() if isinstance(keys, dict) else ())
-    }
-    return {key: unit for key, unit in units.items() if unit is not None}
-
-
-def written_unit(value: Any) -> tuple[str, float] | None:
-    """Return the unit of a quantity or of a list's first quantity, and its size in the package's unit."""
-    while isinstance(value, list) and value:
-        value = value[0]
-    match = _QUANTITY.fullmatch(value) if isinstance(value, str) else None
-    name = match[2] if match else ""
-    size = _size(name) if name else None
-    return None if size is None else (name, size)
+    Examples
+    --------
+    >>> plain_unit("µm²")
+    'um^2'
+    """
+    for written, plain in PLAIN:
+        name = name.replace(written, plain)
+    return name
 
 
 def pattern(units: tuple[str, ...], positive: bool = False) -> str:
@@ -172,29 +152,3 @@ def pattern(units: tuple[str, ...], positive: bool = False) -> str:
     usual = "|".join(name.replace("^2", SQUARE) for unit in units for name in UNITS[unit])
     names = re.sub(r"\bu(?=[mN])", "[uµμ]", usual)
     return rf"^[ \t]*{ABOVE_ZERO if positive else NUMBER}[ \t]*({names})[ \t]*$"
-
-
-def _size(name: str) -> float | None:
-    """Return the size of a unit in the package's unit of its dimension; None for an unknown unit."""
-    plain = _plain(name)
-    return next((float(Fraction(known[plain])) for known in UNITS.values() if plain in known), None)
-
-
-def factor(name: str, unit: str) -> Fraction:
-    """Return the exact factor from the unit `name` to `unit`."""
-    plain = _plain(name)
-    if plain in UNITS[unit]:
-        return Fraction(UNITS[unit][plain])
-    if any(plain in known for known in UNITS.values()):
-        wrong = "but is a number without unit" if unit == "1" else f"which does not measure in {unit}"
-        raise InvalidInput(f'has the unit "{printable(name, 40)}", {wrong}')
-    comma = "; write decimals with a point" if name.startswith(",") else ""
-    raise InvalidInput(
-        f'has the unknown unit "{printable(name, 40)}"{comma}; known are {", ".join(UNITS[unit])}'
-    )
-
-
-def _plain(name: str) -> str:
-    for written, plain in _PLAIN:
-        name = name.replace(written, plain)
-    return name

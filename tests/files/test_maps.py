@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.files.measurement.maps import read_height_map
+from metafem.files.maps import read_height_map
 
 # Heights [um] of 6 rows and 5 columns with two holes; relative to their median 14.5.
 HEIGHTS = np.arange(30.0).reshape(6, 5)

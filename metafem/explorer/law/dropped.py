@@ -12,8 +12,7 @@ from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 from metafem.explorer.answer import Answer
 from metafem.explorer.law.shown import Units
-from metafem.files.measurement.laws import COLUMNS, read_measured_law
-from metafem.files.samples import TARGET, columns_of
+from metafem.files.laws import columns_of, read_measured_law
 from metafem.files.tables import table_of
 from metafem.surface import Friction, Material
 
@@ -51,9 +50,9 @@ def read_points(name: str, text: str, material: Material, friction: Friction | N
     header = next((line for line in text.splitlines() if line.strip() and not line.startswith("#")), "")
     content = text.encode("utf-8", "surrogatepass")
     if RESCALED in header.lower().replace(" ", "_"):
-        columns = columns_of(name, content, TARGET)
+        columns = columns_of(table_of(name, content), "sampled")
         return Points(name, columns[RESCALED], columns["rescaled_friction"])
-    law = read_measured_law(table_of(name, content, COLUMNS.example), material, friction)
+    law = read_measured_law(table_of(name, content), material, friction)
     known = np.isfinite(law.rescaled_friction)
     return Points(name, law.rescaled_load[known], law.rescaled_friction[known])
 

@@ -15,16 +15,12 @@ from metafem.surface import Block, Surface
 # Number of digits of a length that a message proposes.
 DIGITS = 3
 
+# Least distance of the rims of two caps, and from the edge, in units of the last place of a coordinate in
+# single precision, which STL has: one for each of the two coordinates of both points.
+APART = 4.0
+
 # Advice on alignment asperities that cannot be made.
 LEAVE_OUT = "leave out part.alignment_height: the part then has no alignment asperities"
-
-
-class CannotBeMade(InvalidInput):
-    """Error for caps that cannot be made; `remedy` is the key of the specification to change."""
-
-    def __init__(self, message: str, remedy: str) -> None:
-        super().__init__(message)
-        self.remedy = remedy
 
 
 def alignment_positions(template: Surface) -> FloatArray:
@@ -95,7 +91,7 @@ def refuse_impossible(surface: Surface, block: Block, asperities: int) -> None:
     def refused(words: str, remedy: str, key: str, *rows: int) -> InvalidInput:
         """Return the error for asperities `rows`; for alignment asperities its key is alignment_height."""
         if max(rows) < asperities:
-            return CannotBeMade(f"{words}; {remedy}", key)
+            return InvalidInput(f"does not suit the part: {words}; {remedy}", key=key)
         why = f"cannot be made: {words}; {LEAVE_OUT}. Or {remedy}"
         return InvalidInput(why, key="part.alignment_height", value=f"{h[-1]:g} mm")
 
@@ -107,10 +103,12 @@ def refuse_impossible(surface: Surface, block: Block, asperities: int) -> None:
             if surface.cap.one(i) == SPHERE
             else f"a cap needs a height above 0 and at most {most[i]:.4g} mm, where its profile ends"
         )
-        raise CannotBeMade(f"{name(i)} has the height {h[i]:g} mm; {needs}", "limits.max_height")
+        words = f"does not suit the part: {name(i)} has the height {h[i]:g} mm"
+        raise InvalidInput(f"{words}; {needs}", key="limits.max_height")
     base = surface.cap.foot_radius(h, R)
     room = 0.5 * np.array([block.width, block.length])
-    ends = np.abs(surface.position) + base[:, None]
+    apart = APART * float(np.finfo(np.float32).eps * room.max())
+    ends = np.abs(surface.position) + base[:, None] + apart
     for i in np.flatnonzero((ends >= room).any(axis=1))[:1]:
         needed = " by ".join(f"{_rounded(2.0 * end, True):g}" for end in ends.max(axis=0))
         raise refused(
@@ -120,9 +118,9 @@ def refuse_impossible(surface: Surface, block: Block, asperities: int) -> None:
             "block.width" if ends[i, 0] >= room[0] else "block.length",
             i,
         )
-    pairs = KDTree(surface.position).query_pairs(2.0 * float(base.max()), output_type="ndarray")
+    pairs = KDTree(surface.position).query_pairs(2.0 * float(base.max()) + apart, output_type="ndarray")
     distance = np.linalg.norm(np.diff(surface.position[pairs], axis=1)[:, 0], axis=1)
-    for row in np.flatnonzero(distance <= base[pairs].sum(axis=1))[:1]:
+    for row in np.flatnonzero(distance <= base[pairs].sum(axis=1) + apart)[:1]:
         i, j = pairs[row]
         remedy = "increase the pitch or lower the summits"
         if R[i] == R[j] and surface.cap.one(i) == surface.cap.one(j):
@@ -131,7 +129,8 @@ def refuse_impossible(surface: Surface, block: Block, asperities: int) -> None:
             )
             remedy += f": with this pitch and radius they can be {top:g} mm high above the base plane"
         raise refused(
-            f"{name(i)} and {name(j)} overlap: their caps have base radii of {base[i]:g} and {base[j]:g} mm",
+            f"{name(i)} and {name(j)} overlap or touch: their caps have base radii of {base[i]:g} and "
+            f"{base[j]:g} mm",
             remedy,
             "limits.max_height",
             i,

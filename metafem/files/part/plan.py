@@ -13,6 +13,7 @@ from metafem.caps import SPHERE
 from metafem.errors import refuse_if
 from metafem.files.part.block import block_mesh, mould_mesh, triangle_count
 from metafem.files.part.caps import refuse_impossible, with_alignment
+from metafem.files.part.mould import DWELL, FEED, SAFE, SPINDLE, drilled
 from metafem.files.part.stl import stl_size, write_stl
 from metafem.notes import Note, information
 from metafem.progress import doing, message
@@ -49,6 +50,9 @@ class PartOptions:
         at a given separation, the contact area of an asperity changes by at most ``pi R`` times the chord
         error. Most of this change equals that of a common shift of all caps, which does not affect A0(P).
         Default: 4e-4 of the smallest radius, or more if a solid would have over two million triangles.
+    feed, spindle, dwell, safe_height : float
+        Feed of the plunge [mm/min], speed of the spindle [1/min], dwell at the bottom of each hole [s], and
+        height of the tool above the mould between two holes [mm], in ``mould.gcode``.
 
     Examples
     --------
@@ -58,10 +62,17 @@ class PartOptions:
 
     alignment_height: float | None = None
     chord_error: float | None = None
+    feed: float = FEED
+    spindle: float = SPINDLE
+    dwell: float = DWELL
+    safe_height: float = SAFE
 
     def __post_init__(self) -> None:
         for name in ("alignment_height", "chord_error"):
             check.member(self, name, optional=True, above=0.0)
+        for name in ("feed", "spindle", "safe_height"):
+            check.member(self, name, above=0.0)
+        check.member(self, "dwell", at_least=0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,14 +149,16 @@ def planned(surface: Surface, template: Surface, options: PartOptions) -> Part |
 
 
 def part_notes(part: Part | None) -> tuple[Note, ...]:
-    """Return notes if no part was written, or if its default chord error was increased."""
+    """Return notes if no part or no drilling program was written, or on an increased chord error."""
     if part is None:
         words = "no part was written: the surface has no block; add a block with width, length and thickness"
         return (information(words),)
+    notes = []
+    if not drilled(part.surface):
+        words = "mould.gcode was not written: one ball-end mill cannot make all holes of mould.csv"
+        notes.append(information(words))
     if part.options.chord_error is None and part.chord_error > FINE * float(part.surface.radius.min()):
         depth = f"up to {part.chord_error * MICROMETRES:.2g} um below the {part.caps}"
-        words = (
-            f"the solids have {part.triangles:,} triangles, {depth}; part.chord_error or --chord-error sets"
-        )
-        return (information(f"{words} this depth"),)
-    return ()
+        words = f"the solids have {part.triangles:,} triangles, {depth}; part.chord_error sets this depth"
+        notes.append(information(words))
+    return tuple(notes)

@@ -15,10 +15,11 @@ from metafem import _validate as check
 from metafem.errors import InvalidInput
 from metafem.files.atomic import staged
 from metafem.files.part.caps import with_alignment
+from metafem.files.part.mould import drilling_program, mould_table
 from metafem.files.part.plan import Part, PartOptions, part_notes, planned
 from metafem.files.reading import damaged, file_label, read_record
 from metafem.files.result.records import from_record, to_record
-from metafem.files.result.tables import heights_table, law_table, mould_table, write_surface
+from metafem.files.result.tables import heights_table, law_table, write_surface
 from metafem.files.specification.read import Specification
 from metafem.inversion import Design
 from metafem.progress import doing
@@ -42,7 +43,8 @@ def save(
 
     The files are ``design.json`` (all data that `load` reads, and versions of libraries), ``heights.csv``,
     ``law.csv``, ``mould.csv`` and ``surface.vtu``. A specification adds ``spec.toml`` and the tables that it
-    names. A block adds the solids ``block.stl`` and ``mould.stl``. The folder appears when all files are
+    names. A block adds the solids ``block.stl`` and ``mould.stl`` and, for spheres of one radius, the
+    drilling program ``mould.gcode``. The folder appears when all files are
     written.
 
     Parameters
@@ -100,6 +102,8 @@ def write_all(
         **result_tables(design, options),
         **pages,
     }
+    program = None if made is None else drilling_program(made.surface, options)
+    texts |= {} if program is None else {"mould.gcode": program}
     contents = {name: text.encode("utf-8") for name, text in texts.items()}
     if specification is not None:
         contents |= specification.files

@@ -11,7 +11,7 @@ from metafem.errors import refuse_if
 from metafem.files.atomic import refuse_existing, write_file
 from metafem.files.reading import damaged, file_label
 from metafem.files.result.folder import read_result
-from metafem.files.specification.named_tables import STUDIES
+from metafem.files.result.names import STUDIES
 from metafem.notes import from_lines
 from metafem.progress import doing
 

@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from itertools import chain, repeat
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from metafem._validate import IntArray
-from metafem.caps import SPHERE, Caps
-from metafem.errors import named, refuse_if
-from metafem.files.caps import cap_named, cap_text
-from metafem.files.part.block import mirrored
-from metafem.files.tables import Columns
+from metafem.caps import Caps
+from metafem.errors import refuse_if
+from metafem.files.caps import cap_named, caps_column
+from metafem.files.tables import Columns, Table
 from metafem.inversion import Design
 from metafem.prediction import FrictionLaw, equilibrium
 from metafem.surface import Block, Friction, Material, Surface
@@ -45,7 +43,7 @@ def heights_table(surface: Surface, sites: IntArray) -> str:
 
     If the caps are not spheres or the frictions differ, they follow.
     """
-    more = _caps(surface)
+    more = caps_column(surface)
     return csv((*HEIGHTS, *more), zip(sites.tolist(), *_columns(surface), *more.values(), strict=True))
 
 
@@ -55,7 +53,7 @@ def made_table(made: MadeSurface, sites: IntArray) -> str:
     `sites` are the sites of the design's asperities.
     """
     errors = (each.tolist() for each in (made.position_sd, made.height_sd, made.radius_sd))
-    more = _caps(made.surface)
+    more = caps_column(made.surface)
     rows = zip(sites[made.site].tolist(), *_columns(made.surface), *more.values(), *errors, strict=True)
     return csv((*HEIGHTS, *more, "sd_position_mm", "sd_height_mm", "sd_radius_mm"), rows)
 
@@ -66,29 +64,8 @@ def law_table(law: FrictionLaw) -> str:
     return csv(tuple(columns), zip(*(column.tolist() for column in columns.values()), strict=True))
 
 
-def mould_table(design: Design, part: Surface | None = None) -> str:
-    """Return the text of mould.csv: one hole for each summit, of kind "asperity" or "alignment".
-
-    Sites are numbered as in ``heights.csv``. The depth of a hole below the
-    face of the mould is the height of its summit, and the radius of its tool is the radius of the summit. The
-    mould is viewed from its open face, as on the milling machine, so that x is mirrored.
-
-    `part` holds the asperities of the design, followed by the alignment asperities; default: the design's
-    surface, without alignment asperities.
-    """
-    holes = part or design.surface
-    holes = holes.replaced(position=mirrored(holes.position))
-    sites, caps = chain(design.sites.tolist(), repeat("")), _caps(holes)
-    columns = zip(*_columns(holes), *caps.values(), strict=True)
-    rows = (
-        (number, "alignment" if site == "" else "asperity", site, *hole)
-        for number, (site, hole) in enumerate(zip(sites, columns, strict=False), 1)
-    )
-    return csv(("number", "kind", "site", "x_mm", "y_mm", "depth_mm", "tool_radius_mm", *caps), rows)
-
-
 def read_surface(
-    path: str | Path,
+    path: str | Path | Table,
     material: Material,
     radius: float | None = None,
     friction: Friction | None = None,
@@ -98,12 +75,11 @@ def read_surface(
 
     Parameters
     ----------
-    path : str or Path
-        CSV file whose first line names the columns as quantity_unit, such as ``x_mm,y_mm,height_um``. The
-        columns are x, y, height and radius, in any order and in any unit of length, and cap: "sphere" (the
-        default), "paraboloid" or "power 4 0.5", with exponent and coefficient. Other columns are not
-        read, and `metafem.progress` reports them. Lines that begin with ``#`` are skipped. If semicolons or
-        tabs separate the columns, a comma is the decimal sign.
+    path : str, Path or Table
+        Text file whose columns are named as ``x_mm,y_mm,height_um`` or ``x [mm]``. The columns are x, y,
+        height and radius, in any order and in any unit of length, and cap: "sphere" (the default),
+        "paraboloid" or "power 4 0.5", with exponent and coefficient. Other columns are not read, and
+        `metafem.progress` reports them.
     material : Material
     radius : float, optional
         Radius of all summits [mm], for a table without a column radius.
@@ -137,10 +113,7 @@ def read_surface(
     words = f"{entries.table.name} has a column radius, and --radius is given too; leave one out"
     refuse_if(radius is not None and "radius" in entries.columns, words)
     position = np.column_stack([entries.numbers("x"), entries.numbers("y")])
-    names = {"position": f"{entries.title('x')}, {entries.title('y')}"}
-    if radius is not None:
-        names["radius"] = "--radius"
-    with named(entries.names(**names)):
+    with entries.located():
         radii = entries.numbers("radius") if radius is None else radius
         caps = entries.texts("cap") if "cap" in entries.columns else ["sphere"]
         known = {text: cap_named(text) for text in dict.fromkeys(caps)}
@@ -172,13 +145,6 @@ def write_surface(design: Design, path: str | Path) -> None:
         },
     )
     mesh.write(path, file_format="vtu")
-
-
-def _caps(surface: Surface) -> dict[str, list[str]]:
-    """Return the column of the caps, unless all are spheres."""
-    if surface.cap == SPHERE:
-        return {}
-    return {"cap": [cap_text(surface.cap.one(i)) for i in range(surface.count)]}
 
 
 def _columns(surface: Surface) -> list[list[float]]:

@@ -2,36 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any
 
-from metafem._given import Given as Quantity
 from metafem.caps import SPHERE, Cap
 from metafem.contact import Contact
 from metafem.errors import InvalidInput, refuse_if
-from metafem.files.part.caps import CannotBeMade
 from metafem.files.part.plan import PartOptions, planned
 from metafem.files.reading import RECORD
 from metafem.files.specification import sections
-from metafem.files.specification.contacts import ContactSection, HertzSection, ShapeSection
 from metafem.files.specification.fields import Section, key, optional
 from metafem.files.specification.models import model_named
 from metafem.files.specification.targets import AnyTarget
 from metafem.inversion import Limits
-from metafem.inversion.tools import Given, Tools, default_contact, refuse_misfits
+from metafem.inversion.tools import Tools, default_contact, refuse_misfits
 from metafem.models._resources import require_memory
-from metafem.progress import message
 from metafem.surface import Block, Friction, Material, PeriodicCell, Surface
 
-# Cost of one site: size of its record [bytes], peak memory [bytes], and time for the design, the report and
-# the files [s]. They were measured under the independent model on lattices of 10^5 and 10^6 sites.
-RECORDED, MEMORY, TIME = 250, 1_800, 4.5e-5
-
-# Shortest expected time of a design that is reported [s].
-WORTH_A_LINE = 5.0
-
-# Sections that are converted into one value each.
-VALUES = ("material", "friction", "block", "limits", "tools", "contact", "part")
+# Cost of one site: size of its record and peak memory of its design [bytes], measured under the independent
+# model on lattices of 10^5 and 10^6 sites.
+RECORDED, MEMORY = 250, 1_800
 
 
 class Sections(Section):
@@ -54,60 +45,48 @@ class Sections(Section):
     model: sections.ModelSection = key(
         "model under which the target is to be met", default=sections.ModelSection()
     )
-    cap: ShapeSection | None = optional("shape of the caps, of one of these kinds; default: spheres")
-    contact: ContactSection = key(
-        "law of one contact, of one of these kinds; default: hertz", default=HertzSection(kind="hertz")
+    cap: sections.ShapeSection | None = optional("shape of the caps, of one of these kinds; default: spheres")
+    contact: sections.ContactSection = key(
+        "law of one contact, of one of these kinds; default: hertz",
+        default=sections.HertzSection(kind="hertz"),
     )
     part: sections.PartSection = key("options of the part files", default=sections.PartSection())
     checks: sections.ChecksSection = key("further checks", default=sections.ChecksSection())
 
-    def build(self) -> tuple[dict[str, Any], list[InvalidInput]]:
-        """Return the members of a `Specification` by name, and the problems of the sections.
+    def build(self) -> dict[str, Any]:
+        """Return the members of a `Specification` by name.
 
-        The members are target, template, model, limits, tools, part and pinned.
+        They are target, template, model, limits, tools, part and pinned. Raise InvalidInput for the first
+        problem between sections; its key begins with the section.
         """
-        problems: list[InvalidInput] = []
-
-        def made(section: str, make: Callable[..., Any], *given: Any) -> Any:
-            try:
-                return make(*given)
-            except InvalidInput as error:
-                whole = not section or error.key.startswith("cell.")  # its own section
-                problems.append(error if whole else error.within(section))
-                return None
-
-        found = {name: getattr(self, name) and made(name, getattr(self, name).value) for name in VALUES}
-        limits, block, contact = found["limits"], found.pop("block"), found.pop("contact")
+        material, limits, part = self.material.value(), self.limits.value(), self.part.value()
+        friction = None if self.friction is None else self.friction.value()
+        block = None if self.block is None else self.block.value()
+        tools = None if self.tools is None else self.tools.value()
+        contact, cap = self.contact.value(), SPHERE if self.cap is None else self.cap.value()
         if "contact" not in self.model_fields_set and self.cap is None:
-            contact = default_contact(found["tools"])
-        model = contact and made("model", model_named, self.model.kind, contact)
-        # if one of these sections is wrong, a placeholder is used to check the other sections
-        material = found.pop("material") or Material(1.0)
-        friction = found.pop("friction") or (Friction(1.0) if self.friction else None)
-        top = limits.offset + limits.max_height if limits else 1.0
-        cap = (self.cap and made("cap", self.cap.value)) or SPHERE
-        template = made("lattice", self._template, top, material, friction, block, cap)
-        target = made("target", self.target.target, material, friction)
-        pinned = None
-        if template and limits:
-            pinned = made("sites", self.sites.heights_by_site, template.count, limits, block is not None)
-            if block and cap == SPHERE:
-                made("", self._refuse_high_caps, limits)
-            if found["tools"] and contact and not problems:
-                made("", _refuse_tools, found["tools"], template, limits, contact)
-            if self.tools is None and not problems:
-                made("", _refuse_impossible, template, found["part"])
-        parts = {"target": target, "template": template, "model": model, "pinned": pinned or {}}
-        return {**found, **parts}, problems
+            contact = default_contact(tools)
+        with within("target"):
+            target = self.target.target(material, friction)
+        with within("model"):
+            model = model_named(self.model.kind, contact)
+        with within("lattice"):
+            template = self._template(limits.top, material, friction, block, cap)
+        with within("sites"):
+            pinned = self.sites.heights_by_site(template.count, limits, block is not None)
+        self._refuse_impossible(template, limits, part, contact)
+        found = {"target": target, "template": template, "model": model, "limits": limits, "tools": tools}
+        return {**found, "part": part, "pinned": pinned}
 
     def _template(
         self, top: float, material: Material, friction: Friction | None, block: Block | None, cap: Cap
     ) -> Surface:
         """Return the lattice with all summits at the height `top` [mm] and with the smallest radius."""
-        refuse_too_many(*self.lattice.shape)
+        rows, columns = self.lattice.shape
+        refuse_too_many(rows, columns)
         _, radii = self._radii()
         others: dict[str, Any] = {"material": material, "friction": friction, "block": block, "cap": cap}
-        shape, pitch = self.lattice.shape, self.lattice.pitch
+        shape, pitch = (rows, columns), self.lattice.pitch
         if self.cell is not None:
             sides = (self.cell.width or shape[1] * pitch, self.cell.length or shape[0] * pitch)
             others["cell"] = PeriodicCell(*sides)
@@ -125,37 +104,35 @@ class Sections(Section):
             return "tools.radii", tools.radii or ()
         return "tools.radius_range", tools.radius_range
 
-    def _refuse_high_caps(self, limits: Limits) -> None:
-        """Raise InvalidInput if spheres could be higher than the largest radius."""
+    def _refuse_impossible(
+        self, template: Surface, limits: Limits, part: PartOptions, contact: Contact
+    ) -> None:
+        """Raise InvalidInput if a part with all summits at the largest height cannot be made."""
         source, radii = self._radii()
-        refuse_if(
-            limits.offset + limits.max_height > max(radii),
-            "and {} together exceed the radius of {.number}: a cap cannot be higher than its radius; lower "
-            "them, or omit [block] and with it the part files",
-            Quantity("limits.offset", limits.offset),
-            Quantity(source, max(radii)),
-            key="limits.max_height",
-            value=limits.max_height,
+        words = (
+            f"and limits.offset = {limits.offset:g} mm together exceed {source} = {max(radii):g} mm: a cap "
+            "cannot be higher than its radius; lower them, or omit [block] and with it the part files"
         )
-
-
-def _refuse_impossible(template: Surface, part: PartOptions) -> None:
-    """Raise InvalidInput if a part with all summits at the largest height cannot be made.
-
-    The error names the key of the specification to change.
-    """
-    try:
+        high = template.block is not None and template.cap == SPHERE and limits.top > max(radii)
+        refuse_if(high, words, key="limits.max_height", value=limits.max_height)
+        if self.tools is not None:
+            try:
+                refuse_misfits(Tools.of(self.tools.value(), template, contact), template, limits.top)
+            except InvalidInput as error:
+                raise InvalidInput(f"do not suit: {error}", key="tools") from None
+            return
         planned(template, template, part)
-    except CannotBeMade as error:
-        raise InvalidInput(f"does not suit the part: {error}", key=error.remedy) from None
 
 
-def _refuse_tools(tools: Given, template: Surface, limits: Limits, contact: Contact) -> None:
-    """Raise InvalidInput for tools whose caps overlap or are not described by the contact law."""
+@contextmanager
+def within(section: str) -> Iterator[None]:
+    """Make errors of the body concern keys of a section."""
     try:
-        refuse_misfits(Tools.of(tools, template, contact), template, limits.top)
+        yield
     except InvalidInput as error:
-        raise InvalidInput(f"do not suit: {error}", key="tools") from None
+        if error.key.partition("[")[0] in ("width", "length") and section == "lattice":
+            section = "cell"  # its sides follow from the lattice
+        raise error.within(section) from None
 
 
 def refuse_too_many(rows: int, columns: int) -> None:
@@ -164,17 +141,4 @@ def refuse_too_many(rows: int, columns: int) -> None:
     shape = f"[{rows}, {columns}]"
     must = f"has {places:,} sites; at most {most:,} are allowed, so that the result can be read"
     refuse_if(places > most, must, key="shape", value=shape)
-    try:
-        require_memory(MEMORY * places, f"has {places:,} sites: their design")
-    except InvalidInput as error:
-        raise InvalidInput(f"{error}; use fewer sites", key="shape", value=shape) from None
-
-
-def tell_cost(places: int) -> None:
-    """Print the expected time and memory before a design of many sites."""
-    if TIME * places >= WORTH_A_LINE:
-        memory = f"{MEMORY * places / 2**30:.1f} GiB of memory"
-        message(
-            f"{places:,} sites: about {TIME * places:.0f} s and {memory} for the design and its files under "
-            "the independent model; other models and the part take longer"
-        )
+    require_memory(MEMORY * places, f"shape = {shape}: use fewer sites, because their design")

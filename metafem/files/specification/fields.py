@@ -7,18 +7,8 @@ from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar, Self
 
 import numpy as np
-from pydantic import (
-    BaseModel,
-    ConfigDict,
-    Field,
-    GetCoreSchemaHandler,
-    GetJsonSchemaHandler,
-    model_validator,
-)
-from pydantic_core.core_schema import (
-    CoreSchema,
-    no_info_before_validator_function,
-)
+from pydantic import BaseModel, ConfigDict, Field, GetCoreSchemaHandler, GetJsonSchemaHandler, model_validator
+from pydantic_core.core_schema import CoreSchema, no_info_before_validator_function
 
 from metafem.errors import InvalidInput
 from metafem.files.units import UNITS, converted, pattern
@@ -28,32 +18,43 @@ Choices = tuple[tuple[str, ...], ...]
 
 
 class Section(BaseModel):
-    """A section, which refuses unknown keys; `makes` is called with its keys to build its value."""
+    """A section, which refuses unknown keys; `makes` is called with its keys to build its value.
+
+    Exactly one of the sets of keys in `choices` must be present, or one of those in `also`.
+    """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
-
-    # Alternative sets of keys, of which exactly one must be present; further valid sets
     choices: ClassVar[Choices] = ()
     also: ClassVar[Choices] = ()
     makes: ClassVar[Callable[..., Any]]
 
     @model_validator(mode="after")
-    def _one_choice(self) -> Self:
+    def _valid(self) -> Self:
         keys = [key for choice in self.choices for key in choice]
         given = [key for key in keys if getattr(self, key) is not None]
         if self.choices and set(given) not in map(set, (*self.choices, *self.also)):
             has = f"has {' and '.join(given)}; it " if given else ""
             raise InvalidInput(f"{has}needs either {' or '.join(map(' and '.join, self.choices))}")
+        self.value()
         return self
 
     def value(self) -> Any:
-        """Return the value that the section describes."""
-        return self.makes(**self.model_dump(exclude={"kind", "file"}))
+        """Return the value that the section describes, or None if it describes none by itself."""
+        made = getattr(type(self), "makes", None)
+        return None if made is None else made(**self.model_dump(exclude={"kind", "file"}))
 
     @classmethod
     def __get_pydantic_json_schema__(cls, core: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
         """Return the JSON schema, to which the alternative sets are added."""
-        return {**handler.resolve_ref_schema(handler(core)), "x-choices": cls.choices}
+        found = handler.resolve_ref_schema(handler(core))
+        if cls.choices:
+            every = {key for choice in cls.choices for key in choice}
+            found["oneOf"] = [
+                {"required": list(choice), "not": {"anyOf": [{"required": [key]} for key in rest]}}
+                for choice in (*cls.choices, *cls.also)
+                if (rest := sorted(every - set(choice)))
+            ]
+        return {**found, "x-choices": [list(choice) for choice in cls.choices]}
 
 
 @dataclass(frozen=True)
@@ -77,8 +78,7 @@ class Quantity:
 
     def __get_pydantic_json_schema__(self, core: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
         """Return the JSON schema of the text: its pattern and the usual units."""
-        number = handler(core)
-        words = pattern(self.units, positive="exclusiveMinimum" in number)
+        words = pattern(self.units, positive="exclusiveMinimum" in handler(core))
         shown = [unit for dimension in self.units for unit in UNITS[dimension] if unit != "°"]
         text = {"type": "string", "pattern": words, "x-units": shown}
         pair = {"type": "array", "items": text, "minItems": 2, "maxItems": 2}
@@ -116,4 +116,7 @@ Energy = Annotated[float, measured("N/mm")]
 Angle = Annotated[float, measured("rad")]
 PositiveLength = Annotated[float, Field(gt=0.0), measured("mm")]
 PositiveStress = Annotated[float, Field(gt=0.0), measured("MPa")]
+Feed = Annotated[float, Field(gt=0.0), measured("mm/min")]
+Speed = Annotated[float, Field(gt=0.0), measured("1/min")]
+Time = Annotated[float, Field(ge=0.0), measured("s")]
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]

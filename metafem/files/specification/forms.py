@@ -1,15 +1,41 @@
-"""Descriptions of the sections and keys of a specification, from the JSON schema of their definitions."""
+"""The JSON schema of a specification, the descriptions of its keys, and the manual."""
 
 from __future__ import annotations
 
 import json
+import os
 from dataclasses import dataclass
 from functools import cache
+from pathlib import Path
 from typing import Any
 
+from metafem.errors import InvalidInput
+from metafem.files.atomic import write_text
 from metafem.files.specification.contents import Sections
 
 Schema = dict[str, Any]
+
+# Name of the schema's file, to which the specifications of the demonstrations refer.
+SCHEMA_FILE = "metafem.schema.json"
+
+# Column in which the comments of the manual begin; most examples are shorter.
+COLUMN = 48
+
+# First words of the meaning of a key in an alternative set of keys, of which one set is required.
+CHOICES = ("either: ", "or: ", "with it: ")
+
+HEAD = """\
+# Every section and key of a specification for `metafem design`, each with an example value. This is a list,
+# not a file to read: a specification has one kind of target, and one of the keys marked either and or.
+# Sections and keys are required unless they are marked optional. Lengths, areas, forces, stresses and
+# angles are written with their unit. `metafem demo linear` writes a whole example file.
+# `metafem spec --schema` prints the JSON schema, by which an editor completes keys and marks errors.
+# The misfit of a design is the rms of the relative difference between the law and the target or, if larger,
+# the largest relative error of a fitted slope. For operating points, and for linear and bilinear laws with a
+# load_range, it is the largest relative error. Above 1 % (and the errors of samples) the target is missed.
+# Linear and bilinear laws without a load_range are compared with the law of their height density: above 1 %
+# a note says so, above 10 % the target is missed.
+"""
 
 # The kind of a value without a unit, by its type in a JSON schema.
 PLAIN = {"number": "number", "integer": "integer", "boolean": "truth", "string": "text"}
@@ -111,8 +137,39 @@ class SectionForm:
 
 @cache
 def whole_schema() -> Schema:
-    """Return the JSON schema of a specification that pydantic generates."""
-    return Sections.model_json_schema()
+    """Return the JSON schema of a specification, by which editors complete keys and mark errors.
+
+    Examples
+    --------
+    >>> "max_height" in whole_schema()["$defs"]["LimitsSection"]["properties"]
+    True
+    """
+    # language servers for TOML read draft 7 of JSON Schema
+    return {"$schema": "http://json-schema.org/draft-07/schema#", **Sections.model_json_schema()}
+
+
+def schema_text() -> str:
+    """Return the text of the schema's file."""
+    return json.dumps(whole_schema(), indent=2, ensure_ascii=False) + "\n"
+
+
+def write_schema(path: Path, force: bool = False) -> None:
+    """Write the schema unless the file already contains it; `force` replaces another schema of metafem."""
+    if not path.is_file() or path.read_bytes() != schema_text().encode("utf-8"):
+        write_text(path, schema_text(), force=force)
+
+
+def place_schema(folder: Path) -> str | None:
+    """Write the schema next to a specification; return a remark if another file already has its name."""
+    path = folder / SCHEMA_FILE
+    try:
+        write_schema(path)
+    except InvalidInput:
+        if not os.path.lexists(path):
+            raise
+        renew = f"`metafem spec --schema -o {path} --force` renews it"
+        return f"{path} exists and differs from the schema of this version; {renew}"
+    return None
 
 
 @cache
@@ -127,7 +184,7 @@ def section_forms() -> tuple[SectionForm, ...]:
     >>> forms["limits"].keys[""][0].units[:3], forms["contact"].kinds["hertz"]
     (('nm', 'um', 'mm'), 'Elastic paraboloids with the curvature of each summit.')
     """
-    whole, found = whole_schema(), []
+    whole, found = whole_schema(), list[SectionForm]()
     for name, given in whole["properties"].items():
         found += _forms(name, given, name not in whole["required"])
     return tuple(found)
@@ -184,13 +241,48 @@ def _keys(section: str, kind: str, schema: Schema) -> list[KeyForm]:
             continue
         optional, default = name not in schema.get("required", ()), given.get("default")
         example = given.get("examples", [None])[0]
-        about = {"description", "examples", "default", "title", "prefixItems"}
-        whole = not_null(given)
-        value = {word: part for word, part in whole.items() if word not in about}
-        if "prefixItems" in whole:  # all entries have one type
-            value["items"] = whole["prefixItems"][0]
+        about = {"description", "examples", "default", "title"}
+        value = {word: part for word, part in not_null(given).items() if word not in about}
         words = given.get("description", "")
         default = None if default == [] else default
         form = (section, kind or None, name, example, words, optional, default)
         found.append(KeyForm(*form, value, choices.get(name)))
     return found
+
+
+def manual() -> str:
+    """Return the text that `metafem spec` prints.
+
+    Examples
+    --------
+    >>> text = manual()
+    >>> print(text[text.index("[checks]") :], end="")
+    [checks]                                        # optional: further checks
+    hardness = "10 MPa"                             # optional: H, which decides on a plastic law
+    """
+    lines = [HEAD]
+    for form in section_forms():
+        if "." in form.name:
+            continue
+        lines.append(_line(f"[{form.name}]", form.meaning, form.optional, None))
+        for kind, keys in form.keys.items():
+            if kind:
+                lines += ["", _line(f'kind = "{kind}"', form.kinds[kind], False, None)]
+            lines += [
+                _line(f"{key.name} = {as_toml(key.example)}", key.meaning, key.optional, key.default)
+                for key in keys
+            ]
+        lines.append("")
+    return "\n".join(lines[:-1]) + "\n"
+
+
+def remark(meaning: str, optional: bool, default: Any) -> str:
+    """Return the meaning of a key or section, preceded by "optional" and the default where these apply."""
+    told = "optional: " if optional and not meaning.startswith(CHOICES) else ""
+    if default is not None:
+        told = f"optional, default {f'{default:g}' if isinstance(default, float) else as_toml(default)}: "
+    return f"{told}{meaning}"
+
+
+def _line(start: str, meaning: str, optional: bool, default: Any) -> str:
+    return f"{start:<{COLUMN - 1}} # {remark(meaning, optional, default)}"

@@ -8,15 +8,13 @@ from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
 
-from metafem._given import Names, printable
+from metafem._given import printable
 from metafem.contact import Contact
 from metafem.errors import InvalidInput, refuse_if
-from metafem.files.specification.contacts import ContactSection
 from metafem.files.specification.forms import KeyForm, section_forms
 from metafem.files.specification.models import model_named, suggestion
-from metafem.files.specification.named_tables import fill, in_folder
-from metafem.files.specification.problems import problem
-from metafem.files.units import written_unit
+from metafem.files.specification.read import fill, problem
+from metafem.files.specification.sections import ContactSection
 from metafem.models import Model
 from metafem.models.model import contact_of, with_contact
 
@@ -44,19 +42,16 @@ def contact_named(text: str) -> Contact:
     """
     table = section_named(text.split())
     kind = table["kind"]
-    units = {name: unit for name, value in table.items() if (unit := written_unit(value))}
     try:
-        if "file" in table:
-            fill("contact", table, in_folder(Path()))
+        fill({"contact": table}, Path())
         law: Contact = TypeAdapter(ContactSection).validate_python(table).value()
         return law
     except ValidationError as error:
         detail = error.errors(include_url=False)[0]
-        reason = problem({**detail, "loc": ("contact", *detail["loc"])})  # as if it were in a specification
+        place = ("contact", *detail["loc"])  # as if it were in a specification
+        reason = problem({**detail, "loc": place}, {"contact": table})
     except InvalidInput as error:
         reason = error
-    reason = reason.at(reason.key.removeprefix("contact").removeprefix("."))
-    reason.names = Names(units=units)
     raise InvalidInput(f'contact law "{printable(text, 60)}": {reason} ({form(kind)})')
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -12,14 +12,17 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from metafem._given import AS_IN_PYTHON, Names, printable
-from metafem.errors import InvalidInput
+from metafem._given import printable, shown
+from metafem.errors import InvalidInput, refuse_if
+from metafem.files.laws import COLUMNS, columns_of
 from metafem.files.part.plan import PartOptions, planned
-from metafem.files.reading import SPECIFICATION, decoded, file_label, read_bytes
-from metafem.files.specification.contents import Sections, tell_cost
-from metafem.files.specification.named_tables import Source, among, in_folder, with_tables
-from metafem.files.specification.problems import problem
-from metafem.files.units import written_units
+from metafem.files.reading import SPECIFICATION, TABLE, decoded, file_label, read_bytes
+from metafem.files.result.names import RESERVED
+from metafem.files.specification.contents import Sections
+from metafem.files.specification.forms import as_toml, section_forms
+from metafem.files.specification.models import suggestion
+from metafem.files.tables import table_of
+from metafem.files.units import as_written
 from metafem.inversion import (
     Design,
     Limits,
@@ -46,6 +49,12 @@ REMEDY = 'a value with a unit stands in quotes, such as "1.5 mm", and decimals h
 # A dotted key with at least 33 parts. The parser's time grows with the square of the number of parts, and a
 # specification needs only two.
 NESTED = re.compile(r"""(?:(?:(?<![\w-])[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){32}""")
+
+# Separators in the path of a file on any operating system, and the longest name of a table [bytes].
+SEPARATORS, LONGEST = re.compile(r"[/\\:]"), 240
+
+# Where the tables that a specification names are: their contents by name, or a folder.
+Source = Mapping[str, bytes] | Path
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,7 +107,6 @@ class Specification:
         chosen = self.model if model is None else model
         remedy = "add [block] with width, length and thickness"
         refuse_missing_block(chosen, self.template, remedy)
-        tell_cost(self.template.count)
         limits = replace(self.limits, pinned=self.pinned)
         with drafting() if draft else nullcontext():
             found = design(self.target, self.template, chosen, limits, self.seed, tools=self.tools)
@@ -162,7 +170,7 @@ def read_spec(path: str | Path) -> Specification:
     """
     raw = read_bytes(path, SPECIFICATION, "no such file; `metafem demo linear` writes one to start from")
     decoded(path, raw)  # raises an error with the line if the file is not UTF-8
-    return _specification(file_label(path), raw, in_folder(Path(path).parent))
+    return _specification(file_label(path), raw, Path(path).parent)
 
 
 def parsed(text: str, tables: Mapping[str, bytes] = NO_TABLES, name: str = "spec.toml") -> Specification:
@@ -201,37 +209,75 @@ def parsed(text: str, tables: Mapping[str, bytes] = NO_TABLES, name: str = "spec
         raw = text.encode("utf-8")
     except UnicodeEncodeError as error:
         line = text.count("\n", 0, error.start) + 1
-        raise _refused(name, f"line {line} has a character that UTF-8 does not know") from None
+        raise _refused(name, [f"line {line} has a character that UTF-8 does not know"]) from None
     if len(raw) > SPECIFICATION:
-        raise _refused(name, f"is larger than {SPECIFICATION / 2**20:g} MiB, the limit for its kind of file")
-    return _specification(file_label(name), raw, among(tables))
+        larger = f"is larger than {SPECIFICATION / 2**20:g} MiB, the limit for its kind of file"
+        raise _refused(name, [larger])
+    return _specification(file_label(name), raw, tables)
 
 
 def _specification(name: str, raw: bytes, source: Source) -> Specification:
-    """Return the specification in the UTF-8 text `raw`; errors call it `name`, `source` reads its tables."""
+    """Return the specification in the UTF-8 text `raw`; errors call it `name`, `source` holds its tables."""
     text = raw.decode("utf-8")
     table = toml_table(text, name)
     try:
-        kept = with_tables(text, table, source)
-    except InvalidInput as error:
-        raise _refused(name, error) from None
-    names = Names(units=written_units(table))
-    try:
+        kept = fill(table, source)
         sections = Sections.model_validate(table)
+        parts = sections.build()
     except ValidationError as error:
-        problems = [problem(detail) for detail in error.errors(include_url=False)]
-        raise _refused(name, *problems, names=names) from None
-    parts, problems = sections.build()
-    if problems:
-        raise _refused(name, *problems, names=names)
+        raise _refused(name, [problem(detail, table) for detail in error.errors(include_url=False)]) from None
+    except InvalidInput as error:
+        raise _refused(name, [_as_given(error, table)]) from None
     return Specification(
         **parts,
         seed=sections.layout.seed,
         tilt=sections.layout.tilt,
         hardness=sections.checks.hardness,
         text=text,
-        files=kept,
+        files={"spec.toml": raw, **kept},
     )
+
+
+def fill(table: dict[str, Any], source: Source) -> dict[str, bytes]:
+    """Replace each key `file` in `table` by the columns of the table that it names.
+
+    Return the contents of these tables by the last part of their names. A result folder keeps them under
+    these names beside its copy of the specification, where they are found again.
+    """
+    kept: dict[str, bytes] = {}
+    for place, section in table.items():
+        kind = section.get("kind") if isinstance(section, dict) else None
+        if kind not in [*COLUMNS] or "file" not in section:
+            continue
+        name, key = section.pop("file"), f"{place}.file"
+        given = as_written(name)
+        last = SEPARATORS.split(name)[-1] if isinstance(name, str) else ""
+        wrong = not last.strip(" .") or not name.isprintable() or len(last.encode()) > LONGEST
+        words = f"must end with the printable name of a file, of at most {LONGEST} bytes"
+        refuse_if(wrong, words, value=given, example='file = "wanted.csv"', key=key)
+        taken = last.casefold() in {each.casefold() for each in (*RESERVED, *kept)}
+        refuse_if(taken, "has the name of another file of a result; rename the table", value=given, key=key)
+        try:
+            kept[last] = _content(name, last, source)
+            columns = columns_of(table_of(file_label(name), kept[last]), kind)
+        except InvalidInput as error:
+            raise InvalidInput(f"cannot be used: {error}", key=key) from None
+        twice = sorted(section.keys() & columns.keys())
+        refuse_if(twice, f"and {', '.join(twice)} both give the points; keep one", key=key)
+        section |= {key: list(column) for key, column in columns.items()}
+    return kept
+
+
+def _content(name: str, last: str, source: Source) -> bytes:
+    """Return the content of a table, which is where its name says, or beside the specification."""
+    if isinstance(source, Path):
+        beside = not (source / name).exists() and (source / last).exists()
+        return read_bytes(source / (last if beside else name), TABLE)
+    known = ", ".join(printable(other, 60) for other in source) or "none"
+    refuse_if(not {name, last} & source.keys(), f"{shown(name)} is not loaded (loaded: {known})")
+    found = source[name] if name in source else source[last]
+    refuse_if(len(found) > TABLE, f"{shown(name)} is larger than {TABLE / 2**20:g} MiB")
+    return found
 
 
 def toml_table(text: str, name: str = "spec.toml") -> dict[str, Any]:
@@ -245,20 +291,80 @@ def toml_table(text: str, name: str = "spec.toml") -> dict[str, Any]:
     text = text.removeprefix("\ufeff")
     deep = "nests its values too deeply to be a specification"
     if NESTED.search(text):
-        raise _refused(name, deep)
+        raise _refused(name, [deep])
     try:
-        table = tomllib.loads(text)
+        return tomllib.loads(text)
     except RecursionError:
-        raise _refused(name, deep) from None
+        raise _refused(name, [deep]) from None
     except ValueError as error:  # a number with thousands of digits is a ValueError too
         end = f"at line {len(text.splitlines())}, the end of the file"
         cause = printable(str(error).replace("at end of document", end))
-        raise _refused(name, f"not valid TOML: {cause}; {REMEDY}") from None
-    return table
+        raise _refused(name, [f"not valid TOML: {cause}; {REMEDY}"]) from None
 
 
-def _refused(name: str, *problems: InvalidInput | str, names: Names = AS_IN_PYTHON) -> InvalidInput:
+def problem(detail: Any, table: Mapping[str, Any]) -> InvalidInput:
+    """Return the problem that an error of pydantic describes, with its key, value and an example."""
+    keys, kind, value = _place(detail["loc"], table)
+    forms = {form.name: form for form in section_forms()}
+    path, name = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in keys)[1:], keys[-1]
+    form = forms.get(".".join(part for part in keys[:-1] if isinstance(part, str)))
+    known = {key.name: key for key in form.keys.get(kind, ())} if form else {}
+    own = known.get(name) if isinstance(name, str) else None
+    example = f"{name} = {as_toml(own.example)}" if own else ""
+    match detail["type"]:
+        case "value_error":
+            error: InvalidInput = detail["ctx"]["error"]
+            if error.key:
+                return _as_given(error.within(path), table)
+            if error.example and own and isinstance(own.example, str):
+                error.example = as_toml(own.example)
+            return error.at(path)
+        case "missing":
+            section = f"is missing; write a section [{path}]"
+            return InvalidInput("is missing" if own else section, key=path, example=example)
+        case "extra_forbidden":
+            names = (*known, *(["kind"] if form and form.kinds else [])) or (*Sections.model_fields,)
+            what = "key" if len(keys) > 1 else "section"
+            return InvalidInput(f"is an unknown {what}{suggestion(str(name), names)}", key=printable(path))
+        case "union_tag_not_found" | "union_tag_invalid":
+            kinds = tuple(forms[path].kinds)
+            given = value.get("kind") if isinstance(value, dict) else None
+            words = "is missing" if given is None else f"is unknown{suggestion(str(given), kinds)}"
+            given = None if given is None else f'"{printable(str(given), 60)}"'
+            return InvalidInput(words, key=f"{path}.kind", value=given, example=f'kind = "{kinds[0]}"')
+        case "model_type" | "model_attributes_type" | "dict_type":
+            example, must = "", f"must be a section: write [{path}] on a line of its own"
+        case _:
+            must = re.sub(r"^\w+ should", "must", detail["msg"])
+    return InvalidInput(must, key=path, value=as_written(value), example=example)
+
+
+def _place(place: Iterable[Any], table: Any) -> tuple[list[Any], str, Any]:
+    """Return the keys of pydantic's place of an error, without kinds; the last section's kind; the value."""
+    keys: list[Any] = []
+    kind = ""
+    for part in place:
+        if isinstance(table, dict):
+            if part == table.get("kind") and part not in table:  # pydantic adds the kind
+                kind = part
+                continue
+            kind = str(table.get("kind", "")) if keys else ""
+            table = table.get(part)
+        else:
+            table = table[part] if isinstance(table, list) and part < len(table) else None
+        keys.append(part)
+    return keys, kind, table
+
+
+def _as_given(error: InvalidInput, table: Mapping[str, Any]) -> InvalidInput:
+    """Return a problem with the value as the specification states it."""
+    parts = re.findall(r"[^.\[\]]+", error.key)
+    *_, value = _place([int(part) if part.isdecimal() else part for part in parts], table)
+    if error.value is not None and value is not None:
+        error.value = as_written(value)
+    return error
+
+
+def _refused(name: str, problems: list[Any]) -> InvalidInput:
     found = tuple(InvalidInput(each) if isinstance(each, str) else each for each in problems)
-    for each in found:
-        each.names = names
     return InvalidInput(name, problems=found)

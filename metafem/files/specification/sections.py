@@ -1,26 +1,34 @@
-"""Sections of a specification as pydantic models, with the types, units and meanings of their keys."""
+"""Sections of a specification but [target], as pydantic models with the types and meanings of their keys."""
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, field_validator
 
 from metafem import _validate as check
-from metafem._given import Given, printable
-from metafem.caps import Cap
+from metafem._given import printable
+from metafem.caps import Cap, Paraboloid, Power, Profile, Sphere
 from metafem.caps.shapes import STEEPEST
+from metafem.contact import JKR, Contact, Elastic, Hertz, JacksonGreen, KogutEtsion, TabulatedContact
 from metafem.errors import InvalidInput, refuse_if
 from metafem.files.caps import cap_named
+from metafem.files.part.mould import DWELL, FEED, SAFE, SPINDLE
 from metafem.files.part.plan import PartOptions
 from metafem.files.specification.fields import (
     Angle,
+    Area,
+    Energy,
+    Feed,
+    Force,
     Length,
     Number,
     PositiveLength,
     PositiveStress,
     Section,
+    Speed,
     Stress,
+    Time,
     key,
     one_of,
     optional,
@@ -31,6 +39,7 @@ from metafem.surface import Block, Friction, Material
 
 Integer = Annotated[int, Field(strict=True)]
 Site = Annotated[int, Field(strict=True, ge=0)]
+TWO = Field(min_length=2, max_length=2)
 
 
 class MaterialSection(Section):
@@ -61,7 +70,7 @@ class FrictionSection(Section):
 class LatticeSection(Section):
     """The section ``[lattice]``."""
 
-    shape: tuple[Integer, Integer] = key("rows, columns", [8, 8])
+    shape: Annotated[list[Integer], TWO] = key("rows, columns", [8, 8])
     pitch: Length = key("distance between neighbours", "1.5 mm")
     radius: Length | None = optional(
         "either: radius of curvature of the summits; or: radii in a section [tools]", "526 um"
@@ -80,13 +89,13 @@ class ToolsSection(Section):
         "with radii: sphere, paraboloid or power EXPONENT COEFFICIENT of each; default: section [cap]",
         ["sphere", "power 4 0.5"],
     )
-    radius_range: tuple[PositiveLength, PositiveLength] | None = optional(
+    radius_range: Annotated[list[PositiveLength], TWO] | None = optional(
         "or: smallest and largest radius", ["200 um", "800 um"]
     )
     step: PositiveLength | None = optional(
         "with radius_range: radii between are multiples of it; default: 10 um", "10 um"
     )
-    exponent_range: tuple[Number, Number] | None = optional(
+    exponent_range: Annotated[list[Number], TWO] | None = optional(
         "or: smallest and largest exponent of power caps of lattice.radius", [1.2, 6.0]
     )
     exponent_step: Number | None = optional(
@@ -112,28 +121,24 @@ class ToolsSection(Section):
             return PowerRange(*self.exponent_range, **{k: v for k, v in given.items() if v is not None})
         if self.radius_range is None:
             return self._listed()
-        ends = (Given("radius_range", radius) for radius in self.radius_range)
-        falling = self.radius_range[0] >= self.radius_range[1]
-        refuse_if(falling, "must increase, but is [{.number}, {.number}]", *ends, key="radius_range")
+        low, high = self.radius_range
+        words = f"must increase, but is [{low:g} mm, {high:g} mm]"
+        refuse_if(low >= high, words, key="radius_range")
         return RadiusRange(*self.radius_range, *(() if self.step is None else (self.step,)))
 
     def _listed(self) -> tuple[Tool | float, ...]:
         """Return the radii of the tools [mm], or tools if they have caps of their own."""
-        radii = self.radii or []
+        radii, tools = self.radii or [], []
         if self.caps is None:
             return tuple(radii)
         words = f"has {len(self.caps)} caps for {len(radii)} radii; give one for each"
         refuse_if(len(self.caps) != len(radii), words, key="caps")
-        return tuple(map(Tool, radii, [self._cap(i) for i in range(len(radii))]))
-
-    def _cap(self, i: int) -> Cap:
-        assert self.caps is not None
-        try:
-            return cap_named(self.caps[i])
-        except InvalidInput as error:
-            value = f'"{printable(self.caps[i], 60)}"'
-            must = error.must if error.key == "cap" else f"is no cap: {error}"
-            raise InvalidInput(must, key=f"caps[{i}]", value=value) from None
+        for i, (radius, text) in enumerate(zip(radii, self.caps, strict=True)):
+            try:
+                tools.append(Tool(radius, cap_named(text)))
+            except InvalidInput as error:
+                raise InvalidInput(f"is no cap: {error}", key=f"caps[{i}]", value=f'"{text}"') from None
+        return tuple(tools)
 
 
 class SitesSection(Section):
@@ -160,11 +165,10 @@ class SitesSection(Section):
         many = f"has {len(self.heights)} entries and sites.pinned {len(self.pinned)}"
         words = f"{many}; give one height for each pinned site"
         refuse_if(len(self.pinned) != len(self.heights), words, key="heights")
-        top = limits.offset + limits.max_height
         for i, height in enumerate(self.heights):
             place = {"key": f"heights[{i}]", "value": height}
-            words = "must be at most {.number}, limits.offset + limits.max_height"
-            refuse_if(height > top, words, Given("heights", top), **place)
+            words = f"must be at most {limits.top:g} mm, limits.offset + limits.max_height"
+            refuse_if(height > limits.top, words, **place)
             check.number(f"heights[{i}]", height, at_least=0.0)
             words = "must be greater than 0 in a part; list a site without an asperity in sites.empty"
             refuse_if(height == 0.0 and part, words, **place)
@@ -232,9 +236,134 @@ class PartSection(Section):
     chord_error: PositiveLength | None = optional(
         "largest distance of the mesh from the caps; default: 4e-4 R, at most 2 million triangles", "1 um"
     )
+    feed: Feed = key("of the plunge, in mould.gcode", "20 mm/min", default=FEED)
+    spindle: Speed = key("in mould.gcode", "8000 1/min", default=SPINDLE)
+    dwell: Time = key("at the bottom of each hole, in mould.gcode", "0.5 s", default=DWELL)
+    safe_height: PositiveLength = key("of the tool above the mould, in mould.gcode", "5 mm", default=SAFE)
 
 
 class ChecksSection(Section):
     """The section ``[checks]``."""
 
     hardness: PositiveStress | None = optional("H, which decides on a plastic law", "10 MPa")
+
+
+class SphereCap(Section):
+    """Spheres."""
+
+    makes = Sphere
+    kind: Literal["sphere"]
+
+
+class ParaboloidCap(Section):
+    """Paraboloids."""
+
+    makes = Paraboloid
+    kind: Literal["paraboloid"]
+
+
+class PowerLawCap(Section):
+    """Caps with the profile f = coefficient R (rho/R)^exponent."""
+
+    makes = Power
+    kind: Literal["power"]
+    exponent: Number = key("greater than 1, at most 32; 2 is a paraboloid", 4.0)
+    coefficient: Number = key("greater than 0", 0.5, default=0.5)
+
+
+class ProfileCap(Section):
+    """Caps with one profile f(rho) from a table.
+
+    Before the section is read, the columns of the table replace the key `file`.
+    """
+
+    kind: Literal["profile"]
+    choices = (("rho", "f"), ("file",))
+    rho: list[Length] | None = optional(
+        "either: distances from the axis, from 0", ["0 um", "200 um", "400 um", "600 um"]
+    )
+    f: list[Length] | None = optional(
+        "with it: depths below the summit, from 0", ["0 um", "39 um", "184 um", "600 um"]
+    )
+    file: str | None = optional("or: a table with columns such as rho_mm,f_um", "cap.csv")
+
+    def value(self) -> Cap:
+        """Return the cap that the keys describe."""
+        profile: Any = [self.rho, self.f]
+        return Profile(profile)
+
+
+ShapeSection = Annotated[
+    SphereCap | ParaboloidCap | PowerLawCap | ProfileCap,
+    Field(discriminator="kind"),
+]
+
+
+class HertzSection(Section):
+    """Elastic paraboloids with the curvature of each summit."""
+
+    makes = Hertz
+    kind: Literal["hertz"]
+
+
+class ElasticSection(Section):
+    """Elastic caps of the shape in the section [cap]."""
+
+    makes = Elastic
+    kind: Literal["elastic"]
+
+
+CapSection = HertzSection | ElasticSection
+
+
+class JKRSection(Section):
+    """Elastic caps with adhesion, from the theory of Johnson, Kendall and Roberts."""
+
+    kind: Literal["jkr"]
+    adhesion_energy: Energy = key("w, from 0", "9 mJ/m^2")
+    cap: Annotated[CapSection, Field(discriminator="kind")] = key(
+        "one of the kinds above", {"kind": "elastic"}, default=HertzSection(kind="hertz")
+    )
+
+    def value(self) -> Contact:
+        """Return the contact law that the keys describe."""
+        return JKR(self.adhesion_energy, self.cap.value())
+
+
+class KogutEtsionSection(Section):
+    """Elastic-plastic spheres, from the formulas of Kogut and Etsion."""
+
+    makes = KogutEtsion
+    kind: Literal["kogut-etsion"]
+    hardness: Stress = key("H of the softer material", "10 MPa")
+
+
+class JacksonGreenSection(Section):
+    """Elastic-plastic spheres, from the formulas of Jackson and Green."""
+
+    makes = JacksonGreen
+    kind: Literal["jackson-green"]
+    yield_strength: Stress = key("of the softer material", "4 MPa")
+
+
+class TabulatedSection(Section):
+    """Load and area of one asperity of any radius, from a table over its indentation.
+
+    Before the section is read, the columns of the table replace the key `file`.
+    """
+
+    makes = TabulatedContact
+    kind: Literal["tabulated"]
+    choices = (("indentation", "load", "area"), ("file",))
+    indentation: list[Length] | None = optional("either: d, increasing", ["5 um", "20 um", "90 um"])
+    load: list[Force] | None = optional("with it: P at these", ["0.46 mN", "3.7 mN", "35 mN"])
+    area: list[Area] | None = optional("with it: A at these", ["0.0083 mm^2", "0.033 mm^2", "0.15 mm^2"])
+    file: str | None = optional(
+        "or: a table with columns such as indentation_um,load_mN,area_mm2", "contact.csv"
+    )
+
+
+ContactSection = Annotated[
+    CapSection | JKRSection | KogutEtsionSection | JacksonGreenSection | TabulatedSection,
+    Field(discriminator="kind"),
+]

@@ -10,12 +10,12 @@ import pytest
 
 import metafem as mf
 from metafem.calibration import ContactTable, MeasurementErrors
-from metafem.files.measurement.contacts import contacts_table
+from metafem.files.contacts import contacts_table
 
 A = np.linspace(0.08, 0.4, 20)
 AREA = 5.0 * math.pi * A**2
 LOAD = 5.0 * (1.36 * 4.0 / 3.0 * A**3 / 0.526 - np.sqrt(8.0 * math.pi * 3e-5 * 1.36 * A**3))
-RADIUS = ("--contacts", 5, "--radius", "526 um", "--radius-sd", "5 um")
+RADIUS = ("--contacts", 5, "--radius", "526 um", "--radius-sd", "5 um", "--column", "load=Kraft [mN]")
 
 
 def table(name, header, *columns):
@@ -28,7 +28,7 @@ def table(name, header, *columns):
 @pytest.fixture
 def tables(run):
     """Write a compression and a shear table of exact points."""
-    table("compression.csv", "load_mN,area_mm2", 1e3 * LOAD, AREA)
+    table("compression.csv", "Kraft [mN],area_mm2", 1e3 * LOAD, AREA)
     table("shear.csv", "area_before_mm2,area_sheared_mm2,friction_force_mN", AREA, 0.85 * AREA, 314.5 * AREA)
 
 
@@ -135,9 +135,3 @@ def test_sigma_follows_from_a_part_in_full_contact(run, demo, tables):
     assert both["values"] == pytest.approx([0.85, 0.358], rel=1e-6)
     assert "--load-min = 0.1 N" in run("calibrate", *options, "--load-min", "0.1 N").refusal
     assert "--part must be given too" in run("calibrate", *options[:2], "--load-min", "1 N").refusal
-
-
-def test_files_are_not_replaced_without_force(run, tables):
-    assert run("calibrate", "shear.csv", "-o", "a.toml").exit_code == 0
-    assert "--force" in run("calibrate", "shear.csv", "-o", "a.toml").refusal
-    assert run("calibrate", "shear.csv", "-o", "a.toml", "--force").exit_code == 0

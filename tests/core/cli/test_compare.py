@@ -9,7 +9,7 @@ import pytest
 
 import metafem as mf
 from metafem.calibration import ContactTable
-from metafem.files.measurement.contacts import contacts_table
+from metafem.files.contacts import contacts_table
 
 
 @pytest.fixture
@@ -33,7 +33,7 @@ def test_a_measured_law_is_compared_and_stored(run, measured):
     assert data["answers"][0].startswith("The static law does not agree with the design")
     assert Path("linear/measured.nc").exists()
     again = run("compare", "linear", "measured.csv")
-    assert "measured.nc exists; choose another name, or replace it with --force" in again.refusal
+    assert "measured.nc exists; choose another name, or replace it with force=True (--force)" in again.refusal
     text = run("compare", "linear", "measured.csv", "--force").words
     assert "+3.0 %" in text
     assert "slope, P/E* = " in text

@@ -1,11 +1,7 @@
 """`metafem doctor`: what is installed, where caches are, and how they are removed."""
 
-import json
-from pathlib import Path
-
 import pytest
 
-import metafem
 from metafem import _caches
 from metafem.cli import doctor
 
@@ -14,40 +10,6 @@ from metafem.cli import doctor
 def folder(tmp_path, monkeypatch):
     monkeypatch.setenv(_caches.VARIABLE, str(tmp_path / "caches"))
     return tmp_path / "caches"
-
-
-class Installed:
-    """Metadata of an installation."""
-
-    version = "1.2.3"
-
-    def __init__(self, folder, origin=None):
-        self.folder, self.origin = Path(folder), origin
-
-    def locate_file(self, name):
-        return self.folder / name
-
-    def read_text(self, name):
-        return self.origin and json.dumps(self.origin)
-
-
-def test_all_stated_packages_are_needed(monkeypatch):
-    stated = ["numpy>=2.1", "scikit-fem >=11", "h5py", 'tamaas>=2.9; extra == "peers"']
-    monkeypatch.setattr(doctor, "requires", lambda _: stated)
-    assert doctor.needed() == ["numpy", "scikit-fem", "h5py"]
-
-
-def test_the_imported_package_is_the_one_installed(tmp_path, monkeypatch):
-    here = Path(metafem.__file__).parents[1]
-    editable = {"url": here.as_uri(), "dir_info": {"editable": True}}
-    for installed, well in (
-        (Installed(here), True),
-        (Installed(tmp_path), False),
-        (Installed(tmp_path, editable), True),
-    ):
-        monkeypatch.setattr(doctor, "distribution", lambda _, installed=installed: installed)
-        assert doctor._package()[1] is well
-    assert "1.2.3, imported from" in doctor._package()[0]
 
 
 def test_a_cache_that_cannot_be_written_is_reported(tmp_path, monkeypatch):

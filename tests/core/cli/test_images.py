@@ -102,15 +102,6 @@ def test_a_stack_without_forces(run, tmp_path):
     assert "stack.tif:2" in Path("one.svg").read_text(encoding="utf-8")
 
 
-def test_what_would_be_lost_is_refused_first(run, pictures):
-    arguments = ["images", "pictures", "--pixel", "20 um", "--forces", "forces.csv", "-o", "contacts.csv"]
-    Path("contacts.csv").write_text("mine")
-    assert run(*arguments).exit_code == 2
-    assert Path("contacts.csv").read_text() == "mine"
-    Path("contacts.csv").unlink()
-    assert [run(*arguments, *force).exit_code for force in ([], [], ["--force"])] == [0, 2, 0]
-
-
 @pytest.mark.slow
 def test_a_drawing_in_the_folder_is_no_image(run, pictures):
     (pictures / "s10.tif").unlink()

@@ -34,7 +34,6 @@ REFUSALS = [
     ((*TABLE, "--area-ratio", "0.85"), "--area-ratio", "--shear-strength"),
     (("predict", "linear", "--poisson-ratio", "0.3"), "--poisson-ratio", "tables"),
     (("predict", "empty.csv", *TABLE[2:]), "empty.csv", "empty"),
-    (("predict", "."), ".", "result folder"),
     (("predict", "linear.toml"), "linear.toml", "specification"),
     (("report", "."), ".", "result folder"),
     ((*BARE, "--radius", "-5 um"), "--radius", "-5 um"),
@@ -46,19 +45,19 @@ REFUSALS = [
     (("design", "none.toml", "-o", "x"), "none.toml", "no such file"),
     (("design", "linear.toml", "-o", "no/where"), "no", "not a folder"),
     (("design", "bare.toml", "-o", "x", "--model", "layer"), "layer", "[block]"),
-    (("study", "misalignment", "linear", "--angle", "50deg"), "--angle", "50 deg"),
-    (("study", "misalignment", "linear", "--angle", "0.1deg,0.05deg"), "--angle[1]", "0.05 deg"),
-    (("study", "misalignment", "linear", "--load-range", "0.5N", "0.2N"), "--load-range[1]", "0.2 N"),
-    (("study", "manufacturing", "linear", "--height-sd", "-3um"), "--height-sd", "-3 um"),
+    (("study", "misalignment", "linear", "--angle", "50deg"), "--angle", "50deg"),
+    (("study", "misalignment", "linear", "--angle", "0.1deg,0.05deg"), "--angle[1]", "0.05deg"),
+    (("study", "misalignment", "linear", "--load-range", "0.5N", "0.2N"), "--load-range[1]", "0.2N"),
+    (("study", "manufacturing", "linear", "--height-sd", "-3um"), "--height-sd", "-3um"),
     (("study", "manufacturing", "linear", "--position-sd", "1N"), "--position-sd", "1N"),
-    (("study", "manufacturing", "linear", "--radius-sd", "100um"), "--radius-sd", "100 um"),
+    (("study", "manufacturing", "linear", "--radius-sd", "100um"), "--radius-sd", "100um"),
     (("study", "uncertainty", "linear"), "--sd", "no error"),
     ((*STUDY, "radius"), "--sd radius", '""'),
     ((*STUDY, "wear=2um"), "--sd", "wear=2um"),
     ((*STUDY, "radius=2MPa"), "--sd radius", "2MPa"),
     ((*STUDY, "radius=2um", "--sd", "radius=3um"), "--sd radius", "twice"),
-    ((*STUDY, "composite_modulus=1MPa"), "--sd composite_modulus", "1 MPa"),
-    ((*STUDY, "young_modulus=1MPa"), "--sd young_modulus", "1 MPa"),
+    ((*STUDY, "composite_modulus=1MPa"), "--sd composite_modulus", "1MPa"),
+    ((*STUDY, "young_modulus=1MPa"), "--sd young_modulus", "1MPa"),
     ((*STUDY, "area_ratio=1%"), "area_ratio", "1%"),
     (("study", "uncertainty", "linear", "--calibration", "measured.csv"), "measured.csv", "calibration"),
     ((*COMPARE, "--composite-modulus", "1.4"), "--composite-modulus", "1.4"),
@@ -66,8 +65,7 @@ REFUSALS = [
     ((*COMPARE, "--sliding-area-ratio", "-1"), "--sliding-area-ratio", "-1"),
     ((*COMPARE, "--angle-sd", "0.1deg"), "--angle-sd", "--explain"),
     ((*COMPARE, "--explain", "--friction-sd", "3"), "--friction-sd", "3"),
-    ((*COMPARE, "--explain", "--height-scale-sd", "90%"), "--height-scale-sd", "90 %"),
-    (("compare", ".", "measured.csv"), ".", "result folder"),
+    ((*COMPARE, "--explain", "--height-scale-sd", "90%"), "--height-scale-sd", "90%"),
     (("calibrate",), "table", "calibrate"),
     (("calibrate", "compression.csv"), "--radius", "E*"),
     (("calibrate", "compression.csv", "--radius", "-1 mm"), "--radius", "-1 mm"),
@@ -127,6 +125,7 @@ def test_a_call_is_refused_by_its_key_and_value(run, demo, arguments, key, value
 
 
 def test_every_command_has_help(run):
-    studies = [("study", name) for name in cli.main.commands["study"].commands]
-    for command in [(), *((name,) for name in cli.main.commands), *studies]:
+    names = cli.main.list_commands(None)
+    studies = [("study", name) for name in cli.main.get_command(None, "study").list_commands(None)]
+    for command in [(), *((name,) for name in names), *studies]:
         assert "Usage:" in run(*command, "--help").told, command

@@ -9,7 +9,7 @@ import xarray as xr
 import metafem as mf
 from metafem import files
 from metafem.calibration import ContactTable, fit_compression, shear
-from metafem.files.measurement.calibrated import calibration_data
+from metafem.files.calibrated import calibration_data
 from tests.core.files.specs import small, text
 
 MATERIAL, BLOCK = mf.Material(1.36), mf.Block(8.0, 8.0, 4.0)
@@ -93,7 +93,7 @@ def test_a_file_is_written_read_equal_and_refused_if_damaged(name, tmp_path):
     whole = path.read_bytes()
     write(path)
     assert name.endswith("nc") or path.read_bytes() == whole
-    for content in (b"", whole[: 2 * len(whole) // 3], b"\xff" + whole):
+    for content in (b"", whole[: 2 * len(whole) // 3], b"\0\xff" + whole):
         path.write_bytes(content)
         with pytest.raises(mf.InvalidInput, match=name):
             read(path)

@@ -104,6 +104,18 @@ def test_a_solid_is_written_as_stl(tmp_path):
     np.testing.assert_allclose(triangle["normal"], normal, atol=1e-4)
 
 
+@pytest.mark.parametrize("gap", [1e-9, 1e-6, 1e-5, 1e-3])
+def test_what_is_written_is_watertight_in_single_precision(gap, tmp_path):
+    pair = mf.Surface([[0.0, 0.0], [0.6 + gap, 0.0]], [0.1, 0.1], 0.5, MATERIAL, block=BLOCK)
+    try:
+        planned(pair, pair, PartOptions(chord_error=2e-3)).write(tmp_path)
+    except mf.InvalidInput:
+        assert gap < 2e-6  # a few units of the last place
+        return
+    for name in ("block.stl", "mould.stl"):
+        assert trimesh.load(tmp_path / name).is_watertight
+
+
 def test_a_plan_states_size_files_and_chord_error(tmp_path):
     part = planned(PART, PART, PartOptions(chord_error=1e-3))
     assert part.record() == {

@@ -11,12 +11,12 @@ from jsonschema import Draft7Validator
 
 import metafem as mf
 from metafem import files
+from metafem.files.laws import columns_of
 from metafem.files.reading import SPECIFICATION, TABLE, read_record
 from metafem.files.result.records import from_record, to_record
-from metafem.files.samples import MEASURED, PROFILE, TARGET, columns_of, samples_of
+from metafem.files.specification.forms import whole_schema
 from metafem.files.specification.models import model_named
 from metafem.files.specification.options import contact_named
-from metafem.files.specification.schema import schema
 from tests.core.files.specs import SHAPE, spec, text
 from tests.refusals import faults
 
@@ -76,13 +76,6 @@ def design_json(content):
     return of_file(lambda path: mf.load(path.parent), content, "design.json")
 
 
-def samples(path, columns):
-    """Read a table that a specification names."""
-    return (samples_of if columns is TARGET else partial(columns_of, columns=columns))(
-        path.name, path.read_bytes()
-    )
-
-
 def calibration(path, **options):
     return files.read_calibration([path], **options)
 
@@ -125,15 +118,15 @@ REFUSALS = [
     (of_spec(sites="empty = [3, 3]"), "sites.empty[1]", "3 is given twice"),
     (of_spec(sites=f"empty = {list(range(64))}"), "sites.empty", "all 64"),
     (of_spec(sites='pinned = [3, 4]\nheights = ["1 um"]'), "sites.heights", "1 entries"),
-    (of_spec(sites='pinned = [3]\nheights = ["300 um"]'), "sites.heights[0]", "300 um must be at most 204"),
+    (of_spec(sites='pinned = [3]\nheights = ["300 um"]'), "sites.heights[0]", "must be at most 0.204"),
     (of_spec(sites='pinned = [3]\nheights = ["0 um"]'), "sites.heights[0]", "0 um"),
     (of_spec(cell='width = "5 mm"'), "cell.width", "5 mm"),
     (of_spec(contact='kind = "sphere"'), "contact.kind", "sphere"),
-    (of_spec(limits='max_height = "600 um"'), "limits.max_height", "600 um and limits.offset = 0 mm"),
+    (of_spec(limits='max_height = "600 um"'), "limits.max_height", "'600 um' and limits.offset = 0 mm"),
     (of_spec(lattice='shape = [8, 8]\npitch = "0.75 mm"\nradius = "526 um"'), "limits.max_height",
      "0.157 mm high"),
     (of_spec(block='width = "20 mm"\nlength = "11 mm"\nthickness = "7 mm"'), "block.length", "20 by 11 mm"),
-    (of_spec(part='alignment_height = "600 um"'), "part.alignment_height", "0.6 mm exceeds"),
+    (of_spec(part='alignment_height = "600 um"'), "part.alignment_height", "'600 um' exceeds"),
     (lambda folder: spec().with_chord_error(1e-6), "part.chord_error", "0.001 um"),
     (lambda folder: spec(block=None, model='kind = "layer"').design(), "layer", "[block]"),
     # tables that a specification names
@@ -141,9 +134,12 @@ REFUSALS = [
     (lambda folder: files.parsed(text(target=SAMPLED), {"w.csv": large(TABLE)}), "target.file", "64 MiB"),
     (of_spec(target='kind = "sampled"\nfile = 3'), "target.file", "3"),
     (of_spec(target='kind = "sampled"\nfile = "a/.."'), "target.file", "a/.."),
-    (of_spec({"w.csv": ""}, target=f'{SAMPLED}\nload = ["1 N"]'), "target.file", "target.load"),
-    (of_spec({"a/w": "load_N,area_mm2\n1,1\n"}, target='kind = "sampled"\n"f\\u0069le" = "a/w"'),
-     "target.file", "a/w"),
+    (of_spec({"w.csv": "load_N,area_mm2\n1,1\n"}, target=f'{SAMPLED}\nload = ["1 N"]'), "target.file",
+     "load"),
+    (of_spec({"law.csv": "load_N,area_mm2\n1,1\n"}, target='kind = "sampled"\nfile = "law.csv"'),
+     "target.file", "law.csv"),
+    (of_spec({"w.csv": "rho_mm,f_mm\n0,0\n1,1\n"}, target=SAMPLED, cap='kind = "profile"\nfile = "a/w.csv"'),
+     "file", "w.csv"),
 ]  # fmt: skip
 
 
@@ -160,21 +156,21 @@ KEYS = [
     (of_spec(target="slope = 6"), "target.kind", "operating-points"),
     (of_spec(target='kind = "linaer"'), "target.kind", '"linaer"'),
     (linear('slope = "6"'), "target.slope", "'6'"),
-    (of_spec(lattice='shape = 8\npitch = "1 mm"'), "lattice.shape", "must be a list"),
-    (of_spec(lattice='shape = [8.5, 8]\npitch = "1 mm"'), "lattice.shape[0]", "8.5 must be a whole number"),
-    (of_spec(sites="empty = [-3]"), "sites.empty[0]", "-3 must be at least 0"),
-    (tools("radii = []"), "tools.radii", "[] must have at least 1"),
+    (of_spec(lattice='shape = 8\npitch = "1 mm"'), "lattice.shape", "must be a valid list"),
+    (of_spec(lattice='shape = [8.5, 8]\npitch = "1 mm"'), "lattice.shape[0]", "8.5 must be a valid integer"),
+    (of_spec(sites="empty = [-3]"), "sites.empty[0]", "-3 must be greater than or equal to 0"),
+    (tools("radii = []"), "tools.radii", "[] must have at least 1 item"),
     (of_spec(model='kind = "flat"'), "model.kind", '"flat"'),
     (of_spec(target=f'{LINEAR}\nslope = 6\nfriction_coefficient = 1'), "target",
      "has slope and friction_coefficient"),
     (of_spec(limits="max_height = 120"), "limits.max_height", "120 needs a unit"),
-    (tools('radii = ["0 mm"]'), "tools.radii[0]", "0 mm must be greater"),
+    (tools('radii = ["0 mm"]'), "tools.radii[0]", "'0 mm' must be greater"),
     (of_spec(contact=f'{JKR}\ncap.kind = "jkr"'), "contact.cap.kind", '"jkr"'),
 ]  # fmt: skip
 
 
 def test_what_the_parser_refuses_is_marked_by_the_schema(tmp_path):
-    editor = Draft7Validator(schema())
+    editor = Draft7Validator(whole_schema())
     assert editor.is_valid(tomllib.loads(text()))
     assert faults(of(KEYS, tmp_path)) == []
     for call, key, _ in KEYS:
@@ -256,7 +252,7 @@ TABLES = {
         (f"{SURFACE}\n# a\n0,0,nan,5\n", "line 3: height_um", "'nan'"),
         (f"{SURFACE}\n0,0,1e999,5\n", "height_um", "1e999"),
         (f"{SURFACE}\n0,0,5,5\n\n1,0,5,-5\n", "line 4: radius_um", "-5"),
-        (f'{SURFACE}\n0,0,"0\n,5",5\n', "line 3", r"0\n,5"), (b"x_mm,\xff\n", "line 1", "UTF-8"),
+        (f'{SURFACE}\n0,0,"0\n,5",5\n', "line 3", r"0\n,5"), (b"x_mm,\0\n", "t.csv", "null"),
         ("x_mm,y_mm,height_um\n0,0,5\n", "radius_um", "--radius"),
         (f"{SURFACE},cap\n0,0,5,5,cone\n", "cap", "cone"),
         (f"{SURFACE},cap\n0,0,5,5,power x\n", "cap", "power x"),
@@ -274,16 +270,16 @@ TABLES = {
         ("site,x_mm,y_mm\n1,1,1\n1,2,2\n", "line 3: site", "1 is"), (large(TABLE), "t.csv", "64 MiB"),
     ],
     files.measured_pairs: [("load_N,area_mm2\n1,2\n", "t.csv", "load_N,friction_force_N")],
-    partial(samples, columns=TARGET): [
+    partial(columns_of, kind="sampled"): [
         ("load_N,area_mm2\n0,2\n", "line 2: load_N", "0"),
         ("load_N,area_mm2,area_sd_mm2,relative_error\n1,2,1,1\n", "relative_error", "area_sd"),
         ("load_N,load_sd_N,area_mm2\n1,2,3\n", "t.csv", "sample 1"),
     ],
-    partial(samples, columns=PROFILE): [
+    partial(columns_of, kind="profile"): [
         ("rho_mm,f_um\n0.1,1\n0.2,3\n", "line 2: rho_mm", "0.1"),
         ("rho_mm,f_um\n0,0\n1,3\n2,2\n", "line 4: f_um", "2"),
     ],
-    partial(samples, columns=MEASURED): [
+    partial(columns_of, kind="tabulated"): [
         ("indentation_um,load_mN,area_mm2\n5,1,2\n5,2,3\n", "line 3: indentation_um", "5"),
     ],
     files.read_contacts: [
@@ -305,7 +301,7 @@ TABLES = {
         ("load_mN,area_mm2,area_1_mm2\n1,2,3\n", "area", "area_1"),
         ("area_mm2,area_before_mm2,area_sheared_mm2\n1,2,3\n", "area", "area_before"),
         (f"{PULL}1,2,3\n".replace(",area_mm2", ",test"), "area_mm2", "displacement_um"),
-        (PULL + "".join(f"{i},{i},{5 - i}\n" for i in range(5)), "friction_force_mN", "last entry"),
+        (PULL + "".join(f"{i},{i},{5 - i}\n" for i in range(5)), "friction_force", "last entry"),
         (f"{IMAGES}\na,,1,3,0,0,.1,.01\n", "t.csv", "no image has a load"),
     ],
     partial(calibration, sliding=True): [("load_mN,area_mm2\n1,2\n", "--sliding", "displacement_um")],

@@ -4,6 +4,7 @@ import csv
 import io
 import json
 import math
+import re
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -16,9 +17,10 @@ import metafem as mf
 from metafem import files
 from metafem.caps import Caps
 from metafem.files.part.caps import with_alignment
+from metafem.files.part.mould import drilling_program, mould_table
+from metafem.files.result.names import RESERVED
 from metafem.files.result.records import from_record, to_record
-from metafem.files.result.tables import mould_table, write_surface
-from metafem.files.specification.named_tables import RESERVED
+from metafem.files.result.tables import write_surface
 from metafem.models.curve import ModelError
 from tests.core.files.specs import small
 from tests.core.files.test_files import MIXED
@@ -26,7 +28,7 @@ from tests.core.files.test_files import MIXED
 
 def columns(table):
     """Return the columns of a table; those of numbers as arrays."""
-    rows = list(csv.reader(io.StringIO(table)))
+    rows = list(csv.reader(line for line in io.StringIO(table) if not line.startswith("#")))
     assert len({len(row) for row in rows}) == 1
     found = dict(zip(rows[0], map(list, zip(*rows[1:], strict=True)), strict=True))
     return {name: number(column) for name, column in found.items()}
@@ -40,7 +42,7 @@ def number(column):
 
 
 # Names of the files of a folder, and of the members of its design.
-NAMES = "block.stl design.json heights.csv law.csv mould.csv mould.stl report.html spec.toml surface.vtu"
+NAMES = "block.stl design.json heights.csv law.csv mould.csv mould.gcode mould.stl report.html spec.toml"
 MEMBERS = {
     "": "density fits law limits misfit notes parameters pinned sites status surface target "
     "template tools type",
@@ -63,7 +65,7 @@ def folder(tmp_path):
 def test_the_folder_holds_all_files(folder):
     spec, _ = small()
     names = {path.name for path in folder.iterdir()}
-    assert sorted(names) == NAMES.split()
+    assert sorted(names) == [*NAMES.split(), "surface.vtu"]
     assert names <= RESERVED
     assert (folder / "spec.toml").read_text("utf-8") == spec.text
     assert (folder / "report.html").read_text("utf-8") == "<p>µ</p>"
@@ -115,11 +117,53 @@ def test_heights_law_and_mould_have_their_columns(folder):
     assert holes["number"].tolist() == list(range(1, n + 5))
     assert holes["kind"] == ["asperity"] * n + ["alignment"] * 4
     assert holes["site"] == [*map(str, design.sites), *[""] * 4]
-    np.testing.assert_allclose(holes["x_mm"], -whole.position[:, 0], rtol=1e-12)  # seen from the open face
-    np.testing.assert_allclose(holes["y_mm"], whole.position[:, 1], rtol=1e-12)
-    np.testing.assert_allclose(holes["depth_mm"], [*surface.height, *[0.4] * 4], rtol=1e-12)
+    np.testing.assert_allclose(holes["x_mm"], -whole.position[:, 0], atol=5e-6)  # seen from the open face
+    np.testing.assert_allclose(holes["y_mm"], whole.position[:, 1], atol=5e-6)
+    np.testing.assert_allclose(holes["depth_mm"], [*surface.height, *[0.4] * 4], atol=5e-6)
     assert set(holes["tool_radius_mm"]) == {0.526}
-    assert "-0.0" not in (folder / "mould.csv").read_text("utf-8")
+    text = (folder / "mould.csv").read_text("utf-8")
+    assert "-0.0000" not in text
+    for words in ("in mm, seen from its open face", "Origin: centre of the block", "20 by 20 mm"):
+        assert words in text
+    assert "0.9 um" in mould_table(replace(design, limits=mf.Limits(0.12, height_sd=9e-4)), whole)
+
+
+def holes_of(program):
+    """Return the holes of a drilling program: X, Y and depth where the tool goes below 0, and its moves."""
+    place, holes, state = {}, [], set()
+    for line in program.splitlines():
+        words = dict(re.findall(r"([A-Z])(-?[0-9.]+)", re.sub(r"\(.*?\)", "", line)))
+        state |= {f"G{words['G']}"} if "G" in words else set()
+        before, place = place, {**place, **{axis: float(words[axis]) for axis in "XYZ" if axis in words}}
+        if place.get("Z", 1.0) < 0.0:
+            assert words["G"] in "14"
+            assert (before["X"], before["Y"]) == (place["X"], place["Y"])
+            holes += [(place["X"], place["Y"], -place["Z"])] if words["G"] == "1" else []
+        assert not {"X", "Y"} & words.keys() or place["Z"] == 5.0
+    return np.array(holes), state
+
+
+def test_the_program_drills_the_holes_of_the_table(folder):
+    program = (folder / "mould.gcode").read_text("ascii")
+    table = columns((folder / "mould.csv").read_text("utf-8"))
+    found, state = holes_of(program)
+    np.testing.assert_allclose(found.T, [table["x_mm"], table["y_mm"], table["depth_mm"]], atol=1e-4)
+    assert {"G21", "G90", "G54"} <= state
+    assert program.count("G4 P0.5") == len(found)
+    assert re.findall(r"[TF]\d+|S\d+ M3|M\d+$", program, re.M)[-2:] == ["M5", "M30"]
+    (comment,) = re.findall(r"\((.*)\)", program)
+    for words in (f"{len(found)} holes", "0.52600 mm", "deepest hole 0.40000 mm", "check this program"):
+        assert words in comment
+    options = files.PartOptions(feed=30.0, spindle=6000.0, dwell=0.0, safe_height=2.0)
+    surface = small()[1].surface
+    other = drilling_program(surface, options)
+    assert ("F30\n" in other, "S6000 M3\n" in other, "G4" in other, "G0 Z2.00000" in other) == (
+        True,
+        True,
+        False,
+        True,
+    )
+    assert drilling_program(surface.replaced(cap=mf.Power(4)), options) is None
 
 
 def test_caps_cells_and_errors_have_columns_where_they_differ():
@@ -129,7 +173,7 @@ def test_caps_cells_and_errors_have_columns_where_they_differ():
     assert "0.147" in files.heights_table(MIXED, np.arange(4))  # 0.1 + 0.047 without its rounding error
     _, design = small()
     caps = design.surface.replaced(cap=mf.Power(4, 0.3))
-    assert columns(mould_table(replace(design, surface=caps)))["cap"] == ["power 4.0 0.3"] * caps.count
+    assert columns(mould_table(design, caps))["cap"] == ["power 4.0 0.3"] * caps.count
     lattice = design.surface.replaced(cell=mf.PeriodicCell(4.5, 5.0))
     law = mf.friction_law(lattice, load=[0.01, 0.02])
     table = columns(files.result_tables(replace(design, law=law), files.PartOptions())["law.csv"])
@@ -150,7 +194,7 @@ def test_caps_cells_and_errors_have_columns_where_they_differ():
 def test_tables_of_summits_are_read_with_other_units_separators_and_decimals(tmp_path):
     path, material = tmp_path / "heights.csv", mf.Material(1.36)
     for table in (
-        "x_mm;y_mm;height_um;radius_mm\n0;0;120,5;0,5\n15e-1;0;94.3;0,5\n",
+        "x_mm;y_mm;height_um;radius_mm\n0;0;120,5;0,5\n15e-1;0;94,3;0,5\n",
         "x_mm\ty_cm\theight_um\tradius_um\n0\t0\t120,5\t500\n1,5\t0\t94,3\t500\n",
         "# cold; d\nby,X (mm),y_mm,Height [nm],radius_mm\n  # first\na,0,0,120500,0.5\r\nb,1.5,0,94300,.5",
     ):

@@ -7,8 +7,8 @@ from fractions import Fraction
 import pytest
 
 from metafem.errors import InvalidInput
-from metafem.files import converted, quantity, written_unit
-from metafem.files.units import EXAMPLES, decimal, factor, option_names, pattern, written_units
+from metafem.files import converted, quantity
+from metafem.files.units import EXAMPLES, factor, pattern
 
 PSI = Fraction("0.45359237") * Fraction("9.80665") / Fraction("0.0254") ** 2 / 10**6  # its definition
 
@@ -54,13 +54,6 @@ def test_a_quantity_is_rounded_once():
         assert quantity("key", text, unit) == value
 
 
-def test_decimals_are_exact_fractions():
-    assert decimal("-12.5e-3") == Fraction(-1, 80)
-    for wrong in ("1e9999", "1_0", "0x1", "nan", "1 ", "٣"):
-        with pytest.raises(ValueError, match=re.escape(wrong)):
-            decimal(wrong)
-
-
 def test_patterns_of_positive_quantities_hold_the_numbers_above_zero():
     above = re.compile(pattern(("mm",), positive=True))
     for text in ("1e-30 mm", "0.001 um", "10 mm", "+3.5e10mm", "9" * 40 + " mm", ".5 cm"):
@@ -69,14 +62,3 @@ def test_patterns_of_positive_quantities_hold_the_numbers_above_zero():
     for text in ("0 mm", "0.0e5 mm", "-1 mm", "- 1 mm", "mm", "1.2.3 mm", "1 N", "1"):
         assert not above.search(text)
     assert re.search(pattern(("mm", "N")), "-0.0e-5 N")
-
-
-def test_errors_repeat_the_unit_that_was_written():
-    assert written_unit([["120 um"], "3 mm"]) == ("um", 1e-3)
-    assert [written_unit(value) for value in ("6", 6.0, "6 foo", "high", [])] == [None] * 5
-    found = option_names({"contact_radius": "3 um", "rng": None})
-    assert (found.names["contact_radius"], found.units) == (
-        "--contact-radius",
-        {"contact_radius": ("um", 1e-3)},
-    )
-    assert written_units({"limits": {"offset": "2 m", "n": 3}, "a": 1}) == {"limits.offset": ("m", 1e3)}

@@ -12,9 +12,8 @@ import xarray as xr
 
 import metafem as mf
 from metafem._extras import refuse_missing
-from metafem._given import Names, shown, unit_of
+from metafem._given import shown, unit_of
 from metafem._validate import plain
-from metafem.errors import named
 
 U = pint.UnitRegistry()
 MATERIAL = mf.Material(1.36)
@@ -110,11 +109,7 @@ def test_a_refusal_names_the_argument_and_its_value(border):
         assert "\n" not in str(error.value)
 
 
-def test_errors_name_the_keys_of_a_file_and_travel():
-    names = Names({"max_height": "--highest"}, {"max_height": ("um", 0.001)})
-    with pytest.raises(mf.InvalidInput, match=r"--highest = -120 um.* 0 um") as error, named(names):
-        mf.Limits(-0.12)
-    assert (error.value.key, error.value.value) == ("max_height", -0.12)
+def test_errors_travel():
     with pytest.raises(mf.InvalidInput) as error:
         mf.Limits(0.1, min_height=0.2)
     copy = pickle.loads(pickle.dumps(error.value))

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from itertools import chain
@@ -12,26 +11,22 @@ from typing import Any
 
 import numpy as np
 
-from metafem._given import Names, printable
+from metafem._given import printable, unit_of
 from metafem._validate import FloatArray
 from metafem.calibration import ContactTable, at_peak, over_plateau
 from metafem.calibration.contact_table import pressed_images, sheared_points
-from metafem.errors import InvalidInput, named, refuse_if
-from metafem.files.measurement.contacts import contacts_of, is_of_contacts
+from metafem.errors import InvalidInput, refuse_if
+from metafem.files.contacts import contacts_of
 from metafem.files.reading import file_label
-from metafem.files.tables import Columns, Entries, read_table
+from metafem.files.tables import NONE, SINGLE, Columns, Entries, is_of_contacts, read_table, row_of
 from metafem.notes import Note, information
 
-# Names of the columns with areas of single contacts: area_1, area_2 and so on.
-SINGLE = re.compile(r"area_\d{1,4}", re.ASCII)
-
 COLUMNS = Columns(
-    "test,load_mN,area_mm2,area_before_mm2,area_sheared_mm2,friction_force_mN,displacement_um",
+    "test,load_mN,area_mm2,area_1_mm2,area_before_mm2,area_sheared_mm2,friction_force_mN,displacement_um",
     (),  # the columns that are present determine which others are needed
     "measured point",
     "load_mN,area_mm2 of a compression test, area_before_mm2,area_sheared_mm2,friction_force_mN of a shear "
     "test, or displacement_um,friction_force_mN,area_mm2 of the record of one pull (or in other units)",
-    lambda name: "area" if SINGLE.fullmatch(name) else name,
 )
 
 
@@ -83,6 +78,7 @@ def read_calibration(
     paths: Iterable[str | Path],
     *,
     sliding: bool = False,
+    columns: Mapping[str, str] = NONE,
 ) -> CalibrationData:
     """Return the pooled data of tables of calibration tests; the columns determine the kind of a table.
 
@@ -98,6 +94,8 @@ def read_calibration(
         all records together are one test.
     sliding : bool
         Whether the records yield sliding friction instead of static friction.
+    columns : mapping of str to str
+        Titles in the files by the names that they stand for; see `read_table`.
     """
     data = CalibrationData()
     parts: list[Compression | Shear] = []
@@ -108,7 +106,7 @@ def read_calibration(
         refuse_if(files.count(path) > 1, f"{file_label(path)} is given twice")
     stems = [path.stem for path in files]
     for path in files:
-        table = read_table(path, "load_mN,area_mm2")
+        table = read_table(path, columns, every=len(files) == 1)
         # files of the same name in different folders are different tests
         label = path.stem if stems.count(path.stem) == 1 else str(path.with_suffix(""))
         if is_of_contacts(table):
@@ -117,7 +115,7 @@ def read_calibration(
             boundaries.append(_boundary(contacts))
             continue
         boundaries.append(None)
-        entries = COLUMNS.of(table)
+        entries = COLUMNS.read(table)
         if "displacement" in entries.columns:
             pulls = True
             parts.append(_pull(entries, sliding))
@@ -217,7 +215,7 @@ def _pull(entries: Entries, sliding: bool) -> Shear:
     displacement, force = entries.numbers("displacement"), entries.numbers("friction_force")
     area = entries.numbers("area", empty=True)
     value = over_plateau if sliding else at_peak
-    with of_tables(entries.names(), [entries.table.name]):
+    with entries.located():
         sheared, friction = value(displacement, force, area), value(displacement, force)
     before = area[np.isfinite(area)][:1]  # the first frame shows the contacts before shear
     return Shear(
@@ -267,14 +265,18 @@ def _boundary(contacts: ContactTable) -> float | None:
 
 
 @contextmanager
-def of_tables(names: Names, files: list[str]) -> Iterator[None]:
-    """Make errors of the body name the files, and the columns of the tables instead of arguments."""
+def of_tables(files: Sequence[str], places: Sequence[str] = ()) -> Iterator[None]:
+    """Make errors of the body name the files or, for an entry of an array, its place in a file."""
     try:
-        with named(names):
-            yield
+        yield
     except InvalidInput as error:
+        name, row = row_of(error.key)
+        if row < len(places):
+            error = error.at(name)
+            if isinstance(error.value, float):
+                error.value = f"{error.value:g} {unit_of(name)}"
+            raise InvalidInput(f"{places[row]}: {error}") from None
         text = str(error)
-        # an error about an option has no file, and a location already names its file
-        if text.startswith("--") or any(name in text for name in files):
+        if error.key or any(name in text for name in files):  # an option, or a file that is named already
             raise
         raise InvalidInput(f"{', '.join(files)}: {text}") from None

@@ -1,0 +1,243 @@
+"""The commands demo, design, spec, report and explore."""
+
+from __future__ import annotations
+
+import sys
+from contextlib import suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+import metafem as mf
+from metafem.cli.group import NOT_ACHIEVED, Ended
+from metafem.cli.options import Name, command, force_option, json_option, model_options, quantity
+from metafem.cli.output import notes_data, show
+from metafem.cli.progress import loaded, progress
+from metafem.errors import Infeasible, InvalidInput, refuse_if
+from metafem.files.specification.models import DEMOS
+from metafem.progress import doing
+
+if TYPE_CHECKING:
+    from metafem.inversion import Design
+
+# Members of a key's description that `metafem spec --json` prints.
+SHOWN = ("section", "kind", "name", "example", "meaning", "optional", "default")
+
+
+@command(
+    click.argument("name", type=click.Choice(DEMOS)),
+    *model_options("that of the specification"),
+    force_option,
+    json_option,
+    short_help="Write and design one of the paper's specifications.",
+)
+def demo(name: str, **options: Any) -> None:
+    """Write NAME.toml, one of the paper's specifications, and design its surface into the folder NAME.
+
+    The schema metafem.schema.json, which editors read, is written next to NAME.toml. An edited NAME.toml is
+    never replaced.
+    """
+    path, folder, text = Path(f"{name}.toml"), Path(name), mf.files.demo_text(name)
+    mf.files.refuse_existing(folder, options["force"], folder=True)
+    same = path.is_file() and path.read_bytes() == text.encode("utf-8")
+    remedy = f"run it by `metafem design {path} -o FOLDER`, or rename it"
+    refuse_if(path.exists() and not same, f"{path} exists and differs from the demo's; {remedy}")
+    if not same:
+        mf.files.write_text(path, text)
+    if (remark := mf.files.place_schema(path.parent)) is not None:
+        click.echo(f"note: {remark}", err=True)
+    click.get_current_context().invoke(design, spec=path, output=folder, chord_error=None, **options)
+
+
+@command(
+    click.argument("spec", type=Name(), metavar="SPEC.toml"),
+    click.option("-o", "--output", type=Name(), required=True, help="Result folder to create."),
+    *model_options("that of the specification"),
+    quantity(
+        "chord_error",
+        "mm",
+        "1 um",
+        "Largest depth of the triangles of the solids below the spheres, such as {}. Overrides "
+        "part.chord_error in SPEC.toml. Default: 4e-4 of the smallest radius, or more if a solid would have "
+        "over two million triangles.",
+    ),
+    force_option,
+    json_option,
+    short_help="Design a surface from a specification.",
+)
+def design(
+    spec: Path,
+    output: Path,
+    model: str | None,
+    contact: str | None,
+    chord_error: float | None,
+    force: bool,
+    as_json: bool,
+) -> None:
+    """Design a surface from the specification SPEC.toml and write the result folder.
+
+    A specification has the sections target (of kind operating-points, linear, bilinear, sampled, power,
+    multilinear or band), material, lattice and limits. The sections friction, sites, tools, block, cell,
+    layout, model, cap, contact, part and checks are optional. `metafem spec` prints every key with
+    an example; `metafem demo` writes example files.
+
+    For a measured law, choose a target of kind sampled and name its table in the key file. The table has the
+    format that `metafem compare` reads, and its error bars are used. If a target is refused, the nearest law
+    is written next to the result folder DIR, as DIR-nearest.csv.
+    """
+    from metafem._kernels import ahead
+
+    mf.files.refuse_existing(output, force, folder=True)
+    ahead.start()  # the report needs them after everything else
+    with progress(), doing("designing"):
+        specification = mf.read_spec(spec)
+        if chord_error is not None:
+            specification = specification.with_chord_error(chord_error)
+        chosen = mf.files.chosen_model(specification.model, model, contact)
+        try:
+            result = specification.design(chosen)
+        except Infeasible as error:
+            raise _refusal(error, output, force) from None
+        with mf.files.staged(output, force, folder=True) as fresh:
+            text = mf.report.page(result, specification.hardness)
+            part = mf.files.write_all(result, fresh, specification, {"report.html": text})
+    notes = mf.report.all_notes(result, specification.hardness) + mf.files.part_notes(part)
+    data = {"folder": str(output), **_data(result), "part": part and part.record()}
+    show(
+        as_json,
+        {**data, "notes": notes_data(notes)},
+        head=[result.target.title, result.status.value],
+        tables=_tables(result),
+        notes=notes,
+        lines=[f"wrote {output}/: open {output / 'report.html'}"],
+    )
+    if result.status is mf.DesignStatus.MISSED:
+        sys.exit(NOT_ACHIEVED)
+
+
+def _refusal(error: Infeasible, folder: Path, force: bool) -> Ended:
+    """Return the error for a refused target, after its nearest law is written next to the result folder."""
+    if error.nearest is None:
+        return Ended("Infeasible", str(error))
+    words, nearest, law = str(error), {"target": error.nearest.title}, error.nearest.law
+    if law is not None:
+        path = Path(f"{folder.absolute()}-nearest.csv")
+        head = "# The nearest law that was found, by metafem.\nrescaled_load_mm2,rescaled_friction_mm2\n"
+        rows = "".join(f"{x!r},{y!r}\n" for x, y in zip(law[0].tolist(), law[1].tolist(), strict=True))
+        try:
+            mf.files.write_text(path, head + rows, force=force)
+            words += f"; the nearest law is written to {path.name}; design it as a sampled target with "
+            words += f'file = "{path.name}"'
+            nearest["file"] = str(path)
+        except InvalidInput as reason:
+            words += f"; the nearest law is not written: {reason}"
+        nearest |= {"rescaled_load": law[0].tolist(), "rescaled_friction": law[1].tolist()}
+    return Ended("Infeasible", words, nearest=nearest)
+
+
+def _data(result: Design) -> dict[str, Any]:
+    """Return the numbers of a design, for JSON."""
+    return {
+        "target": result.target.title,
+        "status": result.status.name.lower(),
+        "misfit": result.misfit,
+        "misfit_meaning": result.misfit_meaning,
+        "asperities": result.surface.count,
+        "model": mf.report.model_data(result.law.model),
+        "model_error": mf.report.error_data(result.law.model_error),
+        "parameters": mf.files.plain_data(result.parameters),
+        "slopes": [_slope_data(result, *pair) for pair in result.fits],
+    }
+
+
+def _slope_data(result: Design, branch: Any, fit: Any) -> dict[str, float | None]:
+    """Return target and fitted slope of a branch, and friction coefficients if the surface has a Friction."""
+    data = {"target": branch.slope, "fitted": fit.slope, "intercept_mm2": fit.intercept}
+    surface = result.surface
+    if surface.friction is None:
+        return data
+    per_slope = surface.friction.stress / surface.material.composite_modulus
+    return {
+        **data,
+        "target_friction_coefficient": float(f"{branch.slope * per_slope:.15g}"),
+        "fitted_friction_coefficient": fit.friction_coefficient,
+        "intercept_N": fit.intercept_force,
+    }
+
+
+def _tables(result: Design) -> list[Any]:
+    """Return the table of the parameters of a design, and that of its slopes."""
+    from metafem.inversion.result import empty_sites_words
+
+    sites = f"{result.surface.count} of {result.template.count} sites{empty_sites_words(result)}"
+    rows = [
+        *mf.report.parameter_rows(result),
+        (*mf.report.misfit_words(result), ""),
+        ("asperities", sites, ""),
+    ]
+    tables: list[Any] = [(("", "", ""), rows, None)]
+    return tables + ([(*mf.report.fit_table(result), None)] if result.fits else [])
+
+
+@command(
+    click.option(
+        "--schema",
+        "as_schema",
+        is_flag=True,
+        help="Print the JSON schema instead, by which editors complete keys and mark errors. A specification "
+        "names it in a comment before the first section: `#:schema ./metafem.schema.json`.",
+    ),
+    click.option(
+        "-o", "--output", type=Name(), help="Write the schema into this file instead of printing it."
+    ),
+    force_option,
+    json_option,
+    short_help="Print every key of a specification, with examples.",
+)
+def spec(as_schema: bool, output: Path | None, force: bool, as_json: bool) -> None:
+    """Print every section and key of a specification with its meaning and an example."""
+    if output is not None:
+        if not as_schema:
+            raise click.UsageError("--output writes the schema; add --schema")
+        mf.files.write_schema(output, force)
+        show(as_json, {"schema": str(output)}, files=[output])
+    elif as_schema:
+        click.echo(mf.files.schema_text(), nl=False)
+    elif as_json:
+        show(True, [{name: getattr(key, name) for name in SHOWN} for key in mf.files.all_keys()])
+    else:
+        click.echo(mf.files.manual(), nl=False)
+
+
+@command(click.argument("folder", type=Name()), json_option)
+def report(folder: Path, as_json: bool) -> None:
+    """Write or replace report.html in a result folder, with the results of the studies in the folder."""
+    path = folder / "report.html"
+    with progress():
+        studies = mf.files.stored_studies(folder)
+        text = mf.report.page(loaded(folder), mf.files.stored_hardness(folder), studies=studies)
+        mf.files.write_text(path, text, force=True)
+    show(as_json, {"report": str(path)}, files=[path])
+
+
+@command(
+    click.argument("path", type=Name(), required=False, metavar="[SPEC.toml | DIR]"),
+    click.option(
+        "--port", type=int, help="Port of the loopback address. Default: that of the last run, or a free one."
+    ),
+    click.option("--no-browser", is_flag=True, help="Print the address only."),
+    short_help="Draw a law and see the surface, in the browser.",
+)
+def explore(path: Path | None, port: int | None, no_browser: bool) -> None:
+    """Open a page on which you draw a target law and see its surface; Ctrl-C ends the command.
+
+    The page begins with the specification SPEC.toml, with the specification of the result folder DIR, or by
+    default with the demo operating-points. Only this machine can open the page. The command needs the extra
+    explorer.
+    """
+    from metafem.explorer import explore as start
+
+    with suppress(KeyboardInterrupt):
+        start(path, port=port, show=not no_browser)
+    click.echo("The explorer has ended. An open page keeps what it shows.")

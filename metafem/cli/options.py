@@ -1,0 +1,153 @@
+"""Types of options, options that several commands share, and the decorator of a command."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import click
+
+import metafem as mf
+from metafem.cli.group import TEXTS, Command, Ended
+from metafem.errors import InvalidInput, refuse_if
+from metafem.files.specification.models import MODELS
+
+Decorator = Callable[[Any], Any]
+
+# How the option --contact states each contact law.
+CONTACTS = (
+    *("hertz", "elastic", "jkr ADHESION_ENERGY [CAP]", "kogut-etsion HARDNESS"),
+    *("jackson-green YIELD_STRENGTH", "tabulated FILE"),
+)
+
+# Placeholder of a quantity in `--help`, by its unit.
+PLACEHOLDERS = {"mm": "LENGTH", "N": "FORCE", "rad": "ANGLE", "MPa": "STRESS", "%": "PERCENT", "1": "NUMBER"}
+
+
+class Name(click.Path):
+    """Type of an option that names a file or folder; Path would read an empty name as the current folder."""
+
+    name = "path"
+
+    def __init__(self) -> None:
+        super().__init__(path_type=Path)
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the path that a text names."""
+        if value == "":
+            self.fail("the name is empty; write the name of a file or folder", param, ctx)
+        return super().convert(value, param, ctx)
+
+
+class Quantity(click.ParamType):  # type: ignore[type-arg]
+    """Type of an option that is a quantity with a unit, or a list of quantities if `listed` is true.
+
+    The value is a number in the package's unit. The texts are stored in the context, for errors.
+    """
+
+    name = "quantity"
+
+    def __init__(self, unit: str, example: str = "", *, listed: bool = False) -> None:
+        self.unit, self.example, self.listed = unit, example, listed
+
+    def convert(self, value: Any, param: Any, ctx: Any) -> Any:
+        """Return the number that a text states, or the numbers in a list separated by commas."""
+        if not isinstance(value, str):
+            return value
+        label = max(param.opts, key=len)
+        parts = [part.strip() for part in value.split(",")] if self.listed else [value]
+        ctx.meta.setdefault(TEXTS, {}).setdefault(param.name, (label, []))[1].extend(parts)
+        found = [self.read(label, part) for part in parts]
+        return found if self.listed else found[0]
+
+    def read(self, label: str, text: str) -> Any:
+        """Return the number of one text; a load may be a rescaled load or a force."""
+        try:
+            if self.unit == "load":
+                return mf.files.given_load(text)
+            if text.strip() == "0":  # in any unit
+                return 0.0
+            return mf.files.converted(text, self.unit, self.example or None)
+        except InvalidInput as error:
+            raise Ended("InvalidInput", str(error.at(label))) from None
+
+
+def command(*options: Decorator, **settings: Any) -> Decorator:
+    """Return the decorator of a command with options in the order in which `--help` lists them."""
+
+    def add(function: Any) -> Any:
+        for option in reversed(options):
+            function = option(function)
+        return click.command(cls=Command, **settings)(function)
+
+    return add
+
+
+def quantity(name: str, unit: str, example: str, text: str, **settings: Any) -> Decorator:
+    """Return the option of a quantity; the example is inserted at `{}` in the help text."""
+    kind = float if unit == "1" else Quantity(unit, example)
+    words = text.format(f'"{example}"')
+    return click.option(option_name(name), type=kind, metavar=PLACEHOLDERS[unit], help=words, **settings)
+
+
+def quantities(declared: Mapping[str, tuple[str, str, str]]) -> list[Decorator]:
+    """Return options of quantities from their names, units, examples and help texts."""
+    return [quantity(name, *each) for name, each in declared.items()]
+
+
+def option_name(name: str) -> str:
+    """Return the name of the option for an argument, such as "--height-sd" for "height_sd"."""
+    return f"--{name.replace('_', '-')}"
+
+
+def model_options(default: str, multiple: bool = False) -> list[Decorator]:
+    """Return the options --model and --contact; `default` describes their default."""
+    again = " May be repeated, to compare laws." if multiple else ""
+    text = f"Model of the law, from single contacts to resolved ones.{again} Default: {default}."
+    model = click.option("--model", type=click.Choice(tuple(MODELS)), multiple=multiple, help=text)
+    text = f"Law of one contact, a kind and its values: {', '.join(CONTACTS)}."
+    text += f' For example --contact "jkr 9 mJ/m^2 elastic".{again}'
+    text += f" Default: {default.replace('independent', 'hertz')}."
+    complete = {"metavar": "LAW", "shell_complete": _contact_kinds}
+    return [model, click.option("--contact", multiple=multiple, help=text, **complete)]  # type: ignore[arg-type]
+
+
+def _contact_kinds(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[str]:
+    """Return the kinds of contact laws that begin with `incomplete`, for shell completion."""
+    kinds = (law.partition(" ")[0] for law in CONTACTS)
+    return [kind for kind in kinds if kind.startswith(incomplete)]
+
+
+json_option = click.option(
+    "--json",
+    "as_json",
+    is_flag=True,
+    help="Print only data, as JSON; an error is an object with type and message.",
+)
+force_option = click.option("--force", is_flag=True, help="Replace existing files.")
+column_option = click.option(
+    "--column",
+    multiple=True,
+    metavar="NAME=TITLE",
+    help='Column of a table with another title, such as load="Kraft [N]", or load_N=Kraft if the table does '
+    "not state the unit; may be repeated.",
+)
+
+
+def columns_of(given: tuple[str, ...]) -> dict[str, str]:
+    """Return the titles of columns by the names that they stand for, from the option --column."""
+    pairs = [text.partition("=") for text in given]
+    for text, (name, sign, title) in zip(given, pairs, strict=True):
+        words = f'--column "{text:.60}" must be NAME=TITLE, such as load="Kraft [N]"'
+        refuse_if(not (name and sign and title), words)
+    return {name.strip(): title.strip() for name, _, title in pairs}
+
+
+def refuse_files(force: bool, *files: Path | None, figure: Path | None = None) -> None:
+    """Raise InvalidInput before a long run if one of the files that it writes would be refused."""
+    for path in files:
+        if path is not None:
+            mf.files.refuse_existing(path, force)
+    if figure is not None:
+        mf.files.refuse_figure(figure, force)

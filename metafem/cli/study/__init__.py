@@ -1,1 +1,0 @@
-"""`metafem study`: one command for each study."""

@@ -1,0 +1,300 @@
+"""Reading of friction laws, contact laws and profiles of caps from tables, and of the sites of a design."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from metafem._validate import FloatArray, IntArray
+from metafem.errors import InvalidInput, refuse_if
+from metafem.files.tables import Columns, Entries, Table, is_of_contacts, read_table
+from metafem.inversion import SampledLaw
+from metafem.surface import Friction, Material
+
+if TYPE_CHECKING:
+    from metafem.calibration import MeasuredLaw, MeasurementErrors
+
+LAW = Columns(
+    "load_mN,friction_force_mN,area_mm2,load_sd_mN,friction_force_sd_mN,area_sd_mm2",
+    ("load,friction_force", "load,area"),
+    "measured point",
+    "load_mN,friction_force_mN or load_mN,area_mm2 (or in other units), optionally with load_sd_mN, "
+    "friction_force_sd_mN and area_sd_mm2",
+)
+TARGET = Columns(
+    "load_N,friction_force_N,area_mm2,rescaled_load_mm2,rescaled_friction_mm2,weight,relative_error,load_sd_N,"
+    "friction_force_sd_N,area_sd_mm2,rescaled_load_sd_mm2,rescaled_friction_sd_mm2",
+    ("load,friction_force", "load,area", "rescaled_load,rescaled_friction"),
+    "sample",
+    "load_N,friction_force_N, or load_N,area_mm2, or rescaled_load_mm2,rescaled_friction_mm2 (or in other "
+    "units), and optionally their errors such as friction_force_sd_mN, or weight",
+)
+PROFILE = Columns("rho_mm,f_um", ("rho,f",), "sample")
+CONTACT = Columns("indentation_um,load_mN,area_mm2", ("indentation,load,area",), "sample")
+SITES = Columns("site,x_mm,y_mm", ("x,y",), "site")
+
+# Columns of the table that a section of a specification names, by the kind of the section.
+COLUMNS = {"sampled": TARGET, "profile": PROFILE, "tabulated": CONTACT}
+
+# Keys of a sampled target; if a table has several of them, the first one is read.
+LOADS, FRICTIONS = ("rescaled_load", "load"), ("rescaled_friction", "friction_force", "area")
+
+# The columns of a table, in the package's units, by the key of the specification.
+Keys = dict[str, FloatArray]
+
+
+def read_measured_law(
+    source: str | Path | Table,
+    material: Material,
+    friction: Friction | None = None,
+    *,
+    errors: MeasurementErrors | None = None,
+    label: str = "static",
+    sites: IntArray | None = None,
+) -> MeasuredLaw:
+    """Return the measured friction law in a table.
+
+    Parameters
+    ----------
+    source : str, Path or Table
+        Text file, or a table that `read_table` returned. One line names the columns as ``load_mN`` or
+        ``Load [mN]``, in any order and unit. ``load`` is required, and ``friction_force`` or ``area``. The
+        standard deviations ``load_sd``, ``friction_force_sd`` and ``area_sd`` are optional. A table of
+        ``metafem images`` is also accepted.
+    material : Material
+    friction : Friction, optional
+        Needed if the table has friction forces but no areas.
+    errors : MeasurementErrors, optional
+        Standard deviations for a table without such columns; default: those of the source paper.
+    label : str
+        Name of the law; default: "static".
+    sites : ndarray of int, (n,), optional
+        Site of each asperity of the design, ``Design.sites``, for a table of contacts. Default: the sites in
+        the table are the numbers of the asperities.
+
+    Returns
+    -------
+    MeasuredLaw
+
+    Raises
+    ------
+    InvalidInput
+        If a column is missing, or its unit is missing or of another dimension, if an entry is not a number,
+        or if the points are not a friction law. The error states line and column.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = Path(folder, "measured.csv")
+    ...     _ = path.write_text("load_mN,area_mm2\\n50,0.21\\n100,0.43\\n")
+    ...     read_measured_law(path, Material(1.36)).load
+    array([0.05, 0.1 ])
+    """
+    from metafem.calibration import MeasuredLaw
+    from metafem.files.contacts import contacts_of
+
+    table = read_table(source)
+    options: dict[str, Any] = {} if errors is None else {"errors": errors}
+    if is_of_contacts(table):
+        try:
+            return MeasuredLaw.from_contacts(
+                contacts_of(table), material, friction, label=label, sites=sites, **options
+            )
+        except InvalidInput as error:
+            raise InvalidInput(f"{table.name}: {error}") from None
+    entries = LAW.read(table)
+    values: dict[str, Any] = {name: entries.numbers(name) for name in entries.columns}
+    refuse_if(
+        friction is None and "area" not in values,
+        f"{table.name} holds friction forces, which can only be rescaled with a shear strength and an area "
+        "ratio; state them in the section [friction] or by --shear-strength and --area-ratio, or add a "
+        "column area_mm2",
+    )
+    with entries.located():
+        return MeasuredLaw(**values, material=material, friction=friction, label=label, **options)
+
+
+def read_law(
+    path: str | Path | Table, material: Material | None = None, friction: Friction | None = None
+) -> SampledLaw:
+    """Return the target law in a table of loads and friction.
+
+    Parameters
+    ----------
+    path : str, Path or Table
+        Text file with the columns ``rescaled_load,rescaled_friction``, ``load,area`` or
+        ``load,friction_force``, each with its unit as in ``load_mN`` or ``Load [mN]``, and optionally
+        ``weight``, ``relative_error`` or standard deviations such as ``friction_force_sd_mN``.
+    material : Material, optional
+        Needed for loads in N.
+    friction : Friction, optional
+        Needed for friction forces.
+
+    Returns
+    -------
+    SampledLaw
+
+    Raises
+    ------
+    InvalidInput
+        If the table cannot be read, or if the material or the friction that it needs is not given.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = Path(folder, "wanted.csv")
+    ...     _ = path.write_text("load_mN,area_mm2\\n136,0.8\\n272,1.5\\n")
+    ...     read_law(path, Material(1.36)).rescaled_load
+    array([0.1, 0.2])
+    """
+    table = read_table(path)
+    keys: dict[str, Any] = samples_of(table)
+    more = {name: keys.pop(name) for name in TARGET.plain & keys.keys()}
+    if "load" not in keys:
+        return SampledLaw(**keys, **more)
+    needs = f"{table.name} holds loads in N, which are rescaled by E*; give a material"
+    refuse_if(material is None, needs, key="material")
+    assert material is not None
+    if "rescaled_friction" in keys:
+        load = keys["load"] / material.composite_modulus
+        return SampledLaw(load, keys["rescaled_friction"], **more)
+    needs = f"{table.name} holds friction forces, which are rescaled by sigma B; give a friction"
+    refuse_if(friction is None, needs, key="friction")
+    assert friction is not None
+    return SampledLaw.from_forces(keys["load"], keys["friction_force"], material, friction, **more)
+
+
+def columns_of(source: str | Path | Table, kind: str) -> Keys:
+    """Return the columns of a table, (k,) each, by the key of the section of this kind."""
+    if kind == "sampled":
+        return samples_of(source)
+    entries = COLUMNS[kind].read(source)
+    found = {name: entries.numbers(name) for name in entries.columns}
+    for name, values in found.items():
+        _refuse(entries, name, values < 0.0, "must not be negative")
+        rises = np.append(True, np.diff(values) > 0.0)
+        _refuse(entries, name, ~rises, f"must exceed the {name} of the previous line")
+        origin = (np.arange(len(values)) == 0) & (values != 0.0) & (kind == "profile")
+        _refuse(entries, name, origin, "must be 0; the first line of a profile is its origin")
+    return found
+
+
+def samples_of(source: str | Path | Table) -> Keys:
+    """Return the keys of a sampled target from a table, which may be one of `metafem images`.
+
+    The loads may be in any order, and samples at equal loads are averaged. Standard deviations of the loads
+    and friction forces are combined into relative errors of the friction.
+    """
+    table = read_table(source)
+    if is_of_contacts(table):
+        values = _of_images(table)
+    else:
+        entries = TARGET.read(table)
+        values = {name: entries.numbers(name) for name in entries.columns}
+        for name in values.keys() - TARGET.plain:
+            hint = "" if name.endswith("_sd") else "; omit the origin"
+            _refuse(entries, name, values[name] <= 0.0, f"must be greater than 0{hint}")
+    load = next(key for key in LOADS if key in values)
+    friction = next(key for key in FRICTIONS if key in values)
+    error = _relative_error(table.name, values, load, friction)
+    if error is not None:
+        values["relative_error"] = error
+    values = {key: values[key] for key in (load, friction, *TARGET.plain) if key in values}
+    if (np.diff(values[load]) <= 0.0).any():
+        values = _averaged(values, load)
+    return {"rescaled_friction" if key == "area" else key: column for key, column in values.items()}
+
+
+def measured_pairs(path: str | Path | Table) -> tuple[list[float], list[float]]:
+    """Return loads and friction forces [N] of a measured law, sorted by load."""
+    table = read_table(path)
+    samples = samples_of(table)
+    words = f"{table.name} must hold forces; name its columns load_N,friction_force_N"
+    refuse_if(not samples.keys() >= {"load", "friction_force"}, words)
+    return samples["load"].tolist(), samples["friction_force"].tolist()
+
+
+def read_sites(path: str | Path | Table) -> tuple[FloatArray, IntArray]:
+    """Return the positions [mm], (n, 2), and numbers, (n,), of the sites of a design, seen from above.
+
+    The table has the columns x and y, with their units, and optionally the column site. Without the column
+    site, the sites are numbered from 0. The table of a mould is refused because it is mirrored.
+    """
+    table = read_table(path)
+    mould = any(title.startswith("depth_") for title in table.header)
+    must = "describes a mould, which is mirrored; give heights.csv of the design"
+    refuse_if(mould, f"{table.name} {must}")
+    entries = SITES.read(table)
+    position = np.column_stack([entries.numbers("x"), entries.numbers("y")])
+    if "site" not in entries.columns:
+        return position, np.arange(len(position))
+    number = np.array(entries.whole("site", 0))
+    twice = np.array([site in number[:row] for row, site in enumerate(number)])
+    _refuse(entries, "site", twice, "is the number of another site too")
+    return position, number
+
+
+def _refuse(entries: Entries, name: str, wrong: Any, must: str) -> None:
+    """Raise InvalidInput for the first row of a column for which `wrong`, (k,), is true."""
+    for row in np.flatnonzero(wrong)[:1]:
+        raise InvalidInput(f"{entries.cell(row, name)} = {entries.texts(name)[row]} {must}")
+
+
+def _relative_error(
+    name: str, values: Mapping[str, FloatArray], load: str, friction: str
+) -> FloatArray | None:
+    """Return relative errors of the friction, (k,), or None if the table has no errors.
+
+    The relative error of a load is multiplied by the exponent of the power law that fits the samples.
+    """
+    stated = [key for key in (f"{load}_sd", f"{friction}_sd") if key in values]
+    if not stated:
+        return values.get("relative_error")
+    words = f"{name}: relative_error and {stated[0]} both give the errors; keep one"
+    refuse_if("relative_error" in values, words)
+    x, y = values[load], values[friction]
+    exponent = float(np.polyfit(np.log(x), np.log(y), 1)[0]) if len(np.unique(x)) > 1 else 1.0
+    zero = np.zeros(len(x))
+    by_load = exponent * values.get(f"{load}_sd", zero) / x
+    error = np.hypot(by_load, values.get(f"{friction}_sd", zero) / y)
+    words = f"the error of sample {error.argmax() + 1} is as large as its friction; leave the sample out"
+    refuse_if(error.max() >= 1.0, f"{name}: {words}")
+    return error
+
+
+def _averaged(values: Mapping[str, FloatArray], load: str) -> Keys:
+    """Return the columns sorted by load, with one sample for each load."""
+    loads, group, counts = np.unique(values[load], return_inverse=True, return_counts=True)
+    found: Keys = {load: loads}  # exact: a computed mean would be rounded
+    for key in values.keys() - {load}:
+        column = values[key]
+        if key == "weight":
+            found[key] = np.bincount(group, column).astype(np.float64)
+        elif key == "relative_error":  # repeated samples have independent errors
+            found[key] = np.sqrt(np.bincount(group, column**2)) / counts
+        else:
+            found[key] = np.bincount(group, column) / counts
+    if len(loads) < len(group) and values.keys().isdisjoint(TARGET.plain):
+        found["weight"] = counts.astype(np.float64)
+    return found
+
+
+def _of_images(table: Table) -> Keys:
+    """Return loads [N], areas [mm^2] and errors of the areas [mm^2], (k,), of a table of `metafem images`."""
+    from metafem.calibration import MeasuredLaw
+    from metafem.files.contacts import contacts_of
+
+    try:
+        # loads and areas do not depend on the material, so that any material serves
+        law = MeasuredLaw.from_contacts(contacts_of(table), Material(1.0)).known()
+    except InvalidInput as error:
+        raise InvalidInput(f"{table.name}: {error}") from None
+    assert law.area is not None
+    assert law.area_sd is not None
+    kept = (law.load > 0.0) & (law.area > 0.0)
+    return {"load": law.load[kept], "area": law.area[kept], "area_sd": law.area_sd[kept]}

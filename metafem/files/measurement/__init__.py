@@ -1,1 +1,0 @@
-"""Reading of measured tables, images and height maps with their units."""
