@@ -20,10 +20,10 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from metafem.calibration.compression.result import ContactCalibration
+    from metafem.calibration.compression import ContactCalibration
+    from metafem.calibration.full_contact import StrengthFit
     from metafem.calibration.images.contact_areas import ContactAreas
-    from metafem.calibration.sheared.full_contact import StrengthFit
-    from metafem.calibration.sheared.lines import ShearCalibration
+    from metafem.calibration.sheared import ShearCalibration
     from metafem.calibration.sites.tracking import TrackedContacts
     from metafem.calibration.topography.made_surface import MadeSurface
     from metafem.prediction import FrictionLaw

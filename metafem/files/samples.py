@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from metafem._validate import FloatArray
-from metafem.calibration import MeasuredLaw
+from metafem.calibration import measured_law
 from metafem.errors import InvalidInput, refuse_if
 from metafem.files.measurement.contacts import contacts_of, is_of_contacts
 from metafem.files.tables import Columns, Entries, Table, table_of
@@ -154,7 +154,7 @@ def _of_images(table: Table) -> Keys:
     """Return loads [N], areas [mm^2] and errors of the areas [mm^2], (k,), of a table of `metafem images`."""
     try:
         # loads and areas do not depend on the material, so that any material serves
-        law = MeasuredLaw.from_contacts(contacts_of(table), Material(1.0)).known()
+        law = measured_law(contacts_of(table), Material(1.0)).known()
     except InvalidInput as error:
         raise InvalidInput(f"{table.name}: {error}") from None
     assert law.area is not None

@@ -66,6 +66,11 @@ Row = tuple[str, ...]
     help='Contact law of the caps without adhesion, such as "hertz" or the table of a law. Default: hertz.',
 )
 @click.option(
+    "--unusual",
+    is_flag=True,
+    help="Accept moduli outside 0.01 to 100 MPa, and contact radii outside 0.001 R to R.",
+)
+@click.option(
     "--full-contact",
     type=Name(),
     metavar="TABLE.csv",
@@ -169,12 +174,12 @@ def _agree(what: str, tests: Sequence[object], verdict: Verdict) -> str:
 
 def _of_contact(found: ContactCalibration) -> tuple[list[Row], list[str]]:
     """Return the rows of E* and the adhesion energy, and the verdicts on their fits."""
-    from metafem.calibration.bounded_interval import bounded_interval
+    from metafem.calibration.statistics import bounded_interval
 
     sd = math.sqrt(found.root_covariance[0, 0])
     ends = found.composite_modulus_interval
     rows = [_row("E*, composite modulus", found.composite_modulus, sd, ends, "MPa")]
-    if found.adhesion_energy <= 0.0:
+    if not found.adhesive:
         alone, without = found.modulus_without_adhesion
         low, high = (float(end) for end in bounded_interval(alone, without))
         rows.append(_row("E* without adhesion", alone, without, (low, high), "MPa"))

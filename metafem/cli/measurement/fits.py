@@ -97,6 +97,7 @@ class Fits:
                 radius_sd=lengths["radius_sd"] or 0.0,
                 poisson_ratio=0.5 if options["poisson_ratio"] is None else options["poisson_ratio"],
                 contact=contact_of(mf.files.chosen_model(mf.Independent(), None, options["contact"])),
+                unusual=options["unusual"],
             )
             return mf.calibration.fit_compression(
                 points.load, points.area, radius, sample, errors=errors, test=points.test

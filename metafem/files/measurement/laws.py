@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from metafem._validate import IntArray
-from metafem.calibration import MeasuredLaw, MeasurementErrors
+from metafem.calibration import MeasuredLaw, MeasurementErrors, measured_law
 from metafem.errors import InvalidInput, named, refuse_if
 from metafem.files.measurement.contacts import contacts_of, is_of_contacts
 from metafem.files.tables import Columns, Table, read_table
@@ -77,9 +77,7 @@ def read_measured_law(
     if is_of_contacts(table):
         contacts = contacts_of(table)
         try:
-            return MeasuredLaw.from_contacts(
-                contacts, material, friction, errors=errors, label=label, sites=sites
-            )
+            return measured_law(contacts, material, friction, errors=errors, label=label, sites=sites)
         except InvalidInput as error:
             raise InvalidInput(f"{table.name}: {error}") from None
     entries = COLUMNS.of(table)

@@ -8,8 +8,8 @@ import numpy as np
 
 from metafem._validate import FloatArray
 from metafem._values import percent
-from metafem.calibration.explain import row
-from metafem.calibration.verdict import REJECTED, chi
+from metafem.calibration.explanation import row
+from metafem.calibration.statistics import REJECTED, chi
 from metafem.studies.summaries.table import Columns, Summary, stored_notes, summarised, texts
 
 if TYPE_CHECKING:

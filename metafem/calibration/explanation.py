@@ -13,8 +13,8 @@ from metafem import _validate as check
 from metafem._given import shown
 from metafem._validate import FloatArray
 from metafem._values import Value, percent
-from metafem.calibration.measured_law.law import MeasuredLaw
-from metafem.calibration.verdict import Verdict, judged
+from metafem.calibration.laws import MeasuredLaw
+from metafem.calibration.statistics import Verdict, judged
 from metafem.contact.elastic import usual_law
 from metafem.errors import refuse_if
 from metafem.inversion import Design
