@@ -20,11 +20,11 @@ from .sheared import ShearCalibration as ShearCalibration
 from .sheared import at_peak as at_peak
 from .sheared import over_plateau as over_plateau
 from .sheared import shear as shear
-from .sites.match import SiteMatch as SiteMatch
-from .sites.match import match_sites as match_sites
-from .sites.tracking import DesignSites as DesignSites
-from .sites.tracking import TrackedContacts as TrackedContacts
-from .sites.tracking import track_contacts as track_contacts
+from .sites import DesignSites as DesignSites
+from .sites import SiteMatch as SiteMatch
+from .sites import TrackedContacts as TrackedContacts
+from .sites import match_sites as match_sites
+from .sites import track_contacts as track_contacts
 from .statistics import MeasurementErrors as MeasurementErrors
 from .statistics import SingleTest as SingleTest
 from .statistics import Verdict as Verdict

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from metafem.calibration.full_contact import StrengthFit
     from metafem.calibration.images.contact_areas import ContactAreas
     from metafem.calibration.sheared import ShearCalibration
-    from metafem.calibration.sites.tracking import TrackedContacts
+    from metafem.calibration.sites import TrackedContacts
     from metafem.calibration.topography.made_surface import MadeSurface
     from metafem.prediction import FrictionLaw
 

@@ -131,13 +131,13 @@ def _rules() -> Iterator[Row]:
 
 def exact() -> list[Row]:
     """Compare the crossover and the slopes of points on two lines with those of the lines."""
-    load, crossover, slopes = np.linspace(0.011, 0.131, 13), 0.0631, paper()["fig5"]["slopes"]
-    area = 0.05 + slopes[0] * load + (slopes[1] - slopes[0]) * np.maximum(load - crossover, 0.0)
+    load, kink, slopes = np.linspace(0.011, 0.131, 13), 0.0631, paper()["fig5"]["slopes"]
+    area = 0.05 + slopes[0] * load + (slopes[1] - slopes[0]) * np.maximum(load - kink, 0.0)
     material = surfaces()["Fig. 5 red"].material
     law = mf.calibration.MeasuredLaw(material.composite_modulus * load, area=area, material=material)
     fit = crossover(law)
     names = "crossover [mm²]", "slope 1", "slope 2"
-    found, true = (fit.crossover_load, *fit.slopes), (crossover, *slopes)
+    found, true = (fit.crossover_load, *fit.slopes), (kink, *slopes)
     return [
         near(f"points on two lines: {name}", value, exact, EXACT * exact, LINES)
         for name, value, exact in zip(names, found, true, strict=True)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from metafem._validate import FloatArray, IntArray
 from metafem._values import percent
-from metafem.calibration.sites.match import FEWEST, match_sites
+from metafem.calibration.sites import FEWEST, match_sites
 from metafem.errors import InvalidInput, refuse_if
 from metafem.notes import Note, information
 from metafem.surface import Surface

@@ -6,8 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from metafem._validate import FloatArray
-from metafem.calibration.sites.search import IntArray
+from metafem._validate import FloatArray, IntArray
 from metafem.errors import InvalidInput, refuse_if
 from metafem.files.tables import Columns, read_table
 
