@@ -29,5 +29,5 @@ from .statistics import MeasurementErrors as MeasurementErrors
 from .statistics import SingleTest as SingleTest
 from .statistics import Verdict as Verdict
 from .statistics import joint_covariance as joint_covariance
-from .topography.made_surface import MadeSurface as MadeSurface
-from .topography.made_surface import measured_surface as measured_surface
+from .topography import MadeSurface as MadeSurface
+from .topography import made_surface as made_surface

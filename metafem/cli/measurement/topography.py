@@ -109,6 +109,6 @@ def _measured(file: Path, stored: Any, design: Design, options: dict[str, bool])
     """Return the made surface that a height map shows; errors name the file of the map."""
     try:
         with named(ARGUMENTS):
-            return mf.calibration.measured_surface(stored.values, stored.pixel, design.surface, **options)
+            return mf.calibration.made_surface(stored.values, stored.pixel, design.surface, **options)
     except InvalidInput as error:
         raise InvalidInput(f"{printable(str(file))}: {error}") from None

@@ -15,9 +15,9 @@ from metafem.calibration import (
     explain,
     fit_compression,
     joint_covariance,
+    made_surface,
     match_sites,
     measured_law,
-    measured_surface,
     over_plateau,
     shear,
     shear_strength,
@@ -25,7 +25,7 @@ from metafem.calibration import (
     track_contacts,
 )
 from metafem.calibration.images.grey import grey_values
-from metafem.calibration.topography.alignment import aligned
+from metafem.calibration.topography import aligned
 from tests.calibration.compression.scenes import AREA, RADIUS, A, load_of, of_cap
 from tests.calibration.images.scenes import PIXEL, SHAPE
 from tests.calibration.measured_law.scenes import (
@@ -89,7 +89,7 @@ def tracked(**given):
 def mapped(**given):
     """Measure a flat map with changed arguments."""
     flat = {"height_map": np.zeros((80, 80)), "pixel_size": 0.04, "design_surface": FOUR}
-    return lambda: measured_surface(**flat | given)
+    return lambda: made_surface(**flat | given)
 
 
 REFUSALS = [
