@@ -11,9 +11,9 @@ from .explanation import Explanation as Explanation
 from .explanation import explain as explain
 from .full_contact import StrengthFit as StrengthFit
 from .full_contact import shear_strength as shear_strength
-from .images.areas import contact_areas as contact_areas
-from .images.areas import stack_areas as stack_areas
-from .images.contact_areas import ContactAreas as ContactAreas
+from .images import ContactAreas as ContactAreas
+from .images import contact_areas as contact_areas
+from .images import stack_areas as stack_areas
 from .laws import MeasuredLaw as MeasuredLaw
 from .laws import measured_law as measured_law
 from .sheared import ShearCalibration as ShearCalibration

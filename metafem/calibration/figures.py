@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from metafem.calibration.compression import ContactCalibration
     from metafem.calibration.full_contact import StrengthFit
-    from metafem.calibration.images.contact_areas import ContactAreas
+    from metafem.calibration.images import ContactAreas
     from metafem.calibration.sheared import ShearCalibration
     from metafem.calibration.sites import TrackedContacts
     from metafem.calibration.topography import MadeSurface

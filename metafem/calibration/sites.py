@@ -20,8 +20,7 @@ from metafem._given import printable, shown
 from metafem._validate import FloatArray, IntArray
 from metafem._values import Value
 from metafem.calibration.contact_table import ContactTable
-from metafem.calibration.images.contact_areas import ContactAreas
-from metafem.calibration.images.measuring import contact_notes
+from metafem.calibration.images import ContactAreas, contact_notes
 from metafem.errors import InvalidInput, refuse_if
 from metafem.notes import Note
 

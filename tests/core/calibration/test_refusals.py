@@ -24,7 +24,7 @@ from metafem.calibration import (
     stack_areas,
     track_contacts,
 )
-from metafem.calibration.images.grey import grey_values
+from metafem.calibration.images import grey_values
 from metafem.calibration.topography import aligned
 from tests.calibration.compression.scenes import AREA, RADIUS, A, load_of, of_cap
 from tests.calibration.images.scenes import PIXEL, SHAPE
@@ -43,7 +43,6 @@ from tests.calibration.topography.scenes import FOUR, lattice
 from tests.refusals import faults
 from validation.scenes.lattice_views import lattice as sites
 from validation.scenes.lattice_views import seen
-from validation.scenes.pictures import picture
 from validation.scenes.sheared_contacts import sheared
 
 EXACT, FIRST = load_of(A), A < 0.09
@@ -145,11 +144,6 @@ REFUSALS = [
     (lambda: explain(law_of(area=[0.1, 0.2, 0.3]), FEW, expected={"wear": 0.5}), "expected", "wear"),
     (lambda: contact_areas(np.full((50, 50), 7), PIXEL), "image", "7"),
     (lambda: contact_areas(np.random.default_rng(0).normal(200.0, 5.0, (100, 100)), PIXEL), "image", "noise"),
-    (
-        lambda: contact_areas(picture((80, 80), [(40, 40)], [20], noise=0.02), PIXEL, threshold=0.1),
-        "threshold",
-        "0.1",
-    ),
     (lambda: grey_values(np.where(np.eye(50) > 0, np.nan, 1.0)), "image", "nan"),
     (lambda: grey_values(np.random.default_rng(0).random((50, 50, 3))), "image", "3"),
     (lambda: grey_values(np.eye(50) > 0), "image", "bool"),
