@@ -158,6 +158,11 @@ class MeasuredLaw(BaseLaw):
         return self.friction_force is not None and self.friction is not None
 
     @property
+    def stress_of_forces(self) -> float:
+        """Friction force over rescaled friction, sigma B [MPa], if forces were measured; else 0."""
+        return self._stress if self.by_force else 0.0
+
+    @property
     def rescaled_load(self) -> FloatArray:
         """Rescaled load P/E* [mm^2], (k,)."""
         return self.load / self.material.composite_modulus

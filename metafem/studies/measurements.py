@@ -34,7 +34,8 @@ def measured(comparisons: Sequence[Comparison], model: Model) -> xr.Dataset:
     -------
     xarray.Dataset
         Over ``point``, the points of all laws: the label ``of_law``, ``load`` [N], ``rescaled_load``,
-        ``rescaled_friction``, ``predicted`` and ``deviation`` [mm^2]; all but ``predicted`` have ``..._sd``.
+        ``rescaled_friction``, ``predicted`` and ``deviation`` [mm^2], which have ``..._sd`` but for
+        ``predicted``, and ``stress`` [MPa], the friction force over the rescaled one, 0 for a law of areas.
         Over ``feature``: ``of_law_feature``, ``value``, ``value_sd``, ``design`` and ``target``. Over
         ``law``: ``chi_square``, ``freedom``, ``probability``, ``fits`` (1 if the law agrees with the design)
         and ``verdict``.
@@ -65,7 +66,10 @@ def measured(comparisons: Sequence[Comparison], model: Model) -> xr.Dataset:
     variables: Variables = {
         name: (("point",), np.concatenate([each[name] for each in points])) for name in points[0]
     }
-    variables["of_law"] = ("point",), np.repeat(labels, [len(each.point) for each in comparisons])
+    counts = [len(each.point) for each in comparisons]
+    stress = [each.measured.stress_of_forces for each in comparisons]
+    variables["stress"] = ("point",), np.repeat(stress, counts)
+    variables["of_law"] = ("point",), np.repeat(labels, counts)
     features = [(each.measured.label, feature) for each in comparisons for feature in each.features]
     variables["of_law_feature"] = ("feature",), np.array([label for label, _ in features], dtype=str)
     for name, attribute in {

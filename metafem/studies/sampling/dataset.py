@@ -32,6 +32,7 @@ QUANTITIES: Mapping[str, tuple[str, str]] = {
     "elements_error": ("1", "relative error of the table of caps"),
     "rescaled_friction": ("mm2", "friction force over shear strength and area ratio"),
     "deviation": ("mm2", "rescaled friction less the predicted real contact area"),
+    "stress": ("MPa", "friction force over rescaled friction, 0 for a law of areas"),
     "predicted": ("mm2", "rescaled friction of the design"),
     "chi_square": ("1", "sum of the squares of the normalised deviations"),
     "freedom": ("1", "degrees of freedom"),

@@ -24,13 +24,15 @@ CAUSES = ("cause", "found (68 %)", "expected")
 def measured_summary(study: Dataset) -> Summary:
     """Return the table of the deviations of all points, and a sentence on each law."""
     measured, predicted = study["rescaled_friction"].values, study["predicted"].values
+    # the numbers have the units of the table: friction forces, or areas
+    stress = study["stress"].values if "stress" in study else np.zeros(1)
+    factor, what = (stress, "F [N]") if (stress > 0.0).all() else (1.0, "area [mm²]")
     columns: Columns = {
         "law": study["of_law"].values,
         "P [N]": texts(".4g", study["load"].values),
-        "P/E* [mm²]": texts(".4g", study["rescaled_load"].values),
-        "measured [mm²]": texts(".4g", measured),
-        "±": texts(".2g", study["rescaled_friction_sd"].values),
-        "design [mm²]": texts(".4g", predicted),
+        f"measured {what}": texts(".4g", factor * measured),
+        "±": texts(".2g", factor * study["rescaled_friction_sd"].values),
+        f"design {what}": texts(".4g", factor * predicted),
         "deviation": _relative(measured, predicted),
         "in s.d.": texts("+.1f", (study["deviation"] / study["deviation_sd"]).values),
     }
@@ -84,10 +86,9 @@ def explained_summary(study: Dataset) -> Summary:
     """Return the table of the errors that explain a law, and a sentence on the misfit."""
     columns = [study[name].values.tolist() for name in ("cause", "mean", "sd", "expected")]
     rows = tuple(row(*values) for values in zip(*columns, strict=True))
-    design, misfit, values = (float(study[name]) for name in ("misfit_design", "misfit", "values"))
-    explains = "explain" if int(study["fits"]) else "do not explain"
+    misfit, values = float(study["misfit"]), float(study["values"])
+    explains = "agrees" if int(study["fits"]) else "does not agree"
     answer = (
-        f"The measured law differs from the design by chi² = {chi(design)} over {values:.0f} measured "
-        f"values; with these errors it is {chi(misfit)}: they {explains} the difference."
+        f"A part with these errors {explains} with the {values:.0f} measured values: chi² = {chi(misfit)}."
     )
     return Summary("What explains the measured law", CAUSES, rows, stored_notes(study), answer)

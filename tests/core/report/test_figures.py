@@ -180,7 +180,7 @@ def test_what_explains_a_law_is_a_table():
     law = MeasuredLaw(load, area=tilted.area, material=MATERIAL)
     found = summary(explained(explain(law, lattice)))
     assert [row[0] for row in found.rows] == ["tilt along x", "tilt along y", "height scale", "E*"]
-    assert "they explain the difference" in found.answer
+    assert "with these errors agrees with the 12 measured values" in found.answer
 
 
 def test_the_onset_of_sliding_is_stated(design):
