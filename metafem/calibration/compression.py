@@ -389,7 +389,6 @@ def fit_compression(
     sample: Sample | None = None,
     *,
     errors: MeasurementErrors = PAPER,
-    area_sd: ArrayLike | None = None,
     test: ArrayLike | None = None,
 ) -> ContactCalibration:
     """Return E* and the adhesion energy w fitted to loads and contact areas that both have errors.
@@ -419,8 +418,6 @@ def fit_compression(
         Standard deviations of the total loads and of the areas of single contacts, whose errors are
         independent; default: the error bars of Aymard et al. An open contact has the error of a contact whose
         radius is twice the error of the boundary.
-    area_sd : array_like, of the shape of `area`, optional
-        Standard deviations of the areas [mm^2]; default: computed from `errors`.
     test : array_like, (k,), optional
         Labels of the tests to which the points belong; default: one test.
 
@@ -452,8 +449,8 @@ def fit_compression(
     size = check.number("radius", radius, above=0.0)
     less = "must be less than the radius, {.number}"
     refuse_if(given.radius_sd >= size, less, Given("radius", size), key="radius_sd", value=given.radius_sd)
-    loads, areas, sd = _checked(load, area, given.contacts, area_sd)
-    data = _Data(given, size, loads, areas, sd, errors, labels_of(test, len(loads)))
+    loads, areas = _checked(load, area, given.contacts)
+    data = _Data(given, size, loads, areas, errors, labels_of(test, len(loads)))
     data.refuse_beyond()
     found = data.whole()
     value, covariance = of_root(found)
@@ -498,7 +495,6 @@ class _Data:
     radius: float
     load: FloatArray
     area: FloatArray
-    sd: FloatArray | None
     errors: MeasurementErrors
     test: tuple[str, ...]
 
@@ -509,11 +505,10 @@ class _Data:
         return AreaLaw(cap, scale * self.radius, self.sample.contacts // self.area.shape[1], adhesive)
 
     def sd_of(self, area: FloatArray, rows: Any = slice(None)) -> FloatArray:
-        """Return the standard deviations of areas [mm^2], of open contacts too."""
-        each = self.errors.of_area(area) if self.sd is None else self.sd[rows]
-        alike = self.sample.contacts // self.area.shape[1] if self.sd is None else 1
-        closed = self.area[rows] > 0.0
-        return np.asarray(np.where(closed, each, np.maximum(each, self.errors.of_open)) / math.sqrt(alike))
+        """Return the standard deviations of fitted areas [mm^2], of open contacts too."""
+        each, closed = self.errors.of_area(area), self.area[rows] > 0.0
+        alike = math.sqrt(self.sample.contacts // self.area.shape[1])
+        return np.asarray(np.where(closed, each, np.maximum(each, self.errors.of_open)) / alike)
 
     def fit(self, law: AreaLaw, rows: Any = slice(None)) -> variables.Fit:
         """Return the fit of a law to some of the points."""
@@ -603,10 +598,8 @@ class _Data:
 INSIST = "; if they are right, insist with the option --unusual (in Python, Sample(unusual=True))"
 
 
-def _checked(
-    load: Any, area: Any, number: int, area_sd: Any
-) -> tuple[FloatArray, FloatArray, FloatArray | None]:
-    """Return the checked loads (k,), areas of single contacts (k, n), and their standard deviations."""
+def _checked(load: Any, area: Any, number: int) -> tuple[FloatArray, FloatArray]:
+    """Return the checked loads (k,) and areas of single contacts (k, n)."""
     loads = check.array("load", load, shape=(None,))
     count, one_by_one = len(loads), check.depth(area) == 2
     few = f"load has {count} points; E* and the adhesion energy need at least {FEWEST}, at different areas"
@@ -619,12 +612,7 @@ def _checked(
     alike = "all areas are {.number}: E* and the adhesion energy need points at different areas"
     refuse_if(np.ptp(total) <= ONE_AREA * total.max(), alike, Given("area", total.max()))
     of_each = 1 if one_by_one else number
-    if area_sd is None:
-        return loads, areas.reshape(count, -1) / of_each, None
-    sd = check.array("area_sd", area_sd, shape=shape)
-    wrong = (sd < 0.0) | ((sd == 0.0) & (areas > 0.0))
-    check.refuse_entries("area_sd", sd, wrong, "must be greater than 0")
-    return loads, areas.reshape(count, -1) / of_each, sd.reshape(count, -1) / of_each
+    return loads, areas.reshape(count, -1) / of_each
 
 
 def _notes(found: ContactCalibration, widest: float) -> Iterator[Note]:

@@ -410,7 +410,7 @@ def grey_values(image: Any) -> NDArray[Any]:
         f"image has shape {values.shape}; it must be (rows, columns) with at least {FEWEST} of each{several}",
     )
     for row, column in np.argwhere(~np.isfinite(values))[:1].tolist():
-        where = f"{values[row, column]} in row {row}, column {column}"
+        where = f"{values[row, column]} in row {row + 1}, column {column + 1}"
         raise InvalidInput(f"image holds {where}; all grey values must be finite")
     low, high = float(values.min()), float(values.max())
     same = f"all its grey values are {low:g}, all dark or all bright; it shows no contact"

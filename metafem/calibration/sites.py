@@ -66,9 +66,6 @@ HALF, CERTAIN, MORE, PART = 0.5, 0.4, 3, 0.1
 # sites.
 SEMI_AXES = 1.5
 
-# Largest number of images to try until one can be matched to the sites, starting with the most contacts.
-TRIED = 3
-
 
 class Pose(NamedTuple):
     """Similarity w -> factor w + shift of the sites to the image, and the site of each contact, -1: none."""
@@ -420,8 +417,8 @@ def track_contacts(
     Raises
     ------
     InvalidInput
-        If no image shows a contact, or if the images with the most contacts do not match the sites. The error
-        names the image.
+        If no image shows a contact, or if the image with the most contacts, which the error names, does not
+        match the sites.
 
     Examples
     --------
@@ -449,10 +446,9 @@ def track_contacts(
         np.full(k, np.nan) if values is None else check.array_with_gaps(name, values, shape=(k,))
         for name, values in (("load", load), ("friction_force", friction_force))
     )
-    fullest = _fullest(found, names, loads)
+    reference = _fullest(found, names, loads)
     match = None
     if sites is None:
-        reference = fullest[0]
         first = found[reference]
         # a region at the edge counts if another image shows all of it; its semi-axis is the error of its
         # centre
@@ -462,11 +458,18 @@ def track_contacts(
         seen = [one.site for one in placed[0] if one is not None]
         known = known[np.isin(np.arange(len(known)), np.concatenate(seen))]
         placed = _placed(first.centre[known], found, others, reach[known])
-        position, number = _mean_positions(placed[0], found, first.centre[known]), np.arange(len(known))
+        position, number = first.centre[known], np.arange(len(known))
         labels = [f"contact {j + 1}" for j in range(len(number))]
     else:
         check.instance("sites", sites, DesignSites, "a metafem.calibration.DesignSites")
-        reference, match = _matched(found, names, fullest, sites)
+        first, side = found[reference], sites.viewed_from
+        try:
+            match = match_sites(
+                *(first.centre[first.complete], sites.position),
+                viewed_from=side, rotation=sites.rotation, frame=first.frame,
+            )  # fmt: skip
+        except InvalidInput as error:
+            raise InvalidInput(f"{printable(names[reference], 60)}: {error}") from None
         placed = _placed(match.to_image(sites.position), found, others, np.zeros(len(sites.position)))
         position, number = sites.position, sites.number
         labels = [f"site {s}" for s in number]
@@ -691,41 +694,14 @@ class _View:
         return [int(site) for site in order[close[order]]]
 
 
-def _fullest(areas: Sequence[ContactAreas], names: Sequence[str], load: FloatArray) -> list[int]:
-    """Return the images by the number of measurable contacts; images without a load come last."""
+def _fullest(areas: Sequence[ContactAreas], names: Sequence[str], load: FloatArray) -> int:
+    """Return the image with the most measurable contacts; images without a load come last."""
     complete = [int(np.count_nonzero(one.complete)) for one in areas]
     total = [one.area[one.complete].sum() for one in areas]
-    order = sorted(range(len(areas)), key=lambda i: (np.isnan(load[i]), -complete[i], -total[i]))
-    order = [i for i in order if complete[i]]
+    order = [i for i in range(len(areas)) if complete[i]]
     listed = printable(", ".join(names), 120) or "an empty list of images"
     refuse_if(not order, f"no contact can be measured in {listed}")
-    return order
-
-
-def _matched(
-    areas: Sequence[ContactAreas], names: Sequence[str], fullest: list[int], sites: DesignSites
-) -> tuple[int, SiteMatch]:
-    """Return the index of the fullest image that can be matched, and its match."""
-    errors = []
-    for i in fullest[:TRIED]:
-        centre, frame = areas[i].centre[areas[i].complete], areas[i].frame
-        side, angle = sites.viewed_from, sites.rotation
-        try:
-            return i, match_sites(centre, sites.position, viewed_from=side, rotation=angle, frame=frame)
-        except InvalidInput as error:
-            errors.append(f"{printable(names[i], 60)}: {error}")
-    raise InvalidInput(errors[0])
-
-
-def _mean_positions(found: Views, areas: Sequence[ContactAreas], centre: FloatArray) -> FloatArray:
-    """Return the mean positions of contacts over the images [mm], (m, 2), after removal of the shifts."""
-    total, count = np.zeros_like(centre), np.zeros(len(centre))
-    for one, each in zip(found, areas, strict=True):
-        if one is not None:
-            matched = one.site >= 0
-            total[one.site[matched]] += each.centre[matched] - (one.position[0] - centre[0])
-            count[one.site[matched]] += 1
-    return np.asarray(total / count[:, None])
+    return min(order, key=lambda i: (np.isnan(load[i]), -complete[i], -total[i]))
 
 
 def _remarks(

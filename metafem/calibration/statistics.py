@@ -254,7 +254,7 @@ def joint_covariance(*calibrations: Any) -> tuple[tuple[str, ...], FloatArray]:
     >>> pressed = fit_compression(1.36 * 4 / 3 * a**3 / 0.526, area, 0.526)
     >>> names, covariance = joint_covariance(pressed, shear(area, 0.85 * area, 0.3 * area))
     >>> names, np.sqrt(np.diag(covariance)).round(3)
-    (('composite_modulus', 'area_ratio', 'shear_strength'), array([0.06 , 0.003, 0.002]))
+    (('composite_modulus', 'area_ratio', 'shear_strength'), array([0.017, 0.003, 0.002]))
     """
     names = [name for each in calibrations for name in each.parameters]
     for name in names:

@@ -54,6 +54,9 @@ STEPS, PLANE_CELLS = 50, 30
 # Powers of x and y of a plane with bow; the first three are those of a plane.
 POWERS = ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
 
+# Largest slope at which a cap is used [-], 45 degrees; microscopes do not see steeper flanks.
+STEEPEST = 1.0
+
 # Lowest fraction of a cap's height, which the fit leaves out because tool and microscope round the foot.
 FOOT = 0.1
 
@@ -321,11 +324,12 @@ class Cap:
     sd: float = 0.0
     cause: str = ""
 
-    def part(self, steepest: float) -> float:
+    @property
+    def part(self) -> float:
         """Return the radius [mm] of the circle within which the cap is above its foot and not too steep."""
         height = (1.0 - FOOT) * self.height
         wide = max(height * (2.0 * self.radius - height), 0.0)
-        steep = steepest / math.hypot(1.0, steepest) * self.radius
+        steep = STEEPEST / math.hypot(1.0, STEEPEST) * self.radius
         return min(math.sqrt(wide), steep)
 
 
@@ -375,7 +379,7 @@ def _sphere(x: FloatArray, y: FloatArray, z: FloatArray) -> Cap | None:
 
 
 def fitted_caps(
-    height_map: HeightMap, levelling: Levelling, starts: list[Cap], steepest: float
+    height_map: HeightMap, levelling: Levelling, starts: list[Cap]
 ) -> tuple[list[Cap], FloatArray]:
     """Return the sphere fitted to each cap, and the covariance of (x, y, height, radius), (n, 4, 4).
 
@@ -384,12 +388,9 @@ def fitted_caps(
     cosine of the slope as weight. Pixels with residuals above 4.5 robust standard deviations are excluded,
     together with their neighbours.
     """
-    widest = max(cap.part(steepest) for cap in starts)
+    widest = max(cap.part for cap in starts)
     side = max(1, round(2.0 * widest / SUMMED / max(height_map.pixel)))
-    found = [
-        _fitted(height_map, levelling, start, steepest, side)
-        for start in told("fitting spheres: summit", starts)
-    ]
+    found = [_fitted(height_map, levelling, start, side) for start in told("fitting spheres: summit", starts)]
     caps, sums = (list(column) for column in zip(*found, strict=True))
     covariance = np.full((len(caps), 4, 4), np.nan)
     good = [one[0] for one in sums if one is not None]
@@ -404,11 +405,11 @@ def fitted_caps(
 
 
 def _fitted(
-    height_map: HeightMap, levelling: Levelling, start: Cap, steepest: float, side: int
+    height_map: HeightMap, levelling: Levelling, start: Cap, side: int
 ) -> tuple[Cap, tuple[FloatArray, FloatArray] | None]:
     """Return one sphere fitted by Gauss-Newton steps, and its sums over cells."""
     cap = start
-    rows, columns = height_map.window(np.array([cap.x, cap.y]), 1.2 * cap.part(steepest))
+    rows, columns = height_map.window(np.array([cap.x, cap.y]), 1.2 * cap.part)
     x, y = height_map.x(columns)[None, :], height_map.y(rows)[:, None]
     z = height_map.heights(rows, columns) - levelling.base(x, y)
     known = np.isfinite(z)
@@ -417,7 +418,7 @@ def _fitted(
         dx, dy = x - cap.x, y - cap.y
         square = dx**2 + dy**2
         if number < FOLLOWED:
-            reach = cap.part(steepest)
+            reach = cap.part
             within = known & (square <= reach**2)
         used = within & ~outlier & (square < cap.radius**2)
         count = int(used.sum())
@@ -680,7 +681,6 @@ def made_surface(
     design_surface: Surface,
     *,
     bow: bool = True,
-    steepest: float = 1.0,
     common_radius: bool = False,
     mould: bool = False,
 ) -> MadeSurface:
@@ -688,7 +688,7 @@ def made_surface(
 
     The base plane (tilt and bow) is fitted between the caps. A sphere ``z = h - R + sqrt(R^2 - rho^2)`` is
     fitted to the part of each cap that belongs to the upper nine tenths of its height and has a slope below
-    `steepest`. This large part is used because it contains the most information. For roughness with the
+    1. This large part is used because it contains the most information. For roughness with the
     standard deviation s and the covariance ``s^2 exp(-r^2/l^2)`` on a circle of radius a, the standard errors
     are ``2 s l/a`` for the height, ``4 sqrt(3) s l R^2/a^3`` for the radius and ``2 s l R/a^2`` for each
     coordinate, to first order in a/R and l/a. No unbiased estimate is better by more than terms of order l/a.
@@ -707,8 +707,6 @@ def made_surface(
     bow : bool
         Whether to subtract a second-order surface instead of a plane; default: True. This also subtracts a
         bow of the part itself. A block glued to glass has no bow, but a free block may have one.
-    steepest : float
-        Largest slope at which a cap is used [-], positive; default: 1 (45 degrees).
     common_radius : bool
         Whether all caps have the same radius, for example because one tool made them; default: False. A
         common radius halves the errors of the heights.
@@ -743,7 +741,6 @@ def made_surface(
     (array([0.1]), array([0.526]))
     """
     check.instance("design_surface", design_surface, Surface, "a metafem.Surface")
-    limit = check.number("steepest", steepest, above=0.0)
     picture = _height_map(height_map, pixel_size, mould)
     design = design_surface
     refuse_if(
@@ -754,7 +751,7 @@ def made_surface(
         value=repr(design.cap),
     )
     with doing("measuring the surface"):
-        level, every, covariance, other = _spheres(picture, design, bow, limit, mould)
+        level, every, covariance, other = _spheres(picture, design, bow, mould)
     caps = [cap for cap in every if not cap.cause]
     notes = [
         Note(f"the cap at {on_map(cap.x, cap.y)} on the map was not measured: {cap.cause}")
@@ -794,7 +791,7 @@ def made_surface(
 
 
 def _spheres(
-    picture: HeightMap, design: Surface, bow: bool, steepest: float, mould: bool
+    picture: HeightMap, design: Surface, bow: bool, mould: bool
 ) -> tuple[Levelling, list[Cap], FloatArray, list[tuple[float, float]]]:
     """Return the base plane, the fitted caps, their covariance, and the centres of other hills [mm]."""
     lowest = _lowest(design)
@@ -809,7 +806,7 @@ def _spheres(
     hill = "1 hill of another shape" if len(other) == 1 else f"{len(other)} hills of other shapes"
     must = f"the map shows no cap of a radius near {radius:g} mm, but {hill}; check"
     refuse_if(not starts, f"{must} pixel_size, the unit of the heights and mould={not mould}")
-    return level, *fitted_caps(picture, level, starts, steepest), other
+    return level, *fitted_caps(picture, level, starts), other
 
 
 def _height_map(values: ArrayLike, pixel_size: float | tuple[float, float], mould: bool) -> HeightMap:

@@ -193,15 +193,6 @@ def test_it_draws_points_with_error_bars_and_the_law():
     assert np.interp(AREA, y, x) == pytest.approx(EXACT.load, abs=1e-5)
 
 
-def test_errors_of_areas_can_be_given():
-    load, area = noisy(1)
-    usual = fit_compression(load, area, RADIUS)
-    given_sd = fit_compression(load, area, RADIUS, area_sd=usual.area_sd)
-    assert given_sd.composite_modulus == pytest.approx(usual.composite_modulus, rel=1e-9)
-    rough = fit_compression(load, area, RADIUS, area_sd=10.0 * usual.area_sd)
-    assert rough.root_covariance[0, 0] > usual.root_covariance[0, 0]
-
-
 def test_caps_of_any_kind_keep_their_shape_with_the_radius():
     # P = E* s^2 q(A/s^2): of the nominal law, data of caps that are s times larger
     small, scale = SMALL[:18], 1.0 + 1e-3
