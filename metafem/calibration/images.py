@@ -185,28 +185,6 @@ class ContactAreas(Value):
 
 
 @dataclass(frozen=True)
-class Options:
-    """Checked arguments of `contact_areas`; None for values that are to be measured."""
-
-    pixel_size: float
-    dark_level: float | None = None
-    blur: float | None = None
-    bright_contacts: bool = False
-    smallest_area: float | None = None
-
-    def __post_init__(self) -> None:
-        refuse_missing("skimage", "images", "measuring contact areas")
-        check.member(self, "pixel_size", above=0.0)
-        for name in ("blur", "smallest_area"):
-            check.member(self, name, optional=True, at_least=0.0)
-        check.member(self, "dark_level", optional=True)
-        level = self.dark_level or 0.0
-        refuse_if(
-            level >= 1.0, "must be below 1, the grey level of the ground", key="dark_level", value=level
-        )
-
-
-@dataclass(frozen=True)
 class Levels:
     """Grey level of the ground, dark level of the contacts over it, and blur of the edges [pixels].
 
@@ -244,15 +222,7 @@ class Ground:
     span: tuple[float, float]
 
 
-def contact_areas(
-    image: Any,
-    pixel_size: float,
-    *,
-    dark_level: float | None = None,
-    blur: float | None = None,
-    bright_contacts: bool = False,
-    smallest_area: float | None = None,
-) -> ContactAreas:
+def contact_areas(image: Any, pixel_size: float, *, bright_contacts: bool = False) -> ContactAreas:
     """Return the contacts in an image, dark regions on a brighter ground, with their areas.
 
     The image is divided by the grey level of its ground, a polynomial of degree 2 in x and in y. It is then
@@ -269,16 +239,8 @@ def contact_areas(
         Grey values, integers or floats; row 0 is at the top.
     pixel_size : float
         Side of a pixel [mm].
-    dark_level : float, optional
-        Grey level of the contacts, over the grey level of the ground [-]; default: measured in the widest
-        contacts.
-    blur : float, optional
-        Standard deviation of the edges, caused by the optics and the pixels [mm]; default: measured from the
-        distance between the quarter levels at the edges of the widest contacts.
     bright_contacts : bool
         Whether the contacts are brighter than the ground; default: False.
-    smallest_area : float, optional
-        Area below which dark regions do not count as contacts [mm^2]; default: a circle of radius 2 s_t.
 
     Returns
     -------
@@ -310,11 +272,12 @@ def contact_areas(
     >>> bool(abs(found.area[0] / exact - 1.0) < 0.01)
     True
     """
-    return _measured(image, Options(pixel_size, dark_level, blur, bright_contacts, smallest_area))[0]
+    refuse_missing("skimage", "images", "measuring contact areas")
+    return _measured(image, check.number("pixel_size", pixel_size, above=0.0), bright_contacts)[0]
 
 
 def stack_areas(
-    images: Sequence[Any], pixel_size: float, loads: ArrayLike | None = None, **options: Any
+    images: Sequence[Any], pixel_size: float, loads: ArrayLike | None = None, *, bright_contacts: bool = False
 ) -> tuple[ContactAreas, ...]:
     """Return the contacts in k images, measured with the levels of the image at the largest load.
 
@@ -335,8 +298,8 @@ def stack_areas(
         Side of a pixel [mm].
     loads : array_like, (k,), optional
         Normal loads [N]; default: the last image is assumed to have the largest load.
-    **options
-        ``dark_level``, ``blur``, ``bright_contacts`` and ``smallest_area``, as for `contact_areas`.
+    bright_contacts : bool
+        As for `contact_areas`.
 
     Returns
     -------
@@ -357,7 +320,8 @@ def stack_areas(
     >>> [areas.count for areas in found], found[0].failed, len({areas.dark_level for areas in found})
     ([0, 1, 1, 1], True, 1)
     """
-    given = Options(pixel_size, **options)
+    refuse_missing("skimage", "images", "measuring contact areas")
+    pixel = check.number("pixel_size", pixel_size, above=0.0)
     try:
         count = len(images)
     except TypeError:
@@ -370,7 +334,7 @@ def stack_areas(
     for i in each("measuring image", np.argsort(-load, kind="stable").tolist()):
         own = Given(f"images[{i}]")
         try:
-            found[i], levels = _measured(images[i], given, levels)
+            found[i], levels = _measured(images[i], pixel, bright_contacts, levels)
         except InvalidInput as error:
             failures[i] = own, Given("reason", str(error))
             continue
@@ -459,21 +423,24 @@ def _refuse_frame(values: NDArray[Any]) -> None:
     )
 
 
-def _measured(image: Any, options: Options, found: Levels | None = None) -> tuple[ContactAreas, Levels]:
+def _measured(
+    image: Any, pixel: float, bright_contacts: bool, found: Levels | None = None
+) -> tuple[ContactAreas, Levels]:
     """Return the contacts of an image and its levels; if `found` is not None, these levels are used."""
     values = grey_values(image)
     _refuse_frame(values)
-    ground = without_illumination(values.astype(np.float32), options.bright_contacts)
+    ground = without_illumination(values.astype(np.float32), bright_contacts)
     own = found is None
     if found is None:
-        blur = None if options.blur is None else options.blur / options.pixel_size
-        found = _levels(ground, options.dark_level, blur)
+        found = _levels(ground)
     elif abs(ground.level / found.ground - 1.0) > 0.5 * (1.0 - found.dark):
         raise InvalidInput(
             f"image is all dark or bright, or has another exposure: the grey level of its ground is "
             f"{ground.level:.4g}, and that of the image at the largest load is {found.ground:.4g}"
         )
-    return _contacts(values, ground, found, options, own), found
+    hint = "" if bright_contacts else BRIGHT
+    areas = _contacts(values, ground, found, pixel, own, hint)
+    return areas, found
 
 
 def without_illumination(image: NDArray[np.float32], bright_contacts: bool) -> Ground:
@@ -647,15 +614,13 @@ def smoothed_noise(bordered: NDArray[np.float32], labels: NDArray[np.int32], wid
     return float(np.sqrt(np.mean(within**2) / 2.0))
 
 
-def _levels(ground: Ground, dark: float | None, blur: float | None) -> Levels:
-    """Return the levels of an image, measured in its widest contacts; only those that are None."""
-    if dark is not None and blur is not None:
-        return Levels(ground.level, dark, blur)
+def _levels(ground: Ground) -> Levels:
+    """Return the levels of an image, measured in its widest contacts."""
     image, variance = smoothed(ground.corrected, LEAST_SMOOTHING)
-    first = _darkness(ground, image) if dark is None else dark
+    first = _darkness(ground, image)
     labels, count = label(image < Levels(ground.level, first, 0.0).half)
     if not count:
-        return Levels(ground.level, first, blur or LEAST_SMOOTHING, narrow=True)
+        return Levels(ground.level, first, LEAST_SMOOTHING, narrow=True)
     objects = find_objects(labels)
     size = _pixels(labels, objects)
     whole = [
@@ -669,27 +634,25 @@ def _levels(ground: Ground, dark: float | None, blur: float | None) -> Levels:
     deepest = max(float(depth.max()) for depth in depths)
     chosen = [(w, d) for w, d in zip(windows, depths, strict=True) if d.max() >= AS_DEEP * deepest]
     cores, pixels = np.array([_core(image[w], d) for w, d in chosen]).T
-    level = float(np.median(cores)) if dark is None else dark
+    level = float(np.median(cores))
     noise = smoothed_noise(image, labels, LEAST_SMOOTHING)
-    scatter = _scatter(cores, noise, pixels, math.sqrt(variance)) if dark is None else 0.0
+    scatter = _scatter(cores, noise, pixels, math.sqrt(variance))
     if not whole:
-        unknown = UNKNOWN_BLUR if blur is None else 0.0
-        return Levels(ground.level, level, blur or LEAST_SMOOTHING, scatter, unknown, cut=blur is None)
+        return Levels(ground.level, level, LEAST_SMOOTHING, scatter, UNKNOWN_BLUR, cut=True)
     for _ in range(CORRECTED):
         edge, radius = np.array([_edge(image[w], d, level) for w, d in chosen]).T
-        total = float(np.median(edge)) if blur is None else math.hypot(blur, math.sqrt(variance))
-        if dark is not None or deepest > 2.0 * DEEP * total:
+        total = float(np.median(edge))
+        if deepest > 2.0 * DEEP * total:
             break
         # mean share of the contrast that the middle pixels of a smoothed circle retain
         shown = chndtr((radius / total) ** 2, 2.0, pixels / (2.0 * math.pi * total**2))
         level = float(np.median(1.0 - (1.0 - cores) / shown))
-    narrow = deepest < DEEP * total
-    if blur is not None:
-        return Levels(ground.level, level, blur, scatter, narrow=narrow)
     error = float(np.median(np.abs(edge - total))) / MAD / math.sqrt(edge.size)
     own = math.sqrt(max(total**2 - variance, 0.0))
     # the error of s follows from the error of s_t, since the variance of the smoothing is exact
-    return Levels(ground.level, level, own, scatter, total / max(own, LEAST_SMOOTHING) * error, narrow)
+    return Levels(
+        ground.level, level, own, scatter, total / max(own, LEAST_SMOOTHING) * error, deepest < DEEP * total
+    )
 
 
 def _darkness(ground: Ground, image: Grey) -> float:
@@ -769,7 +732,7 @@ def _at_edge(window: tuple[slice, ...], shape: tuple[int, ...], margin: int = 1)
 
 
 def _contacts(
-    values: NDArray[Any], ground: Ground, found: Levels, options: Options, own: bool
+    values: NDArray[Any], ground: Ground, found: Levels, pixel: float, own: bool, hint: str
 ) -> ContactAreas:
     """Return the contacts of an image with known levels; `own` states that the levels are from this image."""
     image, variance = smoothed(ground.corrected, max(found.blur, LEAST_SMOOTHING))
@@ -777,12 +740,11 @@ def _contacts(
     windows = find_objects(labels)
     contrast = 1.0 - found.dark
     scatter = smoothed_noise(image, labels, max(found.blur, LEAST_SMOOTHING))
-    hint = "" if options.bright_contacts else BRIGHT
     if contrast < CONTRAST * max(scatter, 0.5 * ground.structure):
         raise InvalidInput(
             f"image shows no contacts, it is all dark or bright: its grey levels differ by {contrast:.2g} of "
             f"the ground's, with noise of {scatter:.2g} after smoothing. {hint}If they "
-            "are very small, give the dark_level and blur of an image with larger ones"
+            "are very small, measure the image in a series with larger ones"
         )
     around = [
         w
@@ -794,10 +756,7 @@ def _contacts(
     # smoothing reduces white noise n to n/(2 sqrt(pi) w)
     noise = 2.0 * math.sqrt(math.pi * variance) * scatter / contrast
     total = math.sqrt(found.blur**2 + variance)
-    pixel = options.pixel_size
     least = math.pi * (SMALLEST * total) ** 2
-    if options.smallest_area is not None:
-        least = options.smallest_area / pixel**2
     # regions that are certainly too small are excluded here, others after their contours are known
     size = _pixels(labels, windows)
     large = size >= max(0.5 * (least - math.pi * total**2), 4.0)
@@ -823,7 +782,7 @@ def _contacts(
     error = boundary.of_contour(
         shape.length, noise, math.sqrt(variance), total, at_level, found.blur_error * found.blur / total
     )
-    clipped_contacts = _saturated(values, labels[1:-1, 1:-1], size, options.bright_contacts)
+    clipped_contacts = _saturated(values, labels[1:-1, 1:-1], size, not hint)
     order = np.flatnonzero(enough)
     result = ContactAreas(
         area=area[order] * pixel**2,
@@ -889,14 +848,13 @@ def _notes(
     """
     if levels.cut:
         yield Note(
-            "all contacts are at the edge of the frame or merged: the blur is not measured; give blur, "
-            "or measure the image in one series with one of whole contacts"
+            "all contacts are at the edge of the frame or merged: the blur is not measured; "
+            "measure the image in one series with one of whole contacts"
         )
     elif levels.narrow:
         yield Note(
             "no contact is wide enough to show its dark level: areas may be wrong by more "
-            "than their errors; give dark_level and blur of an image with larger contacts, or "
-            "measure both in one series"
+            "than their errors; measure the image in one series with larger contacts"
         )
     if left_out:
         yield information(

@@ -227,16 +227,17 @@ def test_contacts_that_touch_are_named_as_merged():
 
 
 def test_contacts_without_a_dark_middle_or_at_the_edge_alone_are_named():
-    shape, centre = lattice(4, 6.0, np.random.default_rng(0))
-    image = picture(shape, centre, np.full(16, 6.0), blur=2.5)
-    assert "wide enough" in str(contact_areas(image, 1.0, smallest_area=0.0).notes[0])
+    place = 70.0 * np.arange(0.5, 4.0)
+    image = picture((280, 280), [(x, y) for x in place for y in place], np.full(16, 11.8), blur=4.0)
+    assert "wide enough" in str(contact_areas(image, 1.0).notes[0])
     # with the levels of an image of wide contacts the areas are right but for the third order
-    known = contact_areas(image, 1.0, smallest_area=0.0, dark_level=DARK / BRIGHT, blur=2.517)
+    wide = picture(*lattice(3, 50.0, np.random.default_rng(1)), np.full(9, 50.0), blur=4.0)
+    known, _ = stack_areas([image, wide], 1.0)
     assert not known.notes
-    assert known.area == pytest.approx(36.0 * np.pi, rel=0.01)
+    assert known.area == pytest.approx(11.8**2 * np.pi, rel=0.01)
     found = contact_areas(picture((60, 60), [(0.0, 30.0)], [20.0]), 1.0)
     assert found.edge.all()
-    assert "give blur" in str(found.notes[0])
+    assert "the blur is not measured" in str(found.notes[0])
 
 
 def test_images_are_read_one_by_one_and_progress_is_reported():
