@@ -367,7 +367,6 @@ def grey_values(image: Any) -> NDArray[Any]:
         raise InvalidInput(
             f"image must be an array of grey values without mask; its entries are {values.dtype}"
         )
-    values = _one_channel(values)
     several = "; a stack of images is measured by stack_areas" if values.ndim > 2 else ""
     refuse_if(
         values.ndim != 2 or min(values.shape) < FEWEST,
@@ -382,20 +381,6 @@ def grey_values(image: Any) -> NDArray[Any]:
     large = not max(abs(low), abs(high)) < float(np.finfo(np.float32).max) / values.size
     refuse_if(large, f"image holds grey values from {low:g} to {high:g}; they are too large")
     return values
-
-
-def _one_channel(values: NDArray[Any]) -> NDArray[Any]:
-    """Return the grey values of an image stored in colour, or raise InvalidInput if its channels differ."""
-    if values.ndim != 3 or values.shape[2] not in (1, 2, 3, 4) or min(values.shape[:2]) < FEWEST:
-        return values
-    channels = values.shape[2]
-    colours = values[..., : channels - (channels in (2, 4))]  # of 2 or 4 channels, the last is the opacity
-    refuse_if(
-        (colours != colours[..., :1]).any(),
-        f"image has shape {values.shape}: it is in colour, and its channels differ; pass one channel, such "
-        "as image[..., 1], or the grey values of the camera",
-    )
-    return colours[..., 0]
 
 
 def clipped(values: NDArray[Any]) -> tuple[NDArray[np.bool_] | None, NDArray[np.bool_] | None]:

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from metafem import _validate as check
 from metafem import drawing
-from metafem._given import shown
+from metafem._given import Given, shown
 from metafem._validate import FloatArray
 from metafem._values import Value
 from metafem.calibration import errors_in_variables as variables
@@ -402,7 +402,8 @@ def at_peak(displacement: ArrayLike, friction_force: ArrayLike, values: ArrayLik
     x, found, peak = _record(displacement, friction_force, values)
     frames = np.flatnonzero(np.isfinite(found))
     beside = frames.size > 0 and frames[0] <= peak <= frames[-1]
-    refuse_if(not beside, f"values has no frame on both sides of the peak at displacement {x[peak]:.4g} mm")
+    no_frame = "has no frame on both sides of the peak at displacement {.number}"
+    refuse_if(not beside, no_frame, Given("displacement", x[peak]), key="values")
     # interpolate over the entries, which are equidistant in time; displacements may repeat
     return float(np.interp(peak, frames, found[frames]))
 
@@ -435,10 +436,12 @@ def over_plateau(
     x, found, peak = _record(displacement, friction_force, values)
     after, rounding = x - x[peak], ROUNDING * x[-1]
     low, high = SLIDING
-    early = f"displacement ends {after[-1]:.4g} mm after the peak at {x[peak]:.4g} mm"
-    refuse_if(after[-1] < high - rounding, f"{early}; sliding friction needs {high:g} mm")
+    last, top, far = (Given("displacement", end) for end in (after[-1], x[peak], high))
+    early = "ends {.number} after the peak at {.number}; sliding friction needs {.number}"
+    refuse_if(after[-1] < high - rounding, early, last, top, far, key="displacement")
     sliding = (after >= low - rounding) & (after <= high + rounding) & np.isfinite(found)
-    refuse_if(not sliding.any(), f"values has no entry between {low:g} and {high:g} mm after the peak")
+    few = "has no entry between {.number} and {.number} after the peak"
+    refuse_if(not sliding.any(), few, *(Given("displacement", end) for end in SLIDING), key="values")
     return float(found[sliding].mean())
 
 
@@ -451,11 +454,12 @@ def _record(
     one_way = "is less than the one before; give one pull in one direction"
     check.refuse_entries("displacement", x, np.diff(x, prepend=x[0]) < 0.0, one_way)
     peak = int(force.argmax())
-    least = f"friction_force is at most {force[peak]:.4g} N; forces that resist sliding are positive"
-    refuse_if(force[peak] <= 0.0, least)
-    refuse_if(
-        peak in (0, len(x) - 1),
-        f"friction_force is largest at an end of the record, at displacement {x[peak]:.4g} mm: the "
-        "record has no peak; begin it before the contact is sheared, and shear farther",
+    at, most = Given("displacement", x[peak]), Given("friction_force", force[peak])
+    least = "is at most {.number}; forces that resist sliding are positive"
+    refuse_if(force[peak] <= 0.0, least, most, key="friction_force")
+    end = {0: "first", len(x) - 1: "last"}.get(peak)
+    none = (
+        f"is largest at the {end} entry, at displacement {{.number}}: the record has no peak; begin it before"
     )
+    refuse_if(end, f"{none} the contact is sheared, and shear farther", at, key="friction_force")
     return x, force if values is None else check.array_with_gaps("values", values, shape=(len(x),)), peak
