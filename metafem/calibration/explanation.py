@@ -47,8 +47,9 @@ NAMES = {
 # error that is found.
 WIDEST, MOST = 1.0 / 3.0, 0.9
 
-# Number of fits, each with the covariance at the errors of the one before.
-ROUNDS = 2
+# Step of central differences, in expected standard deviations, so wide that contacts which open and close
+# do not spoil the slopes; number of fits, each with the covariance at the errors of the one before.
+STEP, ROUNDS = 0.03, 2
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -186,12 +187,16 @@ def explain(
         part, factor = made(z)
         return np.append(np.linalg.solve(root, law.own() - law.of(law.areas(part), factor)), z)
 
+    def jacobian(z: FloatArray) -> FloatArray:
+        sides = [(residual(z + step), residual(z - step)) for step in STEP * np.eye(len(z))]
+        return np.array([(high - low) / (2.0 * STEP) for high, low in sides]).T
+
     z, slopes = np.zeros(len(sd)), np.empty((0, 0))
     root = law.root(*made(z))
     misfit = float((residual(z) ** 2).sum())
-    ends = np.array([STEEPEST if name.startswith("angle") else MOST for name in sd]) / scale
+    ends = np.array([STEEPEST if name.startswith("angle") else MOST for name in sd]) / scale - STEP
     for _ in range(ROUNDS if len(sd) else 0):
-        fit = least_squares(residual, np.zeros(len(sd)), "3-point", (-ends, ends))
+        fit = least_squares(residual, np.zeros(len(sd)), jacobian, (-ends, ends))
         z, slopes = fit.x, fit.jac
         root = law.root(*made(z))
     covariance = np.asarray(np.linalg.inv(slopes.T @ slopes) * np.outer(scale, scale))
