@@ -755,12 +755,14 @@ def _contacts(
     for i in np.flatnonzero(shape.holes):
         compact[i] = boundary.single(labels[windows[i]] == i + 1)
     enough, joined = area >= least, ~compact & ~edge
-    drift = 0.0
-    if not own:
-        drift = _drift(image, shape.centre, axes, enough & ~edge & ~joined & (shape.holes == 0), total, found)
     # integer grey levels are wrong by up to half a step, unless noise distributes a level over several steps
     step = 1.0 / (abs(ground.level) * contrast) if values.dtype.kind in "ui" and noise else 0.0
     steps = step / math.sqrt(6.0) * math.exp(-2.0 * (math.pi * noise / step) ** 2) if step else 0.0
+    drift = 0.0
+    if not own:
+        whole = enough & ~edge & ~joined & (shape.holes == 0) & (axes[:, 1] > DEEP * total)
+        common = math.hypot(ground.structure, steps * contrast)
+        drift = _drift(image, shape.centre[whole], axes[whole], total, found, scatter, common)
     at_level = 0.5 * math.hypot(
         found.dark_scatter / contrast, ground.structure / contrast, drift / contrast, steps
     )
@@ -790,21 +792,27 @@ def _contacts(
 
 
 def _drift(
-    image: Grey, centre: FloatArray, axes: FloatArray, whole: NDArray[np.bool_], total: float, found: Levels
+    image: Grey,
+    centre: FloatArray,
+    axes: FloatArray,
+    total: float,
+    found: Levels,
+    noise: float,
+    common: float,
 ) -> float:
     """Return the grey level of wide contacts minus the dark level, 0 if the difference is not significant."""
-    wide = whole & (axes[:, 1] > DEEP * total)
-    if not wide.any():
+    if not len(centre):
         return 0.0
-    x, y = centre[wide].T
+    x, y = centre.T
     # the border shifts the pixels by 1
     level = image[(image.shape[0] - 1 - y).astype(int), x.astype(int) + 1].astype(np.float64)
     # share of the contrast that a smoothed circle retains in its middle
-    level = 1.0 - (1.0 - level) / (1.0 - np.exp(-0.5 * axes[wide].prod(axis=1) / total**2))
+    level = 1.0 - (1.0 - level) / (1.0 - np.exp(-0.5 * axes.prod(axis=1) / total**2))
     away = float(np.median(level)) - found.dark
+    spread = float(np.median(np.abs(level - np.median(level)))) / MAD
     # the variance of a median is pi/2 times the variance of a mean
-    chance = math.sqrt(0.5 * math.pi / level.size) * float(np.median(np.abs(level - np.median(level)))) / MAD
-    return away if abs(away) > CLEAR * math.hypot(chance, found.dark_scatter) else 0.0
+    chance = math.sqrt(0.5 * math.pi / level.size) * max(spread, noise)
+    return away if abs(away) > CLEAR * math.hypot(chance, found.dark_scatter, common) else 0.0
 
 
 def _saturated(
