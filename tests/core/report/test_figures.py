@@ -164,7 +164,9 @@ def test_measured_laws_are_drawn_and_compared(design):
     for span, name in zip(spans, ("rescaled_load_sd", "rescaled_friction_sd"), strict=True):
         np.testing.assert_allclose(span, 2.0 * points[name])
     assert above.get_xlim()[1] == pytest.approx(1.08 * (study.rescaled_load + study.rescaled_load_sd).max())
-    study = measured_study(bilinear, 2.0, parameters={"composite_modulus": 0.04, "area_ratio": 0.01})
+    study = measured_study(
+        bilinear, 2.0, parameters=["composite_modulus", "area_ratio"], covariance=np.diag([1.6e-3, 1e-4])
+    )
     section = measured_section(bilinear, {"measured": study})
     assert (section["differs"], section["shaded"]) == (True, True)
     assert section["bars"] == ", which include the errors of E* and B"
