@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from metafem._validate import FloatArray
-from metafem.calibration.topography.cells import HeightMap, cells
+from metafem.calibration.topography import HeightMap, cells
 from metafem.drawing import calibration as lines
 from metafem.drawing import contacts as drawing
 from metafem.drawing import new_figure
@@ -20,12 +20,12 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from metafem.calibration.compression.result import ContactCalibration
-    from metafem.calibration.images.contact_areas import ContactAreas
-    from metafem.calibration.sheared.full_contact import StrengthFit
-    from metafem.calibration.sheared.lines import ShearCalibration
-    from metafem.calibration.sites.tracking import TrackedContacts
-    from metafem.calibration.topography.made_surface import MadeSurface
+    from metafem.calibration.compression import ContactCalibration
+    from metafem.calibration.full_contact import StrengthFit
+    from metafem.calibration.images import ContactAreas
+    from metafem.calibration.sheared import ShearCalibration
+    from metafem.calibration.sites import TrackedContacts
+    from metafem.calibration.topography import MadeSurface
     from metafem.prediction import FrictionLaw
 
 # Largest number of cells along an axis of the residual map. The means over cells are less noisy than pixels.

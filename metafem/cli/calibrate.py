@@ -93,6 +93,11 @@ PARAMETERS = (
         "hertz.",
     ),
     click.option(
+        "--unusual",
+        is_flag=True,
+        help="Accept moduli outside 0.01 to 100 MPa, and contact radii outside 0.001 R to R.",
+    ),
+    click.option(
         "--full-contact",
         type=Name(),
         metavar="TABLE.csv",
@@ -190,6 +195,7 @@ def _contact(
             radius_sd=options["radius_sd"] or 0.0,
             poisson_ratio=0.5 if options["poisson_ratio"] is None else options["poisson_ratio"],
             contact=contact_of(mf.files.chosen_model(mf.Independent(), None, options["contact"])),
+            unusual=options["unusual"],
         )
         return mf.calibration.fit_compression(
             points.load, points.area, radius, sample, errors=errors, test=points.test

@@ -88,7 +88,7 @@ def topography(
         stored = mf.files.read_height_map(height_map, pixel, height_unit)
         options["bow"] = not keep_bow
         try:
-            made = mf.calibration.measured_surface(stored.values, stored.pixel, design.surface, **options)
+            made = mf.calibration.made_surface(stored.values, stored.pixel, design.surface, **options)
         except InvalidInput as error:
             raise InvalidInput(f"{printable(str(height_map))}: {error}") from None
         law = mf.friction_law(made.surface, design.law.model, load=design.law.load)

@@ -40,7 +40,7 @@ def block_text(
 def _material(found: ContactCalibration) -> list[str]:
     modulus, sd = found.composite_modulus, math.sqrt(found.root_covariance[0, 0])
     comment = interval(found.composite_modulus_interval, sd, "MPa")
-    if found.adhesion_energy <= 0.0:
+    if not found.adhesive:
         modulus, sd = found.modulus_without_adhesion
         comment = f"± {rounded(sd, sd)} MPa without adhesion"
     if not found.verdict.fits:
@@ -48,7 +48,7 @@ def _material(found: ContactCalibration) -> list[str]:
     return [
         "[material]",
         f'composite_modulus = "{rounded(modulus, sd, 3)} MPa"  # {comment}',
-        f"poisson_ratio = {found.material.poisson_ratio!r}",
+        f"poisson_ratio = {found.sample.poisson_ratio!r}",
     ]
 
 
@@ -56,16 +56,10 @@ def _contact(found: ContactCalibration, cap: Mapping[str, Any]) -> list[str]:
     low, high = (end / ENERGY for end in found.adhesion_energy_interval)
     width = 0.5 * (high - low)
     adhesion = f"{interval((low, high), width, 'mJ/m^2')}"
-    if found.adhesion_energy <= 0.0 or cap["kind"] == "tabulated":
+    if not found.adhesive or cap["kind"] == "tabulated":
         return ["[contact]", *_keys(cap), f"# The adhesion energy is {adhesion}."]
     energy = rounded(found.adhesion_energy / ENERGY, width, 3)
     lines = ["[contact]", 'kind = "jkr"', f'adhesion_energy = "{energy} mJ/m^2"  # {adhesion}']
-    if low == 0.0:
-        modulus, sd = found.modulus_without_adhesion
-        lines.append(
-            f'# The data do not show adhesion; without it, kind = "{cap["kind"]}", composite_modulus = '
-            f'"{rounded(modulus, sd, 3)} MPa".'
-        )
     if cap["kind"] != "hertz":
         lines += ["", "[contact.cap]", *_keys(cap)]
     return lines

@@ -62,13 +62,12 @@ def calibration_data(
     data: dict[str, Any] = {"kind": KIND, "files": list(sources)}
     if contact is not None:
         modulus, without_sd = contact.modulus_without_adhesion
-        # the same E* as in the written sections, which have no adhesion if the best w is 0
-        used = modulus if contact.adhesion_energy <= 0.0 else contact.composite_modulus
-        values |= {"radius": contact.radius, "composite_modulus": used}
+        # the same E* as in the written sections, which have no adhesion if the data do not show it
+        values |= {"radius": contact.radius, "composite_modulus": contact.material.composite_modulus}
         sd = math.sqrt(contact.root_covariance[0, 0])
         data |= {
             **_stated("composite_modulus", contact, sd),
-            "poisson_ratio": contact.material.poisson_ratio,
+            "poisson_ratio": contact.sample.poisson_ratio,
             "adhesion_energy_N_per_mm": contact.adhesion_energy,
             "adhesion_energy_interval_N_per_mm": list(contact.adhesion_energy_interval),
             "modulus_without_adhesion_MPa": modulus,

@@ -94,16 +94,15 @@ def read_measured_law(
     ...     read_measured_law(path, Material(1.36)).load
     array([0.05, 0.1 ])
     """
-    from metafem.calibration import MeasuredLaw
+    from metafem.calibration import MeasuredLaw, measured_law
     from metafem.files.contacts import contacts_of
 
     table = read_table(source)
     options: dict[str, Any] = {} if errors is None else {"errors": errors}
     if is_of_contacts(table):
         try:
-            return MeasuredLaw.from_contacts(
-                contacts_of(table), material, friction, label=label, sites=sites, **options
-            )
+            contacts = contacts_of(table)
+            return measured_law(contacts, material, friction, label=label, sites=sites, **options)
         except InvalidInput as error:
             raise InvalidInput(f"{table.name}: {error}") from None
     entries = LAW.read(table)
@@ -286,12 +285,12 @@ def _averaged(values: Mapping[str, FloatArray], load: str) -> Keys:
 
 def _of_images(table: Table) -> Keys:
     """Return loads [N], areas [mm^2] and errors of the areas [mm^2], (k,), of a table of `metafem images`."""
-    from metafem.calibration import MeasuredLaw
+    from metafem.calibration import measured_law
     from metafem.files.contacts import contacts_of
 
     try:
         # loads and areas do not depend on the material, so that any material serves
-        law = MeasuredLaw.from_contacts(contacts_of(table), Material(1.0)).known()
+        law = measured_law(contacts_of(table), Material(1.0)).known()
     except InvalidInput as error:
         raise InvalidInput(f"{table.name}: {error}") from None
     assert law.area is not None

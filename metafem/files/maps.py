@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from metafem import _validate as check
 from metafem._extras import refuse_missing
 from metafem._given import printable
-from metafem.calibration.topography.cells import HeightMap
+from metafem.calibration.topography import HeightMap
 from metafem.errors import InvalidInput, refuse_if
 from metafem.files.reading import file_label, refuse_unreadable
 from metafem.files.units import factor, quantity

@@ -25,6 +25,7 @@ STUDIED: Mapping[str, tuple[str, str]] = {
     "sinking": ("mm", "decrease of the separation by interaction"),
     "elements_error": ("1", "relative error of the table of caps"),
     "deviation": ("mm2", "rescaled friction less the predicted real contact area"),
+    "stress": ("MPa", "friction force over rescaled friction, 0 for a law of areas"),
     "predicted": ("mm2", "rescaled friction of the design"),
     "chi_square": ("1", "sum of the squares of the normalised deviations"),
     "freedom": ("1", "degrees of freedom"),

@@ -11,8 +11,8 @@ import numpy as np
 from metafem._validate import FloatArray
 from metafem._values import percent
 from metafem.calibration import Comparison, Explanation
-from metafem.calibration.explain import row
-from metafem.calibration.verdict import REJECTED, chi
+from metafem.calibration.explanation import row
+from metafem.calibration.statistics import REJECTED, chi
 from metafem.errors import refuse_if
 from metafem.models import Model
 from metafem.studies.dataset import Summary, Variables, dataset, texts
@@ -46,7 +46,8 @@ def measured(comparisons: Sequence[Comparison], model: Model) -> xr.Dataset:
     -------
     xarray.Dataset
         Over ``point``, the points of all laws: the label ``of_law``, ``load`` [N], ``rescaled_load``,
-        ``rescaled_friction``, ``predicted`` and ``deviation`` [mm^2]; all but ``predicted`` have ``..._sd``.
+        ``rescaled_friction``, ``predicted`` and ``deviation`` [mm^2], which have ``..._sd`` but for
+        ``predicted``, and ``stress`` [MPa], the friction force over the rescaled one, 0 for a law of areas.
         Over ``feature``: ``of_law_feature``, ``value``, ``value_sd``, ``design`` and ``target``. Over
         ``law``: ``chi_square``, ``freedom``, ``probability``, ``fits`` (1 if the law agrees with the design)
         and ``verdict``.
@@ -68,10 +69,12 @@ def measured(comparisons: Sequence[Comparison], model: Model) -> xr.Dataset:
     labels = [each.measured.label for each in comparisons]
     words = f"the labels of the measured laws, {labels!r:.80}, must be different"
     refuse_if(not labels or len(set(labels)) < len(labels), words)
+    counts = [len(each.point) for each in comparisons]
     features = [(each.measured.label, feature) for each in comparisons for feature in each.features]
     verdicts = [each.verdict for each in comparisons]
     variables: Variables = {
-        "of_law": (("point",), np.repeat(labels, [len(each.point) for each in comparisons])),
+        "of_law": (("point",), np.repeat(labels, counts)),
+        "stress": (("point",), np.repeat([each.measured.stress_of_forces for each in comparisons], counts)),
         "of_law_feature": (("feature",), np.array([label for label, _ in features], dtype=str)),
         "fits": (("law",), [int(verdict.fits) for verdict in verdicts]),
         "verdict": (("law",), [str(verdict) for verdict in verdicts]),
@@ -141,13 +144,15 @@ def explained(found: Explanation) -> xr.Dataset:
 def measured_summary(study: xr.Dataset) -> Summary:
     """Return the table of the deviations of all points, and a sentence on each law."""
     found, predicted = study["rescaled_friction"].values, study["predicted"].values
+    # the numbers have the units of the table: friction forces, or areas
+    stress = study["stress"].values if "stress" in study else np.zeros(1)
+    factor, what = (stress, "F [N]") if (stress > 0.0).all() else (1.0, "area [mm²]")
     columns = {
         "law": study["of_law"].values,
         "P [N]": texts(".4g", study["load"].values),
-        "P/E* [mm²]": texts(".4g", study["rescaled_load"].values),
-        "measured [mm²]": texts(".4g", found),
-        "±": texts(".2g", study["rescaled_friction_sd"].values),
-        "design [mm²]": texts(".4g", predicted),
+        f"measured {what}": texts(".4g", factor * found),
+        "±": texts(".2g", factor * study["rescaled_friction_sd"].values),
+        f"design {what}": texts(".4g", factor * predicted),
         "deviation": _relative(found, predicted),
         "in s.d.": texts("+.1f", (study["deviation"] / study["deviation_sd"]).values),
     }
@@ -203,10 +208,9 @@ def explained_summary(study: xr.Dataset) -> Summary:
     columns = {
         name: [each[i] for each in rows] for i, name in enumerate(("cause", "found (68 %)", "expected"))
     }
-    design, misfit, count = (float(study[name]) for name in ("misfit_design", "misfit", "values"))
-    explains = "explain" if int(study["fits"]) else "do not explain"
+    misfit, count = float(study["misfit"]), float(study["values"])
+    explains = "agrees" if int(study["fits"]) else "does not agree"
     answer = (
-        f"The measured law differs from the design by chi² = {chi(design)} over {count:.0f} measured "
-        f"values; with these errors it is {chi(misfit)}: they {explains} the difference."
+        f"A part with these errors {explains} with the {count:.0f} measured values: chi² = {chi(misfit)}."
     )
     return Summary.of(study, "What explains the measured law", columns, answer)

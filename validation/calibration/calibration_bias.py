@@ -20,7 +20,7 @@ from validation.figures import panels
 from validation.finite_elements.checks import BLOCK_RADIUS, THICKNESS
 from validation.finite_elements.frozen_meshes import FOLDER, SOFT_HEIGHT, deep_caps
 from validation.finite_elements.large_strain.press import press_sequence
-from validation.scenes.compression_tests import ENERGY, ERRORS, MODULUS, RADII, RADIUS
+from validation.scenes.compression_tests import ENERGY, ERRORS, MODULUS, RADII, RADIUS, straight_line
 from validation.sources import closed_form, known_input, second_method
 
 SLOW = True
@@ -163,7 +163,8 @@ def _large_strain() -> Iterator[Row]:
         small, large = of_cap(cap, HALF), of_cap(cap)
         own = fitted(pressed(cap, RADII, ENERGY), contact=cap)
         shifts.append(abs(shift(small)))
-        apparent, line = 1e6 * large.adhesion_energy, 1e6 * large.line.adhesion_energy
+        apparent = 1e6 * large.adhesion_energy
+        line = 1e6 * straight_line(large.load / 5.0, large.area / 5.0).adhesion_energy.item()
         yield reported(f"{name}: bias of E*, a/R up to 0.5", shift(small), FITTED)
         yield reported(f"{name}: bias of E*, a/R up to 0.76", shift(large), FITTED)
         yield reported(f"{name}: apparent w [mJ/m²], a/R up to 0.76, true 0", apparent, FITTED)

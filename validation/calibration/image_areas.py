@@ -5,18 +5,21 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from functools import cache
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import label
 
 from metafem._validate import FloatArray
 from metafem._values import percent
-from metafem.calibration import contact_areas
-from metafem.calibration.images import levels
-from metafem.calibration.images.boundary import contours
+from metafem.calibration import ContactAreas, contact_areas
+from metafem.calibration.contours import contours
+from metafem.calibration.images import otsu, smoothed
 from metafem.drawing import ACHIEVED, QUIET, TARGET
 from validation.check import Claim, Picture, Row, below, near, reported, rms
 from validation.figures import panels
-from validation.scenes.pictures import coverage, lattice, picture
+from validation.scenes.pictures import coverage, illumination, lattice, picture
 from validation.sources import known_input, second_method
 
 SLOW = True
@@ -53,11 +56,20 @@ def errors(
         axes = np.full(centre.shape, radius) * np.array([1.0, ratio])
         angle = rng.uniform(-np.pi, np.pi, len(centre))
         light = {"blur": blur, "noise": noise, "gradient": (0.2, -0.1), "bits": 8}
-        measured = contact_areas(picture(shape, centre, axes, angle, **light, rng=rng), pixel_size=1.0)
-        over = (each / exact for each in (measured.area, measured.otsu_area, measured.area_error))
+        image = picture(shape, centre, axes, angle, **light, rng=rng)
+        measured = contact_areas(image, pixel_size=1.0)
+        over = (each / exact for each in (measured.area, counted(image, measured), measured.area_error))
         found.append([*over])
     area, otsu, reported_sd = np.concatenate(found, axis=1)
     return area - 1.0, otsu - 1.0, reported_sd
+
+
+def counted(image: NDArray[Any], found: ContactAreas) -> FloatArray:
+    """Return the pixels of each contact below Otsu's threshold, of an image without its known gradient."""
+    even = image / illumination(image.shape, (0.2, -0.1))
+    labels, _ = label(even < otsu(even))
+    column, row = found.centre.astype(int).T
+    return np.bincount(labels.ravel())[labels[image.shape[0] - 1 - row, column]].astype(float)
 
 
 def floor(radius: float, noise: float = NOISE) -> float:
@@ -84,7 +96,7 @@ def uncorrected(radius: float) -> tuple[float, float]:
     enclosed = []
     for centre in side / 2.0 + rng.uniform(-0.5, 0.5, (20, 2)):
         covered = coverage((side, side), [centre], [radius], blur=BLUR)
-        image, variance = levels.smoothed((1.0 - covered).astype(np.float32), EDGE)
+        image, variance = smoothed((1.0 - covered).astype(np.float32), EDGE)
         enclosed.append(contours(image, (image < 0.5).astype(np.int32), 0.5, 1).area[0])
     return float(np.mean(enclosed) / (math.pi * radius**2) - 1.0), by_curvature(radius, EDGE**2 + variance)
 

@@ -11,8 +11,7 @@ import numpy as np
 import metafem as mf
 from metafem._validate import FloatArray
 from metafem.calibration import MeasuredLaw, shear, shear_strength
-from metafem.calibration.sheared.lines import parameters
-from metafem.calibration.sheared.proportional import proportional
+from metafem.calibration.sheared import parameters, proportional
 from validation.check import Claim, Picture, Row, below, near, reported
 from validation.figures import panels
 from validation.paper.surfaces import template
@@ -117,7 +116,8 @@ def _regressions() -> Iterator[Row]:
     data = measured(1)
     apart = []
     for x, y in data[:20, 1:]:
-        factor, variance, value = proportional(np.stack([x, y]), (ERRORS.of_area, ERRORS.of_friction_force))
+        fit = proportional(np.stack([x, y]), (ERRORS.of_area, ERRORS.of_friction_force))
+        factor, variance, value = fit.parameter, fit.covariance, fit.abscissa[:, 0]
         other = odrpack.odr_fit(
             lambda x, beta: beta[0] * x, x, y, np.array([0.3]), weight_x=ERRORS.of_area(value) ** -2,
             weight_y=ERRORS.of_friction_force(factor[0] * value) ** -2,

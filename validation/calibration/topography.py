@@ -49,7 +49,7 @@ def _part(seed: int) -> _Part:
     true = design.replaced(height=_made(design, design, rng))
     place = Placement(0.01, (3.0011, 2.9993))
     heights = height_map(true, SHAPE, PIXEL, placement=place, roughness=ROUGHNESS, rng=rng)
-    return _Part(design, true, mf.calibration.measured_surface(heights, PIXEL, design), heights)
+    return _Part(design, true, mf.calibration.made_surface(heights, PIXEL, design), heights)
 
 
 def _made(ordered: mf.Surface, design: mf.Surface, rng: np.random.Generator) -> FloatArray:
@@ -120,7 +120,7 @@ def _figure():
     friction laws as designed and as made.
     """
     from metafem.calibration.figures import made_figure
-    from metafem.calibration.topography.cells import HeightMap
+    from metafem.calibration.topography import HeightMap
 
     part = _part(1)
     heights = HeightMap(part.heights, (PIXEL, PIXEL))

@@ -8,13 +8,13 @@ import numpy as np
 
 import metafem as mf
 from metafem import reference
-from metafem.calibration.compression.adhesive_line import adhesive_line
 from metafem.contact import Contact
 from metafem.reference import sneddon_sphere
 from validation.check import Claim, Picture, Row, below, near
 from validation.figures import panels
 from validation.methods.bent import Bent
 from validation.published import paper
+from validation.scenes.compression_tests import straight_line
 from validation.sources import closed_form, known_input, second_method
 
 RADIUS = paper()["sample"]["radius_um"] / 1e3
@@ -89,7 +89,7 @@ def _adhesive() -> list[Row]:
     model = mf.Independent(contact=mf.JKR(ENERGY))
     lowest = float(law.load(law.pull_off_radius(RADIUS), RADIUS))
     solved = mf.friction_law(surface, model, load=MODULUS * load[load > 0.0]).area
-    line = adhesive_line(MODULUS * load[load > 0.0], np.pi * a[load > 0.0] ** 2, RADIUS)
+    line = straight_line(MODULUS * load[load > 0.0], np.pi * a[load > 0.0] ** 2, RADIUS)
     return [
         below("adhesive paraboloid: load, largest error over the pull-off load",
               float(np.abs(law.load(a, RADIUS) - load).max() / pull), NUMERICAL, JKR),

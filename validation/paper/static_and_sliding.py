@@ -14,7 +14,7 @@ import numpy as np
 import metafem as mf
 from metafem._validate import FloatArray
 from metafem.calibration import MeasuredLaw, ShearCalibration, at_peak, over_plateau, shear
-from metafem.calibration.sheared.record import SLIDING as PLATEAU
+from metafem.calibration.sheared import SLIDING as PLATEAU
 from metafem.drawing import ACHIEVED, MEASURED, MEASURED_BESIDE, QUIET, TARGET
 from validation.check import Claim, Picture, Row, below, near, reported
 from validation.figures import panels

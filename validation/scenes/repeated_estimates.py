@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from metafem._validate import FloatArray
-from metafem.calibration.bounded_interval import WIDTH
+from metafem.calibration.statistics import WIDTH
 from validation.check import Check, below, near
 from validation.sources import known_input
 

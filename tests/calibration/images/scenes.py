@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from metafem.calibration.images.illumination import without_illumination
+from metafem.calibration.images import without_illumination
 from validation.scenes.pictures import picture
 
 PIXEL = 0.005

@@ -3,7 +3,6 @@
 from functools import cache
 
 import numpy as np
-from scipy.optimize import minimize_scalar
 
 import metafem as mf
 from metafem.calibration import ContactTable, MeasuredLaw, MeasurementErrors
@@ -45,25 +44,6 @@ def two_branches(x=LOAD, noise=0.0, crossover=0.1, sx=3e-3, sy=8e-3, seed=0):
         area_sd=np.full(len(x), sy),
         material=mf.Material(1.0),
     )
-
-
-def one(x, y, sx, sy):
-    """Return the points of one law for the fits of two lines."""
-    return np.stack([np.atleast_2d(np.asarray(v, dtype=float)) for v in (x, y, sx, sy)])
-
-
-def brute(x, y, sx, sy, c, a, m1, m2):
-    """The squared distance from two lines by minimising over the true load, from many starts."""
-
-    def square(xi):
-        f = a + (m1 if xi < c else m2) * (xi - c)
-        return ((x - xi) / sx) ** 2 + ((y - f) / sy) ** 2
-
-    values = []
-    for low, high in ((x - 8.0, c), (c, x + 8.0)):
-        if low < high:
-            values.append(minimize_scalar(square, bounds=(low, high), options={"xatol": 1e-10}).fun)
-    return min([*values, square(c)])
 
 
 def template():

@@ -17,7 +17,6 @@ def contacts(centre, radius, *, shape=(1400, 1400), pixel=0.01, edge=(), merged=
     values = {
         "area": area,
         "area_error": 0.01 * area,
-        "otsu_area": area,
         "centre": centre,
         "axes": np.column_stack([np.sqrt(area / np.pi)] * 2),
         "angle": np.zeros(n),
@@ -25,7 +24,6 @@ def contacts(centre, radius, *, shape=(1400, 1400), pixel=0.01, edge=(), merged=
         "merged": np.isin(np.arange(n), merged),
         "saturated": none,
         "holes": np.zeros(n, dtype=int),
-        "threshold": 0.7,
         "dark_level": 0.3,
         "blur": 1.5 * pixel,
         "noise": 0.01,

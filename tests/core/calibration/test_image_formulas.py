@@ -10,8 +10,8 @@ from scipy.special import chndtrinc
 from scipy.stats import norm
 from skimage.measure import euler_number, find_contours
 
-from metafem.calibration.images import errors
-from metafem.calibration.images.boundary import compactness, contours
+from metafem.calibration import contours as errors
+from metafem.calibration.contours import compactness, contours
 from validation.scenes.pictures import coverage
 
 
@@ -85,15 +85,3 @@ def test_errors_of_level_and_blur_are_derivatives():
     assert errors.of_contour(length, 0.0, 1.5, total, 1e-3, 0.0) == pytest.approx(60e-3 * moved, rel=1e-5)
     change = np.pi * ((total + 1e-4) ** 2 - (total - 1e-4) ** 2) / 2e-4
     assert errors.of_contour(length, 0.0, 1.5, total, 0.0, 1e-2) == pytest.approx(change * 1e-2, rel=1e-6)
-
-
-def test_the_error_of_grey_levels_in_steps():
-    for noise in (0.0, 0.2, 0.6):
-        # levels anywhere between two steps, each the mean of many pixels
-        level = np.linspace(0.0, 1.0, 2000, endpoint=False)
-        edges = np.arange(-8, 9) + 0.5
-        mean = sum(norm.cdf((level - low) / noise) if noise else (level > low).astype(float) for low in edges)
-        error = mean + edges[0] - 0.5 - level
-        assert np.sqrt(2.0) * error.std() == pytest.approx(
-            errors.quantisation(noise, 1.0), rel=0.25, abs=1e-3
-        )

@@ -15,7 +15,7 @@ from metafem.calibration import (
     shear,
     shear_strength,
 )
-from metafem.calibration.sheared.proportional import proportional
+from metafem.calibration.sheared import proportional
 from tests.calibration.sheared.scenes import SURFACE, X, area, force, measured
 from validation.scenes.sheared_contacts import ERRORS, RATIO, STRENGTH, sheared
 
@@ -31,7 +31,8 @@ def test_the_fit_minimises_the_sum_over_factors_and_values():
     errors = (ERRORS.of_area, ERRORS.of_area, ERRORS.of_friction_force)
     points, _ = sheared(np.random.default_rng(3), tests=1, loads=4)
     points[2, 1] = points[0, 2] = np.nan
-    factor, covariance, value = proportional(points, errors)
+    fit = proportional(points, errors)
+    factor, covariance, value = fit.parameter, fit.covariance, fit.abscissa[:, 0]
     fitted = np.vstack([value, factor[:, None] * value])
     deviation = np.stack([of(each) for of, each in zip(errors, fitted, strict=True)])
 
@@ -193,7 +194,7 @@ def test_constant_errors_of_two_quantities_give_demings_line():
     x = np.linspace(1.0, 2.0, 9)
     points = np.stack([x, 0.7 * x]) + 0.05 * rng.standard_normal((2, 9))
     constant = [lambda value: np.full_like(value, 0.05)] * 2
-    factor, _, _ = proportional(points, constant)
+    factor = proportional(points, constant).parameter
     # the direction of the largest moment of the points about the origin
     moments = points @ points.T
     axis = np.linalg.eigh(moments)[1][:, -1]
@@ -202,12 +203,11 @@ def test_constant_errors_of_two_quantities_give_demings_line():
 
 def test_leading_axes_are_separate_fits():
     points, _ = sheared(np.random.default_rng(5), shape=(2, 3))
-    factor, covariance, value = proportional(points, AREAS)
-    one = proportional(points[1, 2], AREAS)
-    assert factor.shape == (2, 3, 2)
-    assert covariance.shape == (2, 3, 2, 2)
-    for many, single in zip((factor, covariance, value), one, strict=True):
-        assert many[1, 2] == pytest.approx(single, rel=1e-9)
+    many, one = proportional(points, AREAS), proportional(points[1, 2], AREAS)
+    assert many.parameter.shape == (2, 3, 2)
+    assert many.covariance.shape == (2, 3, 2, 2)
+    for name in ("parameter", "covariance", "abscissa"):
+        assert getattr(many, name)[1, 2] == pytest.approx(getattr(one, name), rel=1e-9)
 
 
 def test_areas_between_the_frames_are_not_needed():

@@ -5,8 +5,7 @@ import pytest
 from scipy.special import ndtr
 
 from metafem.calibration import Sample, fit_compression, joint_covariance, shear
-from metafem.calibration.bounded_interval import PROBABILITY, WIDTH, bounded_interval
-from metafem.calibration.verdict import SingleTest, heterogeneity, judged
+from metafem.calibration.statistics import PROBABILITY, WIDTH, SingleTest, bounded_interval, judged, scatter
 from tests.calibration.compression.scenes import AREA, RADIUS, A, load_of
 
 
@@ -28,7 +27,7 @@ def test_intervals_of_positive_quantities_are_those_of_the_published_table():
 
 def test_tests_differ_by_the_distance_of_their_parameters_over_its_deviation():
     def compared(*tests):
-        return heterogeneity([SingleTest("", 20, np.array(v), np.array(matrix)) for v, matrix in tests])
+        return scatter([SingleTest("", 20, np.array(v), np.array(matrix)) for v, matrix in tests])
 
     found = compared(([1.0], [[0.01]]), ([1.5], [[0.03]]))
     assert found.chi_square == pytest.approx(0.25 / 0.04)

@@ -199,7 +199,7 @@ def test_a_calibration_is_written_as_sections():
     assert read.model.contact.adhesion_energy == pytest.approx(5e-4, rel=0.02)
     assert read.model.contact.cap == mf.Elastic()
     doubtful = files.block_text(adhesive(1e-7), None, [])
-    assert '# The data do not show adhesion; without it, kind = "hertz"' in doubtful
+    assert 'kind = "hertz"\n# The adhesion energy is 0 to' in doubtful
     bent = files.block_text(None, shear(np.pi * A**2, 0.85 * np.pi * A**2, 0.3145 * np.pi * A**2 + 0.01), [])
     assert list(tomllib.loads(bent)) == ["friction"]
     assert "the line does not fit" in bent

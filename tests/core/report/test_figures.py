@@ -156,7 +156,9 @@ def test_measured_laws_are_drawn_and_compared(design):
     for span, name in zip(spans, ("rescaled_load_sd", "rescaled_friction_sd"), strict=True):
         np.testing.assert_allclose(span, 2.0 * points[name])
     assert above.get_xlim()[1] == pytest.approx(1.08 * (study.rescaled_load + study.rescaled_load_sd).max())
-    study = measured_study(bilinear, 2.0, parameters={"composite_modulus": 0.04, "area_ratio": 0.01})
+    study = measured_study(
+        bilinear, 2.0, parameters=["composite_modulus", "area_ratio"], covariance=np.diag([1.6e-3, 1e-4])
+    )
     section = measured_section(bilinear, study)
     assert (section["differs"], section["included"]) == (True, "E* and B")
     assert [row[1].split(",")[0] for row in section["features"].rows] == ["slope 1", "slope 2"]
@@ -171,7 +173,7 @@ def test_what_explains_a_law_is_a_table():
     law = MeasuredLaw(load, area=tilted.area, material=MATERIAL)
     found = summary(explained(explain(law, lattice)))
     assert [row[0] for row in found.rows] == ["tilt along x", "tilt along y", "height scale", "E*"]
-    assert "they explain the difference" in found.answer
+    assert "with these errors agrees with the 12 measured values" in found.answer
 
 
 def test_the_onset_of_sliding_is_stated(design):

@@ -16,11 +16,9 @@ from metafem import drawing
 from metafem._given import Given, shown
 from metafem._validate import FloatArray
 from metafem._values import Value
-from metafem.calibration.bounded_interval import interval_of
-from metafem.calibration.covariance import checked_covariance, propagated
-from metafem.calibration.measured_law.law import MeasuredLaw
-from metafem.calibration.sheared.proportional import proportional
-from metafem.calibration.verdict import Verdict, judged
+from metafem.calibration.laws import MeasuredLaw
+from metafem.calibration.sheared import proportional
+from metafem.calibration.statistics import Verdict, checked_covariance, interval_of, judged
 from metafem.contact.elastic import usual_law
 from metafem.drawing import calibration
 from metafem.errors import InvalidInput, refuse_if
@@ -39,9 +37,6 @@ STEP = 1e-4
 
 # Parameters whose errors affect sigma.
 PARAMETERS = ("composite_modulus", "area_ratio", "radius")
-
-# Smallest number of points: one for the factor and one for a residual.
-FEWEST = 2
 
 
 def shear_strength(
@@ -117,8 +112,8 @@ def shear_strength(
             "area_ratio), whose shear strength is not used"
         )
     used = law.load >= least
-    few = f"law has {int(used.sum())} points at {{}} or above; sigma needs at least {FEWEST}"
-    refuse_if(used.sum() < FEWEST, few, Given("load_min", least))
+    few = f"law has {int(used.sum())} points at {{}} or above; sigma needs at least 2"
+    refuse_if(used.sum() < 2, few, Given("load_min", least))
     _refuse_open(surface, solver, least)
     load, force, load_sd = law.load[used], law.friction_force[used], law.load_sd[used]
     area, slope = _areas(surface, solver, load)
@@ -126,7 +121,8 @@ def shear_strength(
     # default standard deviations are computed from the fitted force, because the measured force is noisy
     of = of_force if np.allclose(force_sd, of_force(force), rtol=1e-9) else lambda _: force_sd
     points = np.stack([area, force])
-    (factor,), ((variance,),), value = proportional(points, (lambda _: area_sd, of))
+    fit = proportional(points, (lambda _: area_sd, of))
+    (factor,), ((variance,),), value = fit.parameter, fit.covariance, fit.abscissa[:, 0]
     refuse_if(
         factor <= 0.0,
         f"friction_force is not positive on the whole: sigma B = {factor:.4g} MPa; forces that resist "
@@ -146,11 +142,11 @@ def shear_strength(
         "radius": lambda: -float(weight @ _growth(surface, solver, load)) / float(surface.radius.mean()),
     }
     gradient = strength * np.array([change[name]() for name in names])
-    rows = *np.eye(len(names) + 1)[:-1], np.append(gradient, 1.0)
+    jacobian = np.vstack([np.eye(len(names), len(names) + 1), np.append(gradient, 1.0)])
     return StrengthFit(
         shear_strength=strength,
         parameters=(*names, "shear_strength"),
-        covariance=propagated(block_diag(known, measured), *rows),
+        covariance=jacobian @ block_diag(known, measured) @ jacobian.T,
         measured_sd=measured**0.5,
         load=load,
         friction_force=force,

@@ -13,8 +13,8 @@ from metafem import _validate as check
 from metafem._given import shown
 from metafem._validate import FloatArray
 from metafem._values import Value, percent
-from metafem.calibration.measured_law.law import MeasuredLaw
-from metafem.calibration.verdict import Verdict, judged
+from metafem.calibration.laws import MeasuredLaw
+from metafem.calibration.statistics import Verdict, judged
 from metafem.contact.elastic import usual_law
 from metafem.errors import refuse_if
 from metafem.inversion import Design
@@ -47,8 +47,8 @@ NAMES = {
 # error that is found.
 WIDEST, MOST = 1.0 / 3.0, 0.9
 
-# Step of central differences, in expected standard deviations; number of fits, each with the covariance at
-# the errors of the one before.
+# Step of central differences, in expected standard deviations, so wide that contacts which open and close
+# do not spoil the slopes; number of fits, each with the covariance at the errors of the one before.
 STEP, ROUNDS = 0.03, 2
 
 
@@ -163,14 +163,14 @@ def explain(
         for name, value in {**EXPECTED, **(expected or {})}.items()
     }
     usual = design.law.model if isinstance(design, Design) else Independent(contact=usual_law(surface))
-    solver = usual if model is None else checked_model(model)
     friction = measured.friction or surface.friction
     without = "measured friction forces need a design or a measured law with a Friction"
     refuse_if(measured.friction_force is not None and friction is None, without)
     last = 0 if measured.site is None else int(measured.site.max())
     refuse_if(last >= surface.count, f"site names asperity {last}; the design has {surface.count}, from 0")
-    law = _Values(measured, friction.stress if friction is not None else None)
-    sd = {name: prior.get(name, prior["angle"]) for name in NAMES if name != "friction" or law.forces}
+    stress = friction.stress if friction is not None and measured.friction_force is not None else None
+    law = _Values(measured, stress, usual if model is None else checked_model(model), prior["height"])
+    sd = {name: prior.get(name, prior["angle"]) for name in NAMES if name != "friction" or stress is not None}
     sd = {name: value for name, value in sd.items() if value > 0.0}
     scale = np.array(list(sd.values()))
 
@@ -181,51 +181,50 @@ def explain(
             height=surface.height * (1.0 + error["height_scale"]),
             material=replace(measured.material, composite_modulus=modulus),
         )
-        if error["angle_x"] or error["angle_y"]:
-            part = part.tilted(error["angle_x"], error["angle_y"])
-        return part, 1.0 + error["friction"]
+        return part.tilted(error["angle_x"], error["angle_y"]), 1.0 + error["friction"]
 
     def residual(z: FloatArray) -> FloatArray:
         part, factor = made(z)
-        off = law.own() - law.of(_areas(part, solver, measured.load), factor)
-        return np.append(np.linalg.solve(root, off), z)
+        return np.append(np.linalg.solve(root, law.own() - law.of(law.areas(part), factor)), z)
 
     def jacobian(z: FloatArray) -> FloatArray:
         sides = [(residual(z + step), residual(z - step)) for step in STEP * np.eye(len(z))]
         return np.array([(high - low) / (2.0 * STEP) for high, low in sides]).T
 
-    z = start = np.zeros(len(sd))
-    ends = np.array([STEEPEST if name.startswith("angle") else MOST for name in sd]) / scale - STEP
-    root = law.root(*made(z), solver, prior["height"])
+    z, slopes = np.zeros(len(sd)), np.empty((0, 0))
+    root = law.root(*made(z))
     misfit = float((residual(z) ** 2).sum())
-    if len(sd):
-        for _ in range(ROUNDS):
-            z = least_squares(residual, start, jacobian, (-ends, ends)).x
-            root = law.root(*made(z), solver, prior["height"])
-    slopes = jacobian(z) if len(z) else np.empty((0, 0))
+    ends = np.array([STEEPEST if name.startswith("angle") else MOST for name in sd]) / scale - STEP
+    for _ in range(ROUNDS if len(sd) else 0):
+        fit = least_squares(residual, np.zeros(len(sd)), jacobian, (-ends, ends))
+        z, slopes = fit.x, fit.jac
+        root = law.root(*made(z))
     covariance = np.asarray(np.linalg.inv(slopes.T @ slopes) * np.outer(scale, scale))
     mean, spread = (
         dict(zip(sd, of.tolist(), strict=True)) for of in (scale * z, np.sqrt(np.diagonal(covariance)))
     )
-    return Explanation(sd, mean, spread, covariance, misfit, judged(residual(z), len(sd)), made(z)[0], solver)
+    verdict = judged(residual(z), len(sd))
+    return Explanation(sd, mean, spread, covariance, misfit, verdict, made(z)[0], law.model)
 
 
 @dataclass(frozen=True, eq=False)
 class _Values:
-    """The measured values of a law, and the same values of a part with the areas of its contacts."""
+    """The measured values of a law, and the same values of a part under a model; `stress` is sigma B."""
 
     law: MeasuredLaw
     stress: float | None
+    model: Model
+    height_sd: float
 
-    @property
-    def forces(self) -> bool:
-        """Whether friction forces were measured."""
-        return self.law.friction_force is not None
+    def areas(self, part: Surface) -> FloatArray:
+        """Return the areas of the contacts of a part at the measured loads [mm^2], (k, n)."""
+        loads = self.law.load.tolist()
+        return np.array([equilibrium(part, self.model, load=load).asperity_area for load in loads])
 
     def of(self, area: FloatArray, factor: float) -> FloatArray:
         """Return the values at areas (k, n, ...), or their derivatives at those of the areas."""
         law = self.law
-        parts = [factor * self.stress * area.sum(axis=1)] if self.stress is not None and self.forces else []
+        parts = [] if self.stress is None else [factor * self.stress * area.sum(axis=1)]
         if law.asperity_area is not None:
             parts.append(area[:, law.site][np.isfinite(law.asperity_area)])
         elif law.area is not None:
@@ -234,15 +233,14 @@ class _Values:
 
     def own(self, suffix: str = "") -> FloatArray:
         """Return the measured values, or their standard deviations for the suffix "_sd"."""
-        names = ["friction_force"] * self.forces
+        names = [] if self.stress is None else ["friction_force"]
         names += ["area" if self.law.asperity_area is None else "asperity_area"]
         known = ((getattr(self.law, name), getattr(self.law, name + suffix)) for name in names)
         return np.concatenate([value[np.isfinite(own)] for own, value in known if own is not None])
 
-    def root(self, part: Surface, factor: float, model: Model, height_sd: float) -> FloatArray:
+    def root(self, part: Surface, factor: float) -> FloatArray:
         """Return the Cholesky factor of the covariance of the values of a part."""
-        law, contact = self.law, contact_of(model)
-        area = _areas(part, model, law.load)
+        law, contact, area = self.law, contact_of(self.model), self.areas(part)
         bound, summits, size = contact.bound(part), contact.summits(part), np.sqrt(area / math.pi)
         with np.errstate(divide="ignore", invalid="ignore"):
             stiffness, slope = (
@@ -251,17 +249,13 @@ class _Values:
         total = stiffness.sum(axis=1)[:, None, None]
         by_height = slope[:, :, None] * (np.eye(area.shape[1]) - stiffness[:, None, :] / total)
         by_load = slope[:, :, None] / (part.material.composite_modulus * total) * np.eye(len(area))[:, None]
-        change = self.of(np.concatenate([height_sd * by_height, law.load_sd * by_load], axis=2), factor)
+        change = np.concatenate([self.height_sd * by_height, law.load_sd * by_load], axis=2)
+        change = self.of(change, factor)
         # a contact that is found or computed to be open has at least the area error of a touching contact
-        least = math.pi * (2.0 * law.errors.boundary) ** 2 + height_sd * float(slope.max())
+        least = law.errors.of_open + self.height_sd * float(slope.max())
         opened = np.minimum(self.own(), self.of(area, factor)) <= 0.0
         sd = np.maximum(self.own("_sd"), np.where(opened, least, 0.0))
         return np.asarray(np.linalg.cholesky(np.diag(sd**2) + change @ change.T))
-
-
-def _areas(part: Surface, model: Model, load: FloatArray) -> FloatArray:
-    """Return the areas of the contacts of a part at loads [mm^2], (k, n)."""
-    return np.array([equilibrium(part, model, load=each).asperity_area for each in load.tolist()])
 
 
 def row(name: str, mean: float, sd: float, expected: float) -> tuple[str, str, str]:

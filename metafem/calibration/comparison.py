@@ -4,18 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from metafem import _validate as check
 from metafem._validate import FloatArray
-from metafem._values import span
-from metafem.calibration.covariance import checked_covariance
-from metafem.calibration.measured_law.comparison import Comparison, Feature
-from metafem.calibration.measured_law.law import MeasuredLaw
-from metafem.calibration.verdict import judged
+from metafem._values import Value, percent, span
+from metafem.calibration.laws import MeasuredLaw
+from metafem.calibration.statistics import Verdict, checked_covariance, judged
 from metafem.errors import refuse_if
 from metafem.inversion import Design
 from metafem.notes import Note, information
@@ -28,12 +26,118 @@ PARAMETERS = ("composite_modulus", "shear_strength", "area_ratio")
 # Smallest number of points of a line for an estimate of the scatter.
 FEWEST = 3
 
+# Relative deviation (rms) above which exchanged columns are suspected, and the largest ratio of the deviation
+# after the exchange to the deviation before it.
+EXCHANGED, BETTER = 0.3, 0.3
+
+
+@dataclass(frozen=True)
+class Feature:
+    """Slope of a measured law over the loads of a line of the target.
+
+    Attributes
+    ----------
+    name : str
+        The loads of the slope.
+    value, sd : float
+        Measured value, and its standard deviation due to the errors of measurement and of the parameters.
+    predicted : float
+        Value of the design, estimated with the same method at the same loads.
+    target : float
+        Value that the target specifies.
+
+    Examples
+    --------
+    >>> Feature("slope", 7.1, 0.2, 6.9, 6.87).predicted
+    6.9
+    """
+
+    name: str
+    value: float
+    sd: float
+    predicted: float
+    target: float
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Comparison(Value):
+    """Agreement of a measured law with a design, point by point and in its slopes.
+
+    Attributes
+    ----------
+    measured : MeasuredLaw
+    point : ndarray of int, (m,)
+        Numbers of the compared points of the measured law.
+    predicted : ndarray, (m,)
+        Rescaled friction of the design at the measured loads [mm^2].
+    deviation, deviation_sd : ndarray, (m,)
+        Measured minus predicted rescaled friction, and its standard deviation due to the errors of the load,
+        the friction and the parameters [mm^2].
+    covariance : ndarray, (m, m)
+        Covariance matrix of the deviations [mm^4].
+    features : tuple of Feature
+        Slopes of the lines of the design's target.
+    verdict : Verdict
+        Verdict on the deviations; it accounts for their correlation due to the errors of the parameters.
+    parameters : mapping of str to float
+        Standard deviations of the parameters whose errors are included.
+    notes : tuple of Note
+        Notes on what was left out.
+    percent, normalised : ndarray, (m,)
+        Deviation over predicted value [%], and over its standard deviation [-].
+
+    Examples
+    --------
+    >>> import metafem as mf
+    >>> template = mf.Surface.square_lattice(0.12, radius=0.526, material=mf.Material(1.36))
+    >>> design = mf.design(mf.LinearLaw(6.87), template)
+    >>> measured = mf.calibration.MeasuredLaw([0.1, 0.3], area=[0.6, 1.8], material=template.material)
+    >>> mf.calibration.compare(measured, design).percent.round(1)
+    array([-8.6,  3.1])
+    """
+
+    measured: MeasuredLaw
+    point: NDArray[np.intp]
+    predicted: FloatArray
+    deviation: FloatArray
+    covariance: FloatArray
+    features: tuple[Feature, ...]
+    verdict: Verdict
+    parameters: Mapping[str, float]
+    notes: tuple[Note, ...]
+
+    @property
+    def deviation_sd(self) -> FloatArray:
+        """Standard deviations of the deviations [mm^2]."""
+        return np.asarray(np.sqrt(np.diag(self.covariance)))
+
+    @property
+    def percent(self) -> FloatArray:
+        """Deviation over predicted value [%]; infinite where the design has no contact."""
+        infinite = np.full(self.deviation.shape, np.inf)
+        above = self.predicted > 0.0
+        return np.asarray(np.divide(100.0 * self.deviation, self.predicted, infinite, where=above))
+
+    @property
+    def normalised(self) -> FloatArray:
+        """Deviation over its standard deviation [-]."""
+        return self.deviation / self.deviation_sd
+
+    def __repr__(self) -> str:
+        rms = np.sqrt((self.normalised**2).mean())
+        lines = [f"Comparison of {self.measured!r}", f"  points    {rms:.2g} standard deviations (rms)"]
+        lines += [
+            f"  {one.name}: {one.value:.3g} ± {one.sd:.2g}, design {one.predicted:.3g}"
+            for one in self.features
+        ]
+        return "\n".join([*lines, f"  verdict   {self.verdict}"])
+
 
 def compare(
     measured: MeasuredLaw,
     design: Design | FrictionLaw,
     *,
-    parameters: Mapping[str, float] | Sequence[str] = (),
+    parameters: Sequence[str] = (),
     covariance: ArrayLike | None = None,
 ) -> Comparison:
     """Return the deviations of a measured law from a design, with their errors and a verdict.
@@ -53,11 +157,11 @@ def compare(
     design : Design or FrictionLaw
         The law of a Design is computed at the measured loads, and the target of the Design defines the
         features. A FrictionLaw is interpolated and has no features.
-    parameters : mapping of str to float, or sequence of str
-        Standard deviations of ``composite_modulus`` [MPa], ``shear_strength`` [MPa] and ``area_ratio`` [-].
-        With `covariance`, only their names, in the order of its rows. Default: no errors.
+    parameters : sequence of str
+        Names of the parameters with errors, in the order of the rows of `covariance`: ``composite_modulus``,
+        ``shear_strength`` and ``area_ratio``; default: none.
     covariance : array_like, (p, p), optional
-        Covariance matrix of `parameters`, for example from a calibration.
+        Covariance matrix of `parameters` in MPa and 1, for example from a calibration.
 
     Returns
     -------
@@ -89,8 +193,9 @@ def compare(
     ...                        friction=template.friction)
     >>> compare(measured, design).percent.round(2)[:3]
     array([3., 3., 3.])
-    >>> print(compare(measured, design).features[0])
-    slope, P/E* = 0.12 to 0.481 mm²: 7.33 ± 0.19, design 7.12 (+3.0 %, +1.1 s.d.), target 6.87 (+6.7 %)
+    >>> slope = compare(measured, design).features[0]
+    >>> round(slope.value, 2), round(slope.sd, 2), round(slope.predicted, 2), slope.target
+    (7.33, 0.19, 7.12, 6.87)
     """
     check.instance("measured", measured, MeasuredLaw, "a metafem.calibration.MeasuredLaw")
     if not isinstance(design, FrictionLaw):
@@ -112,18 +217,24 @@ def compare(
         total = total + jacobian @ matrix @ jacobian.T
     # if the design's law is correct, the whitened residuals are independent
     residual = np.linalg.solve(np.linalg.cholesky(total), deviation)
-    found = Comparison(
+    parts = list(_slopes(x, predicted, deviation, total, design)) if isinstance(design, Design) else []
+    missing = [part for part in parts if isinstance(part, Note)]
+    return Comparison(
         measured=measured,
         point=point,
         predicted=predicted,
         deviation=deviation,
         covariance=total,
-        features=(),
+        features=tuple(part for part in parts if isinstance(part, Feature)),
         verdict=judged(residual, parameters=0),
         parameters=dict(zip(names, np.sqrt(np.diag(matrix)).tolist(), strict=True)),
-        notes=(*measured.notes, *notes),
+        notes=(
+            *_exchanged(measured, _law_of(design), deviation / predicted),
+            *measured.notes,
+            *notes,
+            *missing,
+        ),
     )
-    return _with_features(found, design) if isinstance(design, Design) else found
 
 
 def _compared(
@@ -191,38 +302,41 @@ def _law_of(design: Design | FrictionLaw) -> FrictionLaw:
 
 
 def _parameters(
-    measured: MeasuredLaw, parameters: Mapping[str, float] | Sequence[str], covariance: ArrayLike | None
+    measured: MeasuredLaw, parameters: Sequence[str], covariance: ArrayLike | None
 ) -> tuple[tuple[str, ...], FloatArray]:
     """Return the names of the parameters that have an error, and their covariance matrix."""
     names, known = tuple(parameters), ", ".join(PARAMETERS)
     for name in names:
         refuse_if(name not in PARAMETERS, f"parameters: {name!r:.40} is unknown; the names are {known}")
-        refuse_if(
-            name != "composite_modulus" and measured.friction is None,
-            f"parameters: {name} has no effect on a law without a Friction; leave it out",
-        )
-    by_name = dict(parameters) if isinstance(parameters, Mapping) else {}
-    if covariance is not None:
-        refuse_if(by_name, "parameters must be a list of names if covariance is given")
-        return names, checked_covariance(names, covariance)
-    refuse_if(names and not by_name, "parameters without standard deviations need covariance")
-    sd = [check.number(name, value, at_least=0.0) for name, value in by_name.items()]
-    return names, np.diag(np.square(sd)) if sd else np.zeros((0, 0))
-
-
-def _with_features(found: Comparison, design: Design) -> Comparison:
-    """Return the comparison with the slopes of a design's target and notes on missing slopes."""
-    parts = list(_slopes(found, design))
-    return replace(
-        found,
-        features=tuple(part for part in parts if isinstance(part, Feature)),
-        notes=(*found.notes, *(part for part in parts if isinstance(part, Note))),
+        without = f"parameters: {name} has no effect on a law without a Friction; leave it out"
+        refuse_if(name != "composite_modulus" and measured.friction is None, without)
+    refuse_if(names and covariance is None, "parameters need a covariance")
+    return names, checked_covariance(names, covariance) if names and covariance is not None else np.zeros(
+        (0, 0)
     )
 
 
-def _slopes(found: Comparison, design: Design) -> Iterator[Feature | Note]:
+def _exchanged(measured: MeasuredLaw, law: FrictionLaw, relative: FloatArray) -> Iterator[Note]:
+    """Return a note if the law agrees much better after an exchange of loads and friction forces."""
+    rms = float(np.sqrt(np.mean(relative**2)))
+    if not measured.by_force or not rms > EXCHANGED or measured.friction is None:
+        return
+    x = measured.rescaled_friction * measured.friction.stress / measured.material.composite_modulus
+    y = measured.load / measured.friction.stress
+    inside = (x > law.rescaled_load[0]) & (x <= law.rescaled_load[-1])
+    other = y[inside] / np.interp(x[inside], law.rescaled_load, law.rescaled_friction) - 1.0
+    if inside.any() and float(np.sqrt(np.mean(other**2))) < BETTER * rms:
+        yield Note(
+            f"the friction forces differ from the design by {percent(rms)}, and by "
+            f"{percent(float(np.sqrt(np.mean(other**2))))} if they are exchanged with the loads: check "
+            "whether the columns of the table are exchanged"
+        )
+
+
+def _slopes(
+    x: FloatArray, predicted: FloatArray, deviation: FloatArray, covariance: FloatArray, design: Design
+) -> Iterator[Feature | Note]:
     """Return the slope of each branch, from a least-squares line through the points within its loads."""
-    x = found.measured.rescaled_load[found.point]
     for i, (branch, _) in enumerate(design.fits):
         low, high = branch.load_range
         chosen = (x >= low) & (x <= high)
@@ -233,6 +347,5 @@ def _slopes(found: Comparison, design: Design) -> Iterator[Feature | Note]:
             continue
         centred = np.where(chosen, x - x[chosen].mean(), 0.0)
         weight = centred / (centred**2).sum()
-        predicted = float(weight @ found.predicted)
-        sd = math.sqrt(float(weight @ found.covariance @ weight))
-        yield Feature(name, predicted + float(weight @ found.deviation), sd, predicted, branch.slope)
+        own, sd = float(weight @ predicted), math.sqrt(float(weight @ covariance @ weight))
+        yield Feature(name, own + float(weight @ deviation), sd, own, branch.slope)

@@ -1,1 +1,0 @@
-"""Calibration of E* and the adhesion energy from compression tests."""

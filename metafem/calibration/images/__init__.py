@@ -1,1 +1,0 @@
-"""Measurement of contact areas in images of the contact interface."""

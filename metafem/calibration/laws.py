@@ -1,0 +1,385 @@
+"""Measured friction laws: points with error bars, from arrays or from the contacts in images."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import KW_ONLY, dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from metafem import _validate as check
+from metafem._given import Given, shown
+from metafem._validate import FloatArray
+from metafem._values import span
+from metafem.calibration.contact_table import ContactTable, of_contacts
+from metafem.calibration.statistics import PAPER, MeasurementErrors
+from metafem.drawing import MEASURED, calibration, name_law
+from metafem.errors import InvalidInput, refuse_if
+from metafem.notes import Note, counted, to_lines
+from metafem.prediction.base_law import BaseLaw
+from metafem.surface import Friction, Material
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+# Quantities of a measured law, and names of all its arrays, including the standard deviations.
+QUANTITIES = ("load", "friction_force", "asperity_area", "area")
+ARRAYS = (*QUANTITIES, *(f"{name}_sd" for name in QUANTITIES), "site")
+
+# Number of standard deviations by which a force or an area may lie below zero, and by which a slope may. A
+# larger deviation is no measurement error: one normal error in a million and in thirty thousand is so large.
+BELOW_ZERO, FALLING = 5.0, 4.0
+
+# A load without contact has an error too: the standard deviation of a total area is at least the value for
+# this fraction of the largest area.
+SMALL_CONTACT = 0.01
+
+# Default of a field that is computed from other fields.
+COMPUTED: Any = None
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class MeasuredLaw(BaseLaw):
+    """Measured friction law of a part: friction forces or contact areas at k loads, with error bars.
+
+    The rescaled friction is ``F/(sigma B)`` if the friction force F was measured, else the contact area A0.
+    The rescaled load is ``P/E*``. The standard deviations include the errors of measurement only. Errors of
+    E*, sigma and B shift all points together; `compare` takes them into account. Aymard et al., Science 383,
+    200 (2024), doi:10.1126/science.adk4234, Figs. 3 to 5.
+
+    Parameters
+    ----------
+    load : array_like, (k,)
+        Normal loads P [N], in any order; the law sorts them in increasing order.
+    friction_force : array_like, (k,), optional
+        Friction forces F [N].
+    area : array_like, (k,), optional
+        Real contact areas A0 [mm^2]; default: the sums of `asperity_area`.
+    asperity_area : array_like, (k, n), optional
+        Contact area of each asperity [mm^2]; 0 for an open contact, nan for an area that could not be
+        measured. If an area at a load is nan, so is the total area, unless `area` is passed; `compare` leaves
+        this load out.
+    site : array_like of int, (n,), optional
+        Numbers of the asperities in the design; default: 0 to n - 1.
+    material : Material
+    friction : Friction, optional
+        Friction with sigma and B; required to rescale friction forces.
+    errors : MeasurementErrors
+        Errors that provide the standard deviations that are not passed; default: the error bars of the paper.
+    load_sd, friction_force_sd, area_sd, asperity_area_sd : array_like, optional
+        Standard deviations in the units and shapes of the quantities, positive. For an open contact, the
+        largest area that may have been overlooked, or 0.
+    label : str
+        Name of the law; default: "static".
+    notes : tuple of Note
+        Notes on what was left out.
+
+    Attributes
+    ----------
+    rescaled_load, rescaled_load_sd : ndarray, (k,)
+        P/E* and its standard deviation [mm^2].
+    rescaled_friction, rescaled_friction_sd : ndarray, (k,)
+        F/(sigma B) or A0, and its standard deviation [mm^2].
+
+    Raises
+    ------
+    InvalidInput
+        If neither friction forces nor areas are passed, if the shapes of arrays do not match, if a standard
+        deviation is not positive, if a value is below zero by more than five standard deviations, if the law
+        falls with the load, or if there are friction forces but neither `friction` nor areas.
+
+    Examples
+    --------
+    >>> import metafem as mf
+    >>> law = MeasuredLaw(
+    ...     [0.1, 0.2], friction_force=[0.05, 0.09],
+    ...     material=mf.Material(1.36), friction=mf.Friction(0.404, 0.85),
+    ... )
+    >>> law.rescaled_friction.round(4), law.rescaled_friction_sd.round(4)
+    (array([0.1456, 0.2621]), array([0.0044, 0.0055]))
+    >>> law
+    <MeasuredLaw "static": 2 loads 0.1 to 0.2 N, friction force 0.05 to 0.09 N, no notes>
+    """
+
+    load: FloatArray
+    _: KW_ONLY
+    friction_force: FloatArray | None = None
+    area: FloatArray | None = None
+    asperity_area: FloatArray | None = None
+    site: NDArray[np.intp] | None = None
+    material: Material
+    friction: Friction | None = None
+    errors: MeasurementErrors = PAPER
+    load_sd: FloatArray = COMPUTED
+    friction_force_sd: FloatArray | None = None
+    area_sd: FloatArray | None = None
+    asperity_area_sd: FloatArray | None = None
+    label: str = "static"
+    notes: tuple[Note, ...] = ()
+
+    def __post_init__(self) -> None:
+        check.instance("material", self.material, Material, "a metafem.Material")
+        if self.friction is not None:
+            check.instance("friction", self.friction, Friction, "a metafem.Friction, or None")
+        check.instance("errors", self.errors, MeasurementErrors, "a metafem.calibration.MeasurementErrors")
+        check.instance("label", self.label, str, "a text")
+        for name, values in checked({name: getattr(self, name) for name in ARRAYS}, self.errors).items():
+            object.__setattr__(self, name, values)
+        refuse_if(
+            self.area is None and self.friction is None,
+            "friction_force can only be rescaled with the friction of the material pair; add "
+            "friction=metafem.Friction(shear_strength, area_ratio)",
+        )
+
+    def __repr__(self) -> str:
+        what = (
+            f"area {span(self.rescaled_friction, 'mm^2')}"
+            if self.friction_force is None
+            else f"friction force {span(self.friction_force, 'N')}"
+        )
+        return (
+            f'<MeasuredLaw "{self.label}": {len(self.load)} loads {span(self.load, "N")}, {what}, '
+            f"{counted(self.notes)}>"
+        )
+
+    def known(self) -> MeasuredLaw:
+        """Return the law without the loads at which the rescaled friction is unknown."""
+        known = ~np.isnan(self.rescaled_friction)
+        none = "the contact area is unknown at every load, since an area of a contact is nan at each"
+        refuse_if(not known.any(), none)
+        arrays = {name: getattr(self, name) for name in ARRAYS if name != "site"}
+        return replace(self, **{name: of[known] for name, of in arrays.items() if of is not None})
+
+    @property
+    def by_force(self) -> bool:
+        """Whether the rescaled friction follows from measured friction forces instead of contact areas."""
+        return self.friction_force is not None and self.friction is not None
+
+    @property
+    def stress_of_forces(self) -> float:
+        """Friction force over rescaled friction, sigma B [MPa], if forces were measured; else 0."""
+        return self._stress if self.by_force else 0.0
+
+    @property
+    def rescaled_load(self) -> FloatArray:
+        """Rescaled load P/E* [mm^2], (k,)."""
+        return self.load / self.material.composite_modulus
+
+    @property
+    def rescaled_load_sd(self) -> FloatArray:
+        """Standard deviation of P/E* [mm^2], without the error of E*."""
+        return self.load_sd / self.material.composite_modulus
+
+    @property
+    def rescaled_friction(self) -> FloatArray:
+        """Rescaled friction: F/(sigma B) if friction forces were measured, else A0 [mm^2], (k,)."""
+        return self._rescaled("")
+
+    @property
+    def rescaled_friction_sd(self) -> FloatArray:
+        """Standard deviation of the rescaled friction [mm^2], without the errors of sigma and B."""
+        return self._rescaled("_sd")
+
+    def _rescaled(self, suffix: str) -> FloatArray:
+        if self.by_force:
+            return np.asarray(getattr(self, f"friction_force{suffix}") / self._stress)
+        return np.asarray(getattr(self, f"area{suffix}"))
+
+    @property
+    def _stress(self) -> float:
+        """Friction force per contact area, sigma B [MPa]."""
+        if self.friction is None:
+            raise InvalidInput(
+                "the friction force was not measured; to compute it from the areas, give the law "
+                "friction=metafem.Friction(shear_strength, area_ratio)"
+            )
+        return self.friction.stress
+
+    def _force(self, suffix: str = "") -> FloatArray:
+        """Return friction forces, measured or sigma B times areas, or their standard deviations [N]."""
+        measured = getattr(self, f"friction_force{suffix}")
+        return np.asarray(self._stress * getattr(self, f"area{suffix}") if measured is None else measured)
+
+    def quantities(self) -> dict[str, FloatArray]:
+        """Return the arrays (k,) of the law by name, in the order of table columns."""
+        found: dict[str, FloatArray] = {}
+        for name in ("load", "area", "rescaled_load", "rescaled_friction", "friction_force"):
+            if getattr(self, name) is not None:
+                found |= {name: getattr(self, name), f"{name}_sd": getattr(self, f"{name}_sd")}
+        if self.friction_force is not None:
+            found["friction_coefficient"] = self.friction_coefficient
+        return found
+
+    def _about(self) -> dict[str, str]:
+        return {"label": self.label, "notes": to_lines(self.notes)}
+
+    def _draw(self, ax: Axes, forces: bool, label: str | None) -> None:
+        if forces:
+            points = self.load, self._force(), self.load_sd, self._force("_sd")
+        else:
+            deviations = self.rescaled_load_sd, self.rescaled_friction_sd
+            points = self.rescaled_load, self.rescaled_friction, *deviations
+        calibration.measured(ax, *points, label, MEASURED)
+        name_law(ax, forces=forces)
+
+
+def measured_law(
+    table: ContactTable,
+    material: Material,
+    friction: Friction | None = None,
+    *,
+    errors: MeasurementErrors = PAPER,
+    label: str = "static",
+    sites: ArrayLike | None = None,
+) -> MeasuredLaw:
+    """Return the measured law of contacts found in images.
+
+    The area at a load is the sum over the contacts. Images without a load are left out. If some images have
+    a friction force and `friction` is passed, images without a friction force are left out too. The notes
+    name these images. The areas of contacts without a site contribute to the sums only. If the area of a
+    matched contact is unknown in an image, the areas of the image's other contacts are used.
+
+    Parameters
+    ----------
+    table : ContactTable
+    material : Material
+    friction : Friction, optional
+    errors : MeasurementErrors
+        Errors of loads and friction forces; the table contains the errors of the areas.
+    label : str
+    sites : array_like of int, (n,), optional
+        Sites of the asperities of the design (``Design.sites``), required for a table of `metafem images` if
+        the design leaves sites empty. Default: each asperity has the number of its site.
+
+    Returns
+    -------
+    MeasuredLaw
+
+    Raises
+    ------
+    InvalidInput
+        If no image has a load together with a friction force or the required areas, or if a site is not in
+        `sites`.
+
+    Examples
+    --------
+    >>> from metafem import Material
+    >>> one, none = np.array([[0.1, 0.0]]), np.full((1, 2), np.nan)
+    >>> table = ContactTable(
+    ...     ("1.tif",), ("",), np.array([0.05]), np.array([np.nan]), np.array([[0.0, 0.0], [1.5, 0.0]]),
+    ...     np.arange(2), True, one, 0.01 * one, none, none,
+    ... )
+    >>> measured_law(table, Material(1.36)).area
+    array([0.1])
+    """
+    check.instance("table", table, ContactTable, "a metafem.calibration.ContactTable")
+    numbers = None if sites is None else check.array("sites", sites, shape=(None,)).astype(np.int64)
+    arrays, notes = of_contacts(table, friction is not None, numbers)
+    return MeasuredLaw(
+        material=material, friction=friction, errors=errors, label=label, notes=notes, **arrays
+    )
+
+
+def checked(passed: Mapping[str, Any], errors: MeasurementErrors) -> dict[str, Any]:
+    """Return the known arrays of a law, sorted by load."""
+    found: dict[str, Any] = {"load": check.array("load", passed["load"], shape=(None,))}
+    count = len(found["load"])
+    none = all(passed[name] is None for name in QUANTITIES[1:])
+    refuse_if(none, "a measured law needs friction_force, area or asperity_area")
+    if passed["friction_force"] is not None:
+        found["friction_force"] = check.array("friction_force", passed["friction_force"], shape=(count,))
+    if passed["asperity_area"] is not None:
+        found |= _asperities(passed["asperity_area"], passed["site"], count)
+    found |= _area(passed["area"], count, found)
+    for name, needed in (*((f"{name}_sd", name) for name in QUANTITIES), ("site", "asperity_area")):
+        refuse_if(passed[name] is not None and needed not in found, f"{name} needs {needed}")
+    for name in QUANTITIES:
+        if name in found:
+            found[f"{name}_sd"] = _deviation(name, passed, found, errors)
+    for name in ("load", "friction_force", "area"):
+        if name in found:
+            _refuse_contradiction(name, found)
+    order = np.argsort(found["load"], kind="stable")
+    ordered = {name: values if name == "site" else values[order] for name, values in found.items()}
+    for values in ordered.values():
+        values.flags.writeable = False
+    return ordered
+
+
+def _asperities(areas: Any, numbers: Any, count: int) -> dict[str, Any]:
+    """Return the checked areas of the asperities and the numbers of the asperities."""
+    filled = check.array_with_gaps("asperity_area", areas, shape=(count, None))
+    check.refuse_entries("asperity_area", filled, filled < 0.0, "must be at least 0; 0 is an open contact")
+    site = np.arange(filled.shape[1]) if numbers is None else np.array(numbers)
+    wrong = site.shape != filled.shape[1:] or site.dtype.kind not in "iu" or (site < 0).any()
+    must = f"must hold a different number of the design for each of the {filled.shape[1]} asperities"
+    refuse_if(wrong or len(np.unique(site)) < len(site), f"site = {shown(numbers)} {must}")
+    return {"asperity_area": filled, "site": site.astype(np.intp)}
+
+
+def _area(area: Any, count: int, found: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
+    """Return the checked total areas, or the sums over the asperities, nan where an area was not measured."""
+    areas = found.get("asperity_area")
+    unknown = np.zeros(count, dtype=bool) if areas is None else np.isnan(areas).any(axis=1)
+    if area is not None:
+        total = check.array_with_gaps("area", area, shape=(count,))
+        required = "must be a number, since no area of a contact is unknown"
+        check.refuse_entries("area", total, np.isnan(total) & ~unknown, required)
+        return {"area": total}
+    if areas is None or ("friction_force" in found and unknown.all()):
+        return {}
+    return {"area": areas.sum(axis=1)}
+
+
+def _deviation(
+    name: str, passed: Mapping[str, Any], found: Mapping[str, Any], errors: MeasurementErrors
+) -> FloatArray:
+    """Return the standard deviations of a quantity, as passed or computed from `errors`."""
+    values, sd = found[name], passed[f"{name}_sd"]
+    missing = np.isnan(values)
+    if sd is not None:
+        filled = np.where(missing, 1.0, sd) if missing.any() and np.shape(sd) == values.shape else sd
+        # the standard deviation of an open contact may be 0
+        given = check.array(f"{name}_sd", filled, shape=values.shape, positive=name != "asperity_area")
+        return np.where(missing, np.nan, given)
+    of = {"load": errors.of_load, "friction_force": errors.of_friction_force}.get(name, errors.of_area)
+    if name != "area":
+        return of(values)
+    total, parts = of(values), values  # equal for n contacts and for one: variances add
+    if passed["area"] is None:
+        closed = found["asperity_area"] > 0.0
+        total = np.sqrt((np.where(closed, found["asperity_area_sd"], 0.0) ** 2).sum(axis=1))
+    if missing.any():  # where the total is unknown, use the sum of the known areas
+        parts = np.where(missing, np.nansum(found["asperity_area"], axis=1), values)
+    largest = float(parts.max())
+    refuse_if(not largest > 0.0, f"area is {largest:g} mm^2 at most: there is no contact")
+    return np.where(missing, np.nan, np.maximum(total, of(np.array(SMALL_CONTACT * largest))))
+
+
+def _refuse_contradiction(name: str, found: Mapping[str, FloatArray]) -> None:
+    """Raise InvalidInput if a quantity is negative, or if it decreases with the load, beyond its errors."""
+    known = np.flatnonzero(~np.isnan(found[name]))
+    load, values, load_sd = found["load"][known], found[name][known], found["load_sd"][known]
+    sd = found[f"{name}_sd"][known]
+    below = "is below 0 by more than five standard deviations; check the sign of the force or the zero"
+    check.refuse_entries(name, values, values < -BELOW_ZERO * sd, f"{below} of the instrument")
+    if not known.size or np.ptp(load) <= load_sd.max():
+        return
+    centred = load - load.mean()
+    weight = centred / (centred**2).sum()
+    slope = float(weight @ values)
+    # errors of the loads also change the values, in proportion to the slope
+    spread = np.sqrt((weight**2) @ (sd**2 + (slope * load_sd) ** 2))
+    ends = [
+        (Given(f"{name}[{known[i]}]", values[i]), Given("load", load[i]))
+        for i in (load.argmin(), load.argmax())
+    ]
+    refuse_if(
+        slope < -FALLING * spread,
+        "{} at {.number} and {} at {.number}: it decreases with the load, which no friction law of contacts "
+        "does; check the columns and their units",
+        *ends[0],
+        *ends[1],
+    )

@@ -1,1 +1,0 @@
-"""Matching of contacts in images to the sites of a design."""

@@ -1,1 +1,0 @@
-"""Measured topography: base plane, spherical caps and the made surface."""
