@@ -81,8 +81,6 @@ def placed(
         nearest = int(np.where(left, np.abs(height - given), np.inf).argmin())
         every[site], which[site] = given, tool[nearest]
         left[nearest] = False
-        if not left.any():
-            break
     # the order of the sites depends on the template alone, so that a site that becomes empty moves no other
     order = rng.permutation(problem.template.count)
     free = order[np.isin(order, np.setdiff1d(problem.open, list(problem.held)))]

@@ -275,7 +275,7 @@ def default_contact(tools: Given | None) -> Contact:
     """Return the default contact law: `Hertz()` if all tools are spheres or paraboloids, or `Elastic()`."""
     if isinstance(tools, PowerRange):
         return Elastic()
-    listed: Any = () if tools is None or isinstance(tools, RadiusRange) else tools
+    listed: Any = tools if isinstance(tools, (Sequence, np.ndarray)) else ()
     curved = (isinstance(tool.cap, (Sphere, Paraboloid)) for tool in listed if isinstance(tool, Tool))
     return PARABOLOID if all(curved) else Elastic()
 

@@ -35,7 +35,6 @@ TARGETS = [
     (lambda: mf.OperatingPoints([1, 2], [2, 1]), "rescaled_friction[1]", "1"),
     (lambda: mf.LinearLaw(np.nan), "slope", "nan"),
     (lambda: mf.LinearLaw(7.0, (0.2, 0.1)), "load_range[1]", "0.1"),
-    (lambda: mf.LinearLaw(7.0).curve(), "load_range", "density"),
     (lambda: mf.LinearLaw(7.0, wording="N"), "wording", "N"),
     (lambda: mf.LinearLaw.from_forces([1.0], [1.0], *PAIR), "load", "1 value"),
     (lambda: mf.LinearLaw.from_friction_coefficient(-1.0, *PAIR), "friction_coefficient", "-1"),
