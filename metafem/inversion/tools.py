@@ -282,7 +282,10 @@ def default_contact(tools: Given | None) -> Contact:
 
 def refuse_misfits(tools: Tools, template: Surface, top: float) -> None:
     """Raise InvalidInput for tools of several shapes whose caps cannot be `top` [mm] high, or then overlap."""
-    if tools.same_shape and not isinstance(tools.given, PowerRange):
+    ranged = isinstance(tools.given, PowerRange)
+    words = "tools: a range of exponents is not possible with adhesion; give a list of tools"
+    refuse_if(ranged and tools.law.adhesive, words)
+    if tools.same_shape and not ranged:
         return
     apart = np.inf
     if template.count > 1:

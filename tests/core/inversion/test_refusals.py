@@ -93,7 +93,7 @@ TOOLS = [
     (lambda: mf.PowerRange(4.0, 3.0), "high", "3"),
     (lambda: mf.PowerRange(2.0, 3.0, step=2.0), "step", "2"),
     (lambda: mf.RadiusRange(0.3, 0.2), "high", "0.2"),
-    (lambda: mf.RadiusRange(0.523, 0.529), "step", "0.01"),
+    (lambda: mf.RadiusRange(0.523, 0.529, 0.01), "step", "0.01"),
     (lambda: mf.RadiusRange(0.2, 0.8, 0.0), "step", "0"),
     (lambda: tools(mf.Tool(0.9, mf.Power(4)), mf.Tool(0.3)), "foot 1.6", "1.5 mm"),
     (lambda: tools(mf.Tool(0.2), mf.Tool(0.5, mf.Power(4))), "0.2 mm", "limits"),
