@@ -131,15 +131,27 @@ def design(
     """
     problem, generator = Problem.checked(target, template, model, limits, tools), check.generator(rng)
     try:
-        prove(problem)
+        prove(problem, REACHED)
     except Infeasible as reason:
-        raise Infeasible(f"{reason}{remedies(problem, _meets)}", reason.nearest) from None
+        nearest = None if reason.nearest is None else _reachable(problem, reason.nearest)
+        raise Infeasible(f"{reason}{remedies(problem, _meets)}", nearest) from None
     with doing("inverting the law"):
         find = from_density if problem.law is None else inverted
         candidate = find(problem, generator)
     candidate = refined(problem, candidate, generator)
     candidate = on_steps(problem, candidate, generator)
     return assessed(problem, candidate)
+
+
+def _reachable(problem: Problem, nearest: Target) -> Target:
+    """Return the nearest target within the bounds, or that of the law nearest to it that was found."""
+    trial = replace(problem, target=nearest, model=problem.uncoupled)
+    if (law := trial.law) is None or nearest_law(law, trial.bounds)[0] > REACHED:
+        return nearest
+    found = inverted(trial, np.random.default_rng(0))
+    area = trial.model.curve(trial.surface(found.asperities), law.load).area
+    met = law.misfit(area) <= (EXACT if nearest.exact else REACHED)
+    return nearest if met else nearest.near(law.load, area) or nearest
 
 
 def _meets(problem: Problem) -> bool:

@@ -71,12 +71,15 @@ def nearest_law(law: TargetLaw, bounds: Bounds) -> tuple[float, FloatArray]:
     if not law.is_open:
         jump = bounds.highest_after(load, target if not law.is_band else friction)
         distance = max(distance, float((np.minimum(friction, law.lower) / jump).max()) - 1.0)
-        friction = np.minimum(friction, jump)
+        friction = np.minimum(friction, bounds.highest_after(load, friction))
     return distance, friction
 
 
-def prove(problem: Problem) -> None:
-    """Raise Infeasible if the target exceeds a proven bound by more than the interaction can change."""
+def prove(problem: Problem, within: float) -> None:
+    """Raise Infeasible if the target exceeds a proven bound by more than the interaction can change.
+
+    Samples whose rms difference may be within a tolerance [-] are not excluded.
+    """
     law, wording = problem.law, problem.target.wording
     if law is None:
         return
@@ -88,7 +91,9 @@ def prove(problem: Problem) -> None:
             "more asperities"
         )
     distance, friction = nearest_law(law, problem.bounds)
-    if distance <= ROUNDING or law.noise or distance <= problem.margin + ROUNDING:
+    samples = problem.target.refused and not problem.target.exact and not law.is_band
+    allowed = within * math.sqrt(len(law.load) / law.weight.min()) if samples else 0.0
+    if law.noise or distance <= max(problem.margin, allowed) + ROUNDING:
         return
     margin = problem.margin
     extra = f" (the model's interaction leaves a margin of {percent(margin)})" if margin else ""

@@ -5,6 +5,7 @@ import pytest
 
 import metafem as mf
 from metafem.inversion import DesignStatus
+from metafem.inversion.result import DOUBT
 
 TALL, DEMO = mf.Limits(0.27), mf.Limits(0.12, offset=0.084)
 
@@ -23,7 +24,7 @@ def test_a_line_is_met_within_a_hundredth(template, model):
         assert result.status in (DesignStatus.REACHED, DesignStatus.REFINED)
         assert deviation(result) < 0.01
         assert result.misfit == pytest.approx(deviation(result), rel=0.3)  # at a hundred loads
-        assert not any(note.warns for note in result.notes)
+        assert not any(note.warns for note in result.notes if note.quantity != DOUBT)
         end = target.line(target.last_load)
         for branch, fit in result.fits:
             assert fit.intercept == pytest.approx(branch.intercept, abs=0.01 * end)
