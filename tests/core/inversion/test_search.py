@@ -99,7 +99,9 @@ def test_an_exchange_finds_the_tool_that_lowers_the_misfit():
     residual = independent_residual(problem, problem.law)
     same = Asperities(wanted.height, np.where(wanted.exists, 0, -1))
     before = descend(residual, same, problem, 1e-6)
-    trials = [descend(residual, one, problem, 1e-6) for one in exchanges(before.asperities, problem, problem.law)]
+    trials = [
+        descend(residual, one, problem, 1e-6) for one in exchanges(before.asperities, problem, problem.law)
+    ]
     assert min(one.misfit for one in trials) < before.misfit
 
 

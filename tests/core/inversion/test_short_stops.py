@@ -10,7 +10,7 @@ from metafem.inversion import DesignStatus
 
 MATERIAL = mf.Material(1.36)
 SOFT = mf.Surface.square_lattice(
-    0.085, (10, 10), 1.0, radius=1.25, material=mf.Material(2.5), friction=mf.Friction(0.35, 0.87),
+    0.085, (10, 10), 1.0, radius=1.25, material=mf.Material(2.5 / 0.75), friction=mf.Friction(0.35, 0.87),
     block=mf.Block(15.0, 15.0, 4.0),
 )  # fmt: skip
 LAYER = mf.Interacting(substrate=mf.BondedLayer())
@@ -21,14 +21,21 @@ def lattice(side, pitch=1.5, **rest):
     return mf.Surface.square_lattice(0.1, (side, side), pitch, radius=0.526, material=MATERIAL, **rest)
 
 
+def touches(found):
+    """Whether the plane would reach the base within the loads of the target."""
+    approach = found.law.model.curve(found.surface, LINE.curve().load).approach
+    return (approach > found.surface.height.max()).any()
+
+
 def test_a_base_that_touches_within_the_range_is_a_miss_and_avoided():
-    tools = [mf.Tool(1.25), mf.Tool(2.06)]
-    found = mf.design(LINE, SOFT, limits=mf.Limits(0.085), tools=tools)
-    load = LINE.curve().load
-    approach = mf.Independent().curve(found.surface, load).approach
-    touches = bool((approach > found.surface.height.max()).any())
-    assert not (touches and found.status is not DesignStatus.MISSED)
-    assert not touches
+    limits = mf.Limits(0.085)
+    flat = mf.design(LINE, SOFT, LAYER, limits, tools=[2.06])
+    assert touches(flat)
+    assert flat.status is DesignStatus.MISSED
+    found = mf.design(LINE, SOFT, LAYER, limits, tools=mf.RadiusRange(0.2, 4.0))
+    assert not touches(found)
+    assert found.misfit <= 0.01
+    assert found.status is not DesignStatus.MISSED
 
 
 def test_the_verdict_names_the_model_on_the_block_that_misses():
@@ -42,9 +49,7 @@ def test_the_verdict_names_the_model_on_the_block_that_misses():
 
 
 def test_no_cap_of_a_part_is_without_height(tmp_path):
-    part = mf.Surface.square_lattice(
-        0.15, radius=0.3, material=MATERIAL, block=mf.Block(12.0, 12.0, 7.2)
-    )
+    part = mf.Surface.square_lattice(0.15, radius=0.3, material=MATERIAL, block=mf.Block(12.0, 12.0, 7.2))
     load = np.linspace(0.05, 0.9, 20)
     try:
         found = mf.design(mf.SampledLaw(load, 0.3 * load**0.8), part, limits=mf.Limits(0.15))
