@@ -9,9 +9,8 @@ from hypothesis import strategies as st
 
 import metafem as mf
 from metafem.inversion import DesignStatus
-from metafem.inversion.density import ExponentialDensity
+from metafem.inversion.density import ExponentialDensity, level_counts
 from metafem.inversion.problem import drafting
-from metafem.inversion.density import level_counts
 from tests.models.scenes import said
 
 LIMITS, TALL = mf.Limits(max_height=0.12, offset=0.05), mf.Limits(0.27)

@@ -8,7 +8,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-import metafem as mf
 from metafem import reference as printed
 from metafem.inversion.density import (
     ExponentialDensity,

@@ -9,7 +9,7 @@ from metafem.inversion.bounds import Bounds
 from metafem.inversion.infeasible import nearest_law
 from metafem.inversion.target_law import TargetLaw
 from metafem.inversion.tools import Tools
-from validation.scenes.random_laws import LATTICE, RADIUS, random_law
+from validation.scenes.random_laws import LATTICE, random_law
 
 LIMITS = mf.Limits(0.6)
 

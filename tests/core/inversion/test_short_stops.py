@@ -1,4 +1,4 @@
-"""Designs that users met: the base plane, blocks, hints of refusals, and scenes in which a search stopped too early."""
+"""Designs that users met: the base plane, blocks, hints of refusals, and scenes where a search stopped early."""
 
 import re
 
@@ -10,7 +10,7 @@ from metafem.inversion import DesignStatus
 
 MATERIAL = mf.Material(1.36)
 SOFT = mf.Surface.square_lattice(
-    0.085, (10, 10), 1.0, radius=1.25, material=mf.Material(2.5 / 0.75), friction=mf.Friction(0.35, 0.87),
+    0.085, (10, 10), 1.0, radius=1.25, material=mf.Material(2.5), friction=mf.Friction(0.35, 0.87),
     block=mf.Block(15.0, 15.0, 4.0),
 )  # fmt: skip
 LAYER = mf.Interacting(substrate=mf.BondedLayer())

@@ -59,7 +59,7 @@ def test_points_below_those_of_one_radius_are_met_by_two():
     """F grows by less than P^(2/3)."""
     target = mf.OperatingPoints([0.144, 0.336], [0.84, 0.84 * (0.336 / 0.144) ** 0.65])
     for radius in (0.2, 0.8):
-        with pytest.raises(mf.Infeasible, match="point 2|at load"):
+        with pytest.raises(mf.Infeasible, match=r"point 2|at load"):
             mf.design(target, LATTICE, limits=LIMITS, tools=[radius])
     assert mf.design(target, LATTICE, limits=LIMITS, tools=[0.2, 0.8]).misfit <= 1e-9
 
