@@ -1,4 +1,4 @@
-"""Designs that users met: the base plane, blocks, hints of refusals, and scenes where a search stopped early."""
+"""Designs that users met: base plane, blocks, hints of refusals, and scenes where searches ended early."""
 
 import re
 
