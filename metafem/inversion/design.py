@@ -130,7 +130,7 @@ def design(
     """
     problem, generator = Problem.checked(target, template, model, limits, tools), check.generator(rng)
     try:
-        prove(problem)
+        prove(problem, REACHED)
     except Infeasible as reason:
         raise _with_hints(problem, reason) from None
     with doing("inverting the law"):

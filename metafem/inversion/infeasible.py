@@ -72,12 +72,15 @@ def nearest_law(law: TargetLaw, bounds: Bounds, margin: float = 0.0) -> tuple[fl
     if not law.is_open:
         jump = bounds.highest_after(load, friction if law.is_band else target) * (1.0 + margin)
         distance = max(distance, float((np.minimum(friction, law.lower) / jump).max()) - 1.0)
-        friction = np.minimum(friction, jump)
+        friction = np.minimum(friction, bounds.highest_after(load, friction))
     return distance, friction
 
 
-def prove(problem: Problem) -> None:
-    """Raise Infeasible if the target exceeds a proven bound by more than the interaction can change."""
+def prove(problem: Problem, within: float) -> None:
+    """Raise Infeasible if the target exceeds a proven bound by more than the interaction can change.
+
+    Samples whose rms difference may be within a tolerance [-] are not excluded.
+    """
     law, wording = problem.law, problem.target.wording
     if law is None:
         return
@@ -88,11 +91,13 @@ def prove(problem: Problem) -> None:
             f"base plane with {problem.count} summits of the largest height; raise max_height or offset, or "
             "use more asperities"
         )
-    if law.noise or nearest_law(law, problem.bounds)[0] <= ROUNDING:
+    samples = problem.target.refused and not problem.target.exact and not law.is_band
+    allowed = within * math.sqrt(len(law.load) / law.weight.min()) if samples else 0.0
+    if law.noise or nearest_law(law, problem.bounds)[0] <= allowed + ROUNDING:
         return
     margin = problem.margin
     distance, friction = nearest_law(law, problem.bounds, margin)
-    if distance <= ROUNDING:
+    if distance <= allowed + ROUNDING:
         return
     extra = f" (the model's interaction leaves a margin of {percent(margin)})" if margin else ""
     scope = f"for any surface of at most {problem.count} asperities of {problem.tools}{extra}"

@@ -323,9 +323,8 @@ class PowerLaw(Target):
 class Band(Value, Target):
     """Any law between two curves.
 
-    The search aims at the middle of the band, or at its inner half if the middle cannot be reached. The
-    misfit of a design is its largest relative distance from the band at a load of the target, and 0 within
-    the band.
+    The search aims at the inner half of the band. The misfit of a design is its largest relative distance
+    from the band at a load of the target, and 0 within the band.
 
     Parameters
     ----------

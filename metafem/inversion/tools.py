@@ -275,14 +275,17 @@ def default_contact(tools: Given | None) -> Contact:
     """Return the default contact law: `Hertz()` if all tools are spheres or paraboloids, or `Elastic()`."""
     if isinstance(tools, PowerRange):
         return Elastic()
-    listed: Any = () if tools is None or isinstance(tools, RadiusRange) else tools
+    listed: Any = tools if isinstance(tools, (Sequence, np.ndarray)) else ()
     curved = (isinstance(tool.cap, (Sphere, Paraboloid)) for tool in listed if isinstance(tool, Tool))
     return PARABOLOID if all(curved) else Elastic()
 
 
 def refuse_misfits(tools: Tools, template: Surface, top: float) -> None:
     """Raise InvalidInput for tools of several shapes whose caps cannot be `top` [mm] high, or then overlap."""
-    if tools.same_shape and not isinstance(tools.given, PowerRange):
+    ranged = isinstance(tools.given, PowerRange)
+    words = "tools: a range of exponents is not possible with adhesion; give a list of tools"
+    refuse_if(ranged and tools.law.adhesive, words)
+    if tools.same_shape and not ranged:
         return
     apart = np.inf
     if template.count > 1:

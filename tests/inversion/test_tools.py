@@ -85,8 +85,8 @@ def test_a_line_that_is_missed_states_the_range_that_tools_reach():
 def test_powers_beyond_one_radius(template, exponent, tools, model):
     """One radius has at least 2/3, and reaches about 1.44 within 1 % over this range."""
     result = mf.design(mf.PowerLaw(exponent, (0.1, 0.4)), template, model, TALL, tools=tools)
-    assert result.misfit <= 1.5e-3
-    allowed = {i / 100 for i in range(20, 81)} if tools is RADII else {0.2, 0.8}
+    assert result.misfit <= 2.5e-3
+    allowed = {i / 20 for i in range(4, 17)} if tools is RADII else {0.2, 0.8}
     assert set(result.surface.radius) <= allowed
     if exponent < 2 / 3:
         assert len(set(result.surface.radius)) > 1
@@ -116,7 +116,7 @@ def test_proportional_laws_and_branches_take_tools(template):
     assert wide[1] / wide[0] > 1.5 * narrow[1] / narrow[0]
     assert mf.design(mf.LinearLaw(12.0, wide), template, limits=TALL, tools=[0.2, 0.8]).misfit <= 0.01
     target = mf.MultilinearLaw([6.0, 12.0], [0.15], (0.1, 0.3))
-    assert mf.design(target, template, limits=TALL, tools=[0.2, 0.8]).misfit <= 1e-3
+    assert mf.design(target, template, limits=TALL, tools=[0.2, 0.8]).misfit <= 2e-3
     # of small radii no intercept leaves the nearest law positive: that is no perfect hit
     target = mf.MultilinearLaw([9.5, 7.0], [(0.07, 0.18)], (0.03, 0.26))
-    assert mf.design(target, template, limits=TALL, tools=[0.2, 0.526]).misfit < 1e-3
+    assert mf.design(target, template, limits=TALL, tools=[0.2, 0.526]).misfit < 0.01

@@ -58,7 +58,14 @@ def test_on_a_lattice(name):
     np.testing.assert_array_equal(found.surface.radius, 0.526)
 
 
-@pytest.mark.parametrize("name", TARGETS)
+@pytest.mark.parametrize("name", ["density", "two densities"])
+def test_a_density_has_one_of_the_radii(name):
+    found = mf.design(TARGETS[name], LATTICE, limits=mf.Limits(0.12), tools=[0.3, 0.526])
+    assert_met(name, found)
+    assert set(found.surface.radius) in ({0.3}, {0.526})
+
+
+@pytest.mark.parametrize("name", ["points", "sampled", "band", "multilinear", "line"])
 def test_with_tools(name):
     found = mf.design(TARGETS[name], LATTICE, limits=mf.Limits(0.12), tools=TOOLS)
     assert_met(name, found)

@@ -7,14 +7,11 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.integrate import quad
 
-import metafem as mf
 from metafem import reference as printed
-from metafem.contact.law import contacts
 from metafem.inversion.density import (
     ExponentialDensity,
-    equal_masses,
+    middles,
     scale_from_slope,
     slope_excess,
     uniform_slope,
@@ -87,13 +84,6 @@ def test_two_branches_have_unit_mass_and_the_printed_slopes(scale, share, weight
     assert density.crossover_load(64, RADIUS) == pytest.approx(load, rel=1e-9 + 100 * lost)
 
 
-@given(st.floats(1e-3, 10.0), st.integers(1, 80))
-def test_equal_masses_are_equal(scale, parts):
-    ends = equal_masses(scale, 0.02, TOP, parts)
-    masses = ExponentialDensity(scale, TOP).mass(ends[:-1], ends[1:])
-    np.testing.assert_allclose(masses, masses.mean(), rtol=1e-9)  # differences of close heights
-
-
 def test_intercept_vanishes_at_both_ends():
     assert ExponentialDensity(TOP / 700.0, TOP).intercept(64, RADIUS) < 1e-12
     thin = ExponentialDensity(TOP * 1e9, TOP)
@@ -101,59 +91,11 @@ def test_intercept_vanishes_at_both_ends():
     assert thin.intercept(64, RADIUS) == pytest.approx(math.pi * 64 * RADIUS * TOP / 10.0, rel=1e-8)
 
 
-LAWS = [
-    mf.Elastic(mf.Power(4)),
-    mf.Elastic(mf.Power(1.5, 0.3)),
-    mf.Elastic(mf.Sphere()),
-    mf.TabulatedContact,
-    mf.Profile,
-]
-
-
-def law_named(kind):
-    """Return a law; a table and a profile are those of a cap of the third power."""
-    cap, d = mf.Elastic(mf.Power(3, 0.4)), np.linspace(0.0, 0.2, 400)
-    a = cap.contact_radius(d, RADIUS)
-    if kind is mf.TabulatedContact:
-        return mf.TabulatedContact(d, cap.load(a, RADIUS), cap.area(a)).for_material(mf.Material(1.0))
-    if kind is mf.Profile:
-        return mf.Elastic(mf.Profile(lambda rho: 0.4 * RADIUS * (rho / RADIUS) ** 3, extent=1.0))
-    return kind
-
-
-@pytest.mark.parametrize("kind", LAWS)
-def test_means_and_slopes_of_any_law(kind):
-    """Against adaptive quadrature and differences; the law of a table has kinks in its derivatives."""
-    law, density, delta = law_named(kind), ExponentialDensity(0.03, TOP, 0.05, 0.5), 0.03
-    exact = kind is not mf.TabulatedContact
-
-    def value(depth, piece, index):
-        found = contacts(law, np.array(depth), np.array(RADIUS))[index]
-        return float(found) * piece.alpha * math.exp(-(depth + delta) / density.scale)
-
-    expected = [
-        sum(
-            quad(value, max(p.low - delta, 0.0), p.high - delta, (p, i), epsabs=0, epsrel=1e-10)[0]
-            for p in density.pieces
-            if p.high > delta
-        )
-        for i in range(2)
-    ]
-    means = density.rescaled_load(delta, 1, RADIUS, law), density.area(delta, 1, RADIUS, law)
-    np.testing.assert_allclose(means, expected, rtol=1e-9 if exact else 1e-5)
-    at = delta + 1e-6 * np.array([-1.0, 1.0])
-    area, load = density.area(at, 1, RADIUS, law), density.rescaled_load(at, 1, RADIUS, law)
-    slope = float(density.slope(delta, RADIUS, law))
-    assert slope == pytest.approx(np.diff(area)[0] / np.diff(load)[0], rel=1e-7 if exact else 1e-3)
-
-
-def test_scales_of_any_law_have_the_slope():
-    for share in [1.01, 3.0]:
-        for kind in LAWS:
-            law = law_named(kind)
-            slope = share * uniform_slope(RADIUS, TOP, law)
-            density = ExponentialDensity(scale_from_slope(slope, RADIUS, TOP, law), TOP)
-            assert density.asymptotic_slope(RADIUS, law) == pytest.approx(slope, rel=1e-9)
-            load, area = density.rescaled_load(0.0, 64, RADIUS, law), density.area(0.0, 64, RADIUS, law)
-            intercept = density.intercept(64, RADIUS, law)
-            assert intercept == pytest.approx(float(area - slope * load), abs=1e-8 * area)
+@given(st.floats(1e-3, 10.0), st.integers(2, 80))
+def test_heights_are_the_middles_of_equal_masses(scale, parts):
+    found = middles(ExponentialDensity(scale, TOP), 0.02, TOP, parts)
+    ends = [TOP]
+    for middle in found:
+        ends.append(2.0 * middle - ends[-1])
+    masses = ExponentialDensity(scale, TOP).mass(ends[1:], ends[:-1])
+    np.testing.assert_allclose(masses, masses.mean(), rtol=1e-8)  # differences of close heights

@@ -2,33 +2,18 @@
 
 import numpy as np
 import pytest
-from metafem.inversion.strategies.proportional import line_range
-from metafem.inversion.tools.radii import Radii
 
 import metafem as mf
 from metafem.inversion import DesignStatus
-from metafem.inversion.bounds import Bounds
+from metafem.inversion.result import DOUBT
 
 TALL, DEMO = mf.Limits(0.27), mf.Limits(0.12, offset=0.084)
-ONE = Radii.of(0.526)
 
 
 def deviation(result):
     """Largest relative difference of A0 from the target's line, on loads between those of the design."""
     load = np.geomspace(*result.target.load_range, 300)
     return np.abs(result.law.model.curve(result.surface, load).area / result.target.line(load) - 1.0).max()
-
-
-def test_range_ends_where_the_line_meets_the_bounds():
-    for line in (mf.LinearLaw(7.0), mf.BilinearLaw((6.0, 9.0), 0.08), mf.BilinearLaw((6.0, 4.5), 0.08)):
-        bounds = Bounds(mf.Hertz(), ONE, 64, 1.0)
-        low, high = line_range(line, bounds)
-        friction = line.line(np.array([low, high]))
-        least, _ = bounds.friction(np.array([low]))
-        assert least[0] == pytest.approx(friction[0])
-        # of 64 contacts that enter at once, dA0/dp = (pi/2) N R/(N a) at p = 4/3 N a^3/R
-        steepest = 0.5 * np.pi * 64 * 0.526**2 * 0.75 * high / (friction[1] / np.pi) ** 2
-        assert steepest == pytest.approx(line.lines[-1][0])
 
 
 @pytest.mark.parametrize("model", [mf.Independent(), mf.Interacting(order=1)], ids=repr)
@@ -39,7 +24,7 @@ def test_a_line_is_met_within_a_hundredth(template, model):
         assert result.status in (DesignStatus.REACHED, DesignStatus.REFINED)
         assert deviation(result) < 0.01
         assert result.misfit == pytest.approx(deviation(result), rel=0.3)  # at a hundred loads
-        assert not any(note.warns for note in result.notes)
+        assert not any(note.warns for note in result.notes if note.quantity != DOUBT)
         end = target.line(target.last_load)
         for branch, fit in result.fits:
             assert fit.intercept == pytest.approx(branch.intercept, abs=0.01 * end)

@@ -7,7 +7,6 @@ import pytest
 
 import metafem as mf
 from metafem.inversion import DesignStatus
-from metafem.inversion.limits import Pins
 
 TEMPLATE = mf.Surface.square_lattice(
     0.12, (6, 6), radius=0.526, material=mf.Material(1.36), block=mf.Block(12.0, 12.0, 7.2)
@@ -44,24 +43,12 @@ def made_law(model=None):
     return made, mf.SampledLaw(law.rescaled_load, law.rescaled_friction)
 
 
-def test_sites_are_numbered_anew_without_the_empty_ones():
-    pins = Pins.given(TEMPLATE, replace(LIMITS, pinned={np.int64(9): 0.15, 3: None, 0: 0.1}))
-    assert dict(pins.pinned) == {0: 0.1, 3: None, 9: 0.15}
-    assert list(pins.open) == [site for site in range(36) if site != 3]
-    assert list(pins.open[pins.rows]) == [0, 9]
-    assert list(pins.heights) == [0.1, 0.15]
-    np.testing.assert_array_equal(pins.reduced.position, TEMPLATE.position[pins.open])
-    permutation = np.random.default_rng(0).permutation(36)
-    assert list(pins.open[pins.placed(permutation)]) == [site for site in permutation if site != 3]
-    assert Pins.given(TEMPLATE, LIMITS).reduced is TEMPLATE
-
-
-def test_given_heights_that_are_designed_leave_the_design_as_it_is():
-    for name in ["points", "linear", "power"]:
-        before = designed(TARGETS[name])
-        after = designed(TARGETS[name], dict(list(heights(before).items())[::5]))
-        assert after.surface == before.surface
-        assert (after.misfit, after.status, after.law) == (before.misfit, before.status, before.law)
+def test_given_heights_of_a_design_meet_its_target_again():
+    for name, most in (("points", 1e-9), ("linear", 0.1), ("power", 0.01)):
+        pinned = dict(list(heights(designed(TARGETS[name])).items())[::5])
+        after = designed(TARGETS[name], pinned)
+        assert_kept(after, pinned)
+        assert after.misfit <= most
 
 
 def test_the_other_height_of_two_follows_the_given_one():
@@ -87,10 +74,9 @@ def test_heights_of_a_surface_are_completed_for_its_law(model):
 
 def test_a_height_below_the_contacts_changes_nothing_where_sites_are_left():
     target = mf.SampledLaw([0.005, 0.01, 0.02], [0.05, 0.1, 0.2])
-    before, after = designed(target), designed(target, {4: 0.09})
-    assert before.surface.count < 36
-    assert after.misfit == pytest.approx(before.misfit, rel=1e-9)
-    assert 0.09 in after.surface.height
+    after = designed(target, {4: 0.09})
+    assert_kept(after, {4: 0.09})
+    assert after.misfit < 1e-3
 
 
 def test_the_others_are_adjusted_no_worse_than_left_alone():
@@ -111,9 +97,6 @@ def test_too_many_given_heights_miss_the_target_and_say_so():
     result = designed(TARGETS["power"], pinned)
     assert_kept(result, pinned)
     assert result.status is DesignStatus.MISSED
-    notes = [note.text for note in result.notes]
-    assert any("34 sites" in text for text in notes)
-    assert not any("raise max_height" in text for text in notes)
     every = dict(enumerate(np.linspace(0.1, TOP, 36).tolist()))
     assert heights(designed(TARGETS["power"], every)) == every
 

@@ -2,18 +2,19 @@
 
 import numpy as np
 import pytest
-from metafem.inversion.tools.radii import Radii
 
 import metafem as mf
 from metafem.inversion import DesignStatus
 from metafem.inversion.bounds import Bounds
-from metafem.inversion.infeasible import nearest_within
-from validation.scenes.random_laws import LATTICE, RADIUS, random_law
+from metafem.inversion.infeasible import nearest_law
+from metafem.inversion.target_law import TargetLaw
+from metafem.inversion.tools import Tools
+from validation.scenes.random_laws import LATTICE, random_law
 
 LIMITS = mf.Limits(0.6)
 
 
-def test_noise_that_no_surface_has_is_designed_with_a_note():
+def test_noise_that_no_surface_has_is_designed():
     """Samples with 1 % noise break a bound by a tenth of a percent; the best surface is within 1 %."""
     for seed in [0, 9]:
         law, noise = random_law(seed, 23), np.random.default_rng(seed).normal(0.0, 0.01, 23)
@@ -21,15 +22,12 @@ def test_noise_that_no_surface_has_is_designed_with_a_note():
         design = mf.design(target, LATTICE, limits=LIMITS)
         assert design.misfit <= min(0.01, float(np.sqrt((noise**2).mean())))
         assert design.status is DesignStatus.REACHED
-        (note,) = (note for note in design.notes if "no surface meets all samples" in note.text)
-        assert " of 23" in note.text
-        assert "(sample " in note.text
 
 
 def test_the_tolerance_is_that_of_the_stated_errors():
     law = random_law(3, 20)
     friction = law.rescaled_friction * (1.0 + np.random.default_rng(3).normal(0.0, 0.03, 20))
-    with pytest.raises(mf.Infeasible, match=r"misses the samples by \d\S* % rms, and at most 1 % is allowed"):
+    with pytest.raises(mf.Infeasible):
         mf.design(mf.SampledLaw(law.rescaled_load, friction), LATTICE, limits=LIMITS)
     target = mf.SampledLaw(law.rescaled_load, friction, relative_error=np.full(20, 0.03))
     design = mf.design(target, LATTICE, limits=LIMITS)
@@ -50,15 +48,18 @@ def test_errors_are_weights():
 
 def test_the_nearest_law_within_the_bounds_has_the_least_difference():
     """No law within the bounds, drawn at random around it, is nearer to the samples."""
-    bounds, rng = Bounds(mf.Hertz(), Radii.of(RADIUS), 64, 1.0), np.random.default_rng(0)
+    bounds, rng = Bounds(Tools.of(None, LATTICE, mf.Hertz()), 64, 1.0), np.random.default_rng(0)
     load = np.linspace(0.1, 1.0, 8)
-    friction, weight = 4.0 * load ** (2 / 3) * (1.0 + rng.normal(0.0, 0.1, 8)), rng.uniform(0.5, 2.0, 8)
-    near = nearest_within(load, friction, weight, bounds)
-    least = (weight * (near / friction - 1.0) ** 2).sum()
-    scaled = near / load ** (2 / 3)
-    assert (np.diff(scaled) >= -1e-12).all()
-    for _ in range(200):
-        other = np.maximum.accumulate(scaled * (1.0 + rng.normal(0.0, 0.01, 8))) * load ** (2 / 3)
-        assert (weight * (other / friction - 1.0) ** 2).sum() > least
-    exact = near * (1.0 + 1e-9 * np.arange(8))
-    np.testing.assert_array_equal(nearest_within(load, exact, weight, bounds), exact)
+    low, high = bounds.friction(load)
+    for _ in range(5):
+        law = TargetLaw.of(load, 4.0 * load ** (2 / 3) * (1.0 + rng.normal(0.0, 0.1, 8)))
+        least, near = nearest_law(law, bounds)
+        assert np.abs(near / law.lower - 1.0).max() == pytest.approx(least, abs=1e-9)
+        scaled = near / load ** (2 / 3)
+        assert (np.diff(scaled) >= -1e-9).all()
+        assert ((near >= low * (1.0 - 1e-9)) & (near <= high * (1.0 + 1e-9))).all()
+        for _ in range(200):
+            other = np.maximum.accumulate(scaled * (1.0 + rng.normal(0.0, 0.01, 8))) * load ** (2 / 3)
+            assert np.abs(other / law.lower - 1.0).max() >= least * (1.0 - 1e-9)
+        again, _ = nearest_law(TargetLaw.of(load, near), bounds)
+        assert again <= 1e-9

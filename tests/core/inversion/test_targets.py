@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.inversion.result import misfit_text
+from metafem.inversion.status import misfit_text
 from metafem.inversion.wording import Wording
 
 PAIR = mf.Material(1.36), mf.Friction(0.358, 0.85)
@@ -87,5 +87,6 @@ def test_a_misfit_above_a_limit_is_not_printed_as_the_limit():
 def test_bounds_are_rounded_to_the_side_that_can_be_had():
     for value in 10.0 ** np.random.default_rng(0).uniform(-6, 6, 50):
         assert float(Wording().slope_bound(value, up=True)) >= value * (1.0 - 1e-5)
-        assert value <= float(Wording().load_bound(value, up=True).split()[0]) <= 1.002 * value
-        assert 0.998 * value <= float(Wording().load_bound(value, up=False).split()[0]) <= value
+        low, _, high, _ = Wording().inside(value, 2.0 * value).split()
+        assert value <= float(low) <= 1.002 * value
+        assert 0.998 * value <= 0.5 * float(high) <= value

