@@ -20,7 +20,7 @@ from metafem._validate import FloatArray, IntArray
 from metafem._values import Value, percent
 from metafem.calibration import contours as boundary
 from metafem.errors import InvalidInput, refuse_if
-from metafem.notes import ArgumentNote, Note, information
+from metafem.notes import Note, information
 from metafem.progress import each
 
 Grey: TypeAlias = NDArray[np.float32]
@@ -342,14 +342,14 @@ def stack_areas(
             # every result with these levels has a note that names the source of the levels
             other, _ = next(iter(failures.values()))
             source = "the levels are from {.name}, because {.name} cannot be measured"
-            found[i] = replace(found[i], notes=(*found[i].notes, ArgumentNote.of(source, own, other)))
+            found[i] = replace(found[i], notes=(*found[i].notes, Note(source.format(own, other))))
     if not found:
         first = next(iter(failures.values()))
         raise InvalidInput(f"none of the images can be measured: {NOT_MEASURED}", *first)
     reference = vars(next(iter(found.values())))
     none = {name: value[:0] for name, value in reference.items() if isinstance(value, np.ndarray)}
     for i, failure in failures.items():
-        notes = (ArgumentNote.of(NOT_MEASURED, *failure),)
+        notes = (Note(NOT_MEASURED.format(*failure)),)
         found[i] = ContactAreas(**{**reference, **none, "failed": True, "notes": notes})
     return tuple(found[i] for i in range(count))
 

@@ -158,12 +158,14 @@ def _with_hints(problem: Problem, reason: Infeasible) -> Infeasible:
         nearest = line.near(
             law.load, problem.uncoupled.curve(problem.surface(found.asperities), law.load).area
         )
+        if line.free_name and nearest is not None and not _meets(replace(problem, target=nearest)):
+            nearest = None
     return Infeasible(words, nearest)
 
 
 def _meets(problem: Problem) -> bool:
     """Return whether independent asperities of a problem that was changed by a hint meet its target."""
-    if problem.bounds.convex and nearest_law(problem.law, problem.bounds)[0] > REACHED:
+    if nearest_law(problem.law, problem.bounds)[0] > ROUNDING:
         return False
     found = inverted(problem, np.random.default_rng(0))
     size = misfit(problem, found.asperities, problem.law, problem.uncoupled)

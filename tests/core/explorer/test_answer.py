@@ -136,7 +136,7 @@ def test_buttons_say_which_points_the_nearest_law_moves_or_drops():
     for old, new, words in (
         ('"1.68 mm^2"', '"2.9 mm^2"', "Move points 1, 2 and 3 to the nearest law"),
         ('"4.12 mm^2"', '"14.12 mm^2"', "Move points 1, 2 and 3 to the nearest law"),
-        ('max_height = "270 um"', 'max_height = "120 um"', ""),
+        ('max_height = "270 um"', 'max_height = "120 um"', "Move points 1, 2 and 3 to the nearest law"),
     ):
         refused = to(TEXT.replace(old, new))
         assert refused.refusal

@@ -53,7 +53,7 @@ BOUNDS = [
 ALONE = [
     (mf.PowerLaw(1.35, (0.02, 0.4)), HIGH, {"model": mf.Interacting()}, ("margin",)),
     (mf.MultilinearLaw([80.0], [], (0.1, 0.4)), HIGH, {}, ("free parameter",)),
-    (mf.LinearLaw(7.0, (0.01, 0.2)), TALL, {}, ("0.0213",)),
+    (mf.LinearLaw(7.0, (0.01, 0.2)), TALL, {}, ("0.01 mm", "reached from")),
     (mf.LinearLaw(7.0, (0.1, 90.0)), TALL, {}, ("90 mm^2 (122.4 N)",)),
     (mf.LinearLaw(1e3), LOW, under(mf.Elastic(mf.Power(4))), ("load_range",)),
     (mf.LinearLaw(1e200), LOW, {}, ("slope 1e+200", "double precision")),

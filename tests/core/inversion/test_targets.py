@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.inversion.status import misfit_text
+from metafem.inversion.result import misfit_text
 from metafem.inversion.wording import Wording
 
 PAIR = mf.Material(1.36), mf.Friction(0.358, 0.85)
