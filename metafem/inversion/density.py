@@ -194,7 +194,7 @@ def scale_from_slope(slope: float, radius: float, max_height: float) -> float:
 
 
 def uniform_slope(radius: float, max_height: float) -> float:
-    """Return the slope ``3 pi/4 sqrt(R/h_m)`` [-] of uniformly distributed heights, the least of a density."""
+    """Return the slope ``3 pi/4 sqrt(R/h_m)`` [-] of uniformly distributed heights, the least of all."""
     return 0.75 * math.pi * math.sqrt(radius / max_height)
 
 

@@ -1,4 +1,4 @@
-"""Design of a surface for a target law: prove, guess, search, refine under the model, put on steps, assess."""
+"""Design of a surface for a target law: prove, guess, search, refine, put on steps, assess."""
 
 from __future__ import annotations
 
@@ -21,8 +21,9 @@ from metafem.inversion.infeasible import achievable_friction_coefficients, neare
 from metafem.inversion.laws import Target
 from metafem.inversion.limits import Limits
 from metafem.inversion.problem import Branch, Candidate, Parameter, Problem, misfit
-from metafem.inversion.refinement import EXACT, GOAL, MISSED, REACHED, inverted, refined, unmet
+from metafem.inversion.refinement import EXACT, MISSED, REACHED, inverted, refined, unmet
 from metafem.inversion.result import DOUBT, Design, DesignStatus, misfit_text
+from metafem.inversion.search import GOAL
 from metafem.inversion.steps import on_steps
 from metafem.inversion.target_law import TargetLaw
 from metafem.inversion.tools import Given, PowerRange
@@ -34,7 +35,7 @@ from metafem.progress import doing
 from metafem.substrate import BondedLayer, HalfSpace
 from metafem.surface import Surface
 
-# Ratio of the last load of a design's law to the last load of the target, and number of its loads; of a draft.
+# Ratio of the last load of a design's law to that of the target, number of its loads, and number of a draft.
 LAW_END, LAW_POINTS, DRAFT_POINTS = 1.1, 100, 25
 
 # If a design uses more radii of a range than this, only the smallest and the largest are stated.
@@ -51,8 +52,8 @@ ALL_OF_IT = 1e-6
 
 # A range of loads is sought between these loads over the largest one, of this number, by this number of
 # bisections on a logarithmic scale. Between the loads of the first contacts, a law differs from the line by
-# 1.1 % if the range begins where one asperity has the friction of the line, and by .7 % from RANGE_START times
-# that load on (measured; by scaling, the differences do not depend on slope and radius).
+# 1.1 % if the range begins where one asperity has the friction of the line, and by .7 % from RANGE_START
+# times that load on (measured; by scaling, the differences do not depend on slope and radius).
 LEAST_LOAD, TRIED_LOADS, BISECTIONS, RANGE_START = 1e-8, 2000, 6, 1.4
 
 # A design is judged by order 3 as well up to this number of asperities, which takes about a second.
@@ -143,7 +144,8 @@ def design(
 
 def _with_hints(problem: Problem, reason: Infeasible) -> Infeasible:
     """Return the refusal of a target with remedies, and with a nearest target that a design meets."""
-    line, nearest = problem.target, reason.nearest
+    line: Any = problem.target
+    nearest: Any = reason.nearest
     words = f"{reason}{remedies(problem, _meets)}"
     if line.lines:
         given = problem.template, problem.limits, problem.tools.argument, problem.uncoupled.contact
@@ -325,7 +327,7 @@ def _tools_in_use(problem: Problem, surface: Surface) -> dict[str, Parameter]:
 
 
 def design_notes(problem: Problem, candidate: Candidate, found: Design) -> tuple[Note, ...]:
-    """Return all notes on a design: the doubt of the next better model, then on the heights and on the law."""
+    """Return all notes on a design: the doubt of the next better model, then others."""
     limits, surface, before = problem.limits, found.surface, candidate.unrounded
     notes = [*_doubt(problem, candidate, found), *candidate.notes]
     if before is not None:
@@ -355,7 +357,7 @@ def design_notes(problem: Problem, candidate: Candidate, found: Design) -> tuple
             if len(problem.held) == 1
             else f"the heights of {len(problem.held)} sites are"
         )
-        words = f"{many} given, and the misfit is {misfit_text(found.misfit)}: give other heights, or fewer of them"
+        words = f"{many} given, and the misfit is {misfit_text(found.misfit)}: give others, or fewer"
         notes.append(Note(words, quantity="misfit", value=found.misfit, bound=REACHED, remedies=("pinned",)))
     if problem.target.refused and not problem.target.exact and not candidate.law.is_band:
         notes += _outside(problem, candidate.law)
@@ -399,8 +401,8 @@ def _outside(problem: Problem, law: TargetLaw) -> list[Note]:
     return [
         information(
             f"no surface meets all samples: {many} differ from the nearest law within the bounds, by up to "
-            f"{percent(float(difference[most]))} (sample {most + 1}); the design has the least rms difference "
-            "that was found"
+            f"{percent(float(difference[most]))} (sample {most + 1}); the design has the least rms "
+            "difference that was found"
         )
     ]
 
@@ -412,8 +414,8 @@ def _missed(problem: Problem, candidate: Candidate, found: Design) -> list[Note]
         return [
             Note(
                 f"the {found.misfit_meaning} is {misfit_text(found.misfit)}: the heights follow a density, "
-                f"whose law has the {wording.name(len(found.fits))} at large loads and its own intercept. Give "
-                f"load_range: heights are then found whose friction is within {percent(REACHED, 'g')} of the "
+                f"whose law has the {wording.name(len(found.fits))} at large loads and its own intercept. "
+                f"Give load_range: heights are then found whose friction is within {percent(REACHED, 'g')} of the "
                 "line through the origin over those loads",
                 Level.INFORMATION if found.misfit <= MISSED else Level.WARNING,
                 "misfit", found.misfit, MISSED, ("load_range",),
@@ -503,7 +505,7 @@ def achievable_load_range(
     if best is None:
         raise Infeasible(
             f"{target.title}: the line through the origin is not reached within {percent(REACHED, 'g')} over "
-            f"any range of loads with {problem.count} asperities of {problem.tools} within {limits.span:g} mm "
-            f"of height; raise max_height or the {target.wording.name()}, or use a smaller radius"
+            f"any range of loads with {problem.count} asperities of {problem.tools} within {limits.span:g} "
+            f"mm of height; raise max_height or the {target.wording.name()}, or use a smaller radius"
         )
     return best

@@ -7,7 +7,7 @@ points). If the earlier asperities already have more friction than the second sa
 Finally, the asperities are spread over the heights between the levels.
 
 *By least squares, for several tools.* At given approaches x_k of the plane, load and area are linear in the
-numbers c of asperities with each tool and each gap: ``sum c P(x_k - g) = P_k`` and ``sum c A(x_k - g) = F_k``.
+numbers c of asperities with each tool and each gap: ``sum c P(x_k - g) = P_k``, ``sum c A(x_k - g) = F_k``.
 The approaches are not known; powers of the load with several exponents and several largest values are tried.
 The solution has few non-zero numbers, which are then rounded to whole asperities.
 """
@@ -173,7 +173,7 @@ def by_least_squares(
 
 
 def _rounded(gap: FloatArray, which: IntArray, number: FloatArray, count: int) -> tuple[FloatArray, IntArray]:
-    """Return heights [mm] and tools of whole asperities, at most `count`, from numbers that need not be whole."""
+    """Return heights [mm] and tools of whole asperities, at most `count`, from any numbers."""
     order = np.lexsort((which, gap))
     total = np.cumsum(number[order])
     most = min(count, max(1, math.ceil(total[-1])))

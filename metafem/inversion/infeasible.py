@@ -6,6 +6,7 @@ import math
 import warnings
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -44,7 +45,7 @@ BISECTIONS = 12
 
 
 def nearest_law(law: TargetLaw, bounds: Bounds, margin: float = 0.0) -> tuple[float, FloatArray]:
-    """Return the largest relative distance [-] of a target from the nearest law within the bounds, and that law.
+    """Return the largest relative distance [-] of a target from the nearest law in the bounds, and that law.
 
     The frictions F_k, the free parameters c and the distances s_k solve the linear program: minimise the sum
     of s where ``lower + free c - s w <= F <= upper + free c + s w``, F lies within the bounds, and F/p^b does
@@ -139,11 +140,11 @@ def remedies(problem: Problem, meets: Callable[[Problem], bool]) -> str:
 
     meets: whether a design for a problem meets its target; it is asked before anything is recommended.
     """
-    more = _first(lambda factor: _with_count(problem, factor), meets)
+    more = _first(partial(_with_count, problem), meets)
     words = [f"{more.count} sites in all"] if more else []
     if len(problem.tools) == 1:
         for sign in (1.0, -1.0):
-            other = _first(lambda factor, sign=sign: _with_radius(problem, factor**sign), meets)
+            other = _first(partial(_with_radius, problem, sign), meets)
             words += [f"a radius of {other.tools.all[0].radius:.4g} mm"] if other else []
     return f"; use {' or '.join(words)}" if words else ""
 
@@ -174,10 +175,10 @@ def _with_count(problem: Problem, factor: float) -> Problem:
     return replace(problem, template=template, model=problem.uncoupled, pinned={})
 
 
-def _with_radius(problem: Problem, factor: float) -> Problem:
+def _with_radius(problem: Problem, sign: float, factor: float) -> Problem:
     """Return the problem of independent asperities with another radius, rounded to four digits."""
     tool = problem.tools.all[0]
-    changed = Tool(float(f"{tool.radius * factor:.4g}"), tool.cap)
+    changed = Tool(float(f"{tool.radius * factor**sign:.4g}"), tool.cap)
     tools = Tools.of([changed], problem.template, problem.uncoupled.contact)
     return replace(problem, tools=tools, model=problem.uncoupled)
 

@@ -84,7 +84,7 @@ class Step:
     friction: float
 
     def excess(self, depth: FloatArray, number: FloatArray) -> Excess:
-        """Return the excess over the point with new asperities (k,) at indentations of the level (k,) [mm]."""
+        """Return the excess over the point with new asperities (k,) at indentations of the level [mm]."""
         indentation = np.column_stack([self.above + depth[:, None], depth])
         count = np.column_stack([np.ones((len(depth), len(self.above))), number])
         found = contacts(self.law, indentation, np.full(indentation.shape, self.radius))
@@ -180,7 +180,7 @@ class Step:
 def levels_through(
     problem: Problem, load: FloatArray, friction: FloatArray, drop: float = 0.0
 ) -> list[Level] | Infeasible:
-    """Return levels whose law passes through points (k,) [mm^2], or the reason at the first point without one.
+    """Return levels whose law passes through points (k,) [mm^2], or why the first point has none.
 
     drop: distance of a level below the plane at the previous point over the depth of the previous level [-].
     """

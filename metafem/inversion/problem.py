@@ -165,8 +165,8 @@ class Problem:
         return cls(target, template, choice, solver, bounds, pinned, _DRAFT.get())
 
     @cached_property
-    def law(self) -> TargetLaw | None:
-        """Law of the target; None if that of a height density is sought."""
+    def law(self) -> Any:
+        """`TargetLaw` of the target; None if that of a height density is sought."""
         return self.target.curve()
 
     @cached_property

@@ -19,6 +19,7 @@ from metafem.inversion.search import (
     NEARLY,
     PATIENCE,
     Found,
+    Residual,
     changed,
     descend,
     independent_residual,
@@ -60,7 +61,7 @@ PATIENCE_MODEL, PATIENCE_ADHESIVE, PATIENCE_DRAFT = 3, 3, 2
 # Largest number of steps of a descent of interacting adhesive asperities.
 ADHESIVE_STEPS = 6
 
-# Up to this misfit under a model, points count as met up to the kinks of the law, and no random changes follow.
+# Up to this misfit under a model, points are met up to the kinks of the law, and no random changes follow.
 AT_KINKS = 1e-3
 
 # Factors of the depths of summits, so that no level first touches exactly at an operating point. Interaction
@@ -136,15 +137,15 @@ def _nearest(problem: Problem, law: TargetLaw, rng: np.random.Generator) -> Foun
             break
     assert best is not None
     if several and best.misfit > goal:
-        starts = [best.asperities]
+        tried = [best.asperities]
         for friction in guesses:
-            starts += of_several_tools(problem, sought.load, friction, rng)
-        mixed = search(residual, starts, problem, goal, rng, sought, patience(problem, most), agreeing)
+            tried += of_several_tools(problem, sought.load, friction, rng)
+        mixed = search(residual, tried, problem, goal, rng, sought, patience(problem, most), agreeing)
         best = min(best, _with_fewer_tools(problem, residual, mixed, goal), key=lambda one: one.misfit)
     return _to_rounding(problem, residual, best, rng) if exact else best
 
 
-def _with_fewer_tools(problem: Problem, residual, best: Found, goal: float) -> Found:
+def _with_fewer_tools(problem: Problem, residual: Residual, best: Found, goal: float) -> Found:
     """Return the asperities after tools whose asperities other tools can make are left out."""
     used, counts = np.unique(best.asperities.tool[best.asperities.exists], return_counts=True)
     for tool in used[np.argsort(counts, kind="stable")].tolist() if best.misfit <= NEAR * goal else ():
@@ -158,8 +159,8 @@ def _with_fewer_tools(problem: Problem, residual, best: Found, goal: float) -> F
     return best
 
 
-def _to_rounding(problem: Problem, residual, start: Found, rng: np.random.Generator) -> Found:
-    """Return asperities whose law is exact, by descents from the start and from random changes of the best."""
+def _to_rounding(problem: Problem, residual: Residual, start: Found, rng: np.random.Generator) -> Found:
+    """Return asperities whose law is exact, by descents from the start and from random changes."""
     best, at = start, start.asperities
     for _ in range(1 if problem.draft else ATTEMPTS):
         found = descend(residual, at, problem, POINT_GOAL, exact=True)

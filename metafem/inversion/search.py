@@ -60,12 +60,12 @@ ADDING, REMOVING, MOST_ADDED, ANYWHERE = 0.5, 0.3, 5, 0.3
 # asperities and loads, so many that all of them together evaluate this number of contacts.
 PATIENCE, LEAST_PATIENCE, GAIN, CONTACTS = 40, 4, 0.05, 2_000_000
 
-# Restarts agree if this number of them end within this factor of the best; the largest number of restarts, and
-# the number of random changes from the best asperities to a new start.
+# Restarts agree if this number of them end within this factor of the best; the largest number of restarts,
+# and the number of random changes from the best asperities to a new start.
 AGREEING, AGREE, MOST_RESTARTS, FAR = 3, 1.1, 8, 5
 
-# Number of exchanges of one tool that are combined to exchanges of two, and number of exchanges that are tried
-# by descents, each with the least predicted misfits.
+# Number of exchanges of one tool that are combined to exchanges of two, and number of exchanges that are
+# tried by descents, each with the least predicted misfits.
 PAIRED, TRIED_EXCHANGES = 300, 12
 
 
@@ -74,8 +74,8 @@ class Descent:
     """Options of descents and random changes."""
 
     damping: float  # c of the first step
-    # a descent ends when a step lowers the sum of squares by less than this fraction: a descent along kinks is
-    # slow, and a random change is faster
+    # a descent ends when a step lowers the sum of squares by less than this fraction: a descent along kinks
+    # is slow, and a random change is faster
     least_gain: float
     steps: int  # largest number of steps
     sizes: tuple[float, ...]  # sizes of random changes, relative to the mean spacing of the heights
@@ -139,7 +139,7 @@ def model_residual(problem: Problem, law: TargetLaw, own: bool = False) -> Resid
             r, jacobian = _with_base(found, law, height, summits, problem)
             if own:
                 area = problem.model.curve(problem.surface(at), law.load).area
-                r = np.append(law.residual(area, np.zeros_like)[0], r[-1])
+                r = np.append(law.residual(area, lambda: found.gradient)[0], r[-1])
         except InvalidInput:
             return _beyond(law, len(some))
         return r, jacobian
@@ -263,8 +263,8 @@ def search(
     for restart in range(MOST_RESTARTS if patience else 0):
         if best.misfit <= goal or sum(end <= AGREE * best.misfit for end in ends) >= agreeing:
             break
-        start = found[restart] if restart < len(found) else _far(residual, best, problem, goal, rng)
-        one = _changed(residual, start, problem, goal, rng, law, patience)
+        begun = found[restart] if restart < len(found) else _far(residual, best, problem, goal, rng)
+        one = _changed(residual, begun, problem, goal, rng, law, patience)
         best = min(best, one, key=lambda each: each.misfit)
         ends.append(one.misfit)
     return best
@@ -294,7 +294,7 @@ def _changed(
             break
         trials = [changed(best.asperities, problem, rng)]
         if not exchanged:
-            trials = list(exchanges(best.asperities, problem, law))
+            trials = list(exchanges(best.asperities, problem, law)) if law is not None else []
         one = min(
             (descend(residual, trial, problem, goal) for trial in trials),
             key=lambda each: each.misfit,
@@ -310,7 +310,7 @@ def _changed(
 
 
 def changed(at: Asperities, problem: Problem, rng: np.random.Generator) -> Asperities:
-    """Return asperities after a random change: some move, some are added or removed, some change their tool."""
+    """Return asperities after a random change: some move, are added or removed, or change their tool."""
     sizes = (HERTZ if has_paraboloids(problem.model) else OTHERS).sizes
     height, tool, on = at.height.copy(), at.tool.copy(), at.sites
     free = np.setdiff1d(on, list(problem.held)) if problem.held else on
@@ -340,7 +340,7 @@ def changed(at: Asperities, problem: Problem, rng: np.random.Generator) -> Asper
 
 
 def exchanges(at: Asperities, problem: Problem, law: TargetLaw) -> Iterator[Asperities]:
-    """Yield asperities of which one or two have another tool, for the least predicted misfits of independent ones.
+    """Yield asperities of which one or two have another tool, with the least predicted misfits.
 
     To first order, another tool changes A0 at a fixed load by the change of its own area, less dA0/dP times
     that of its own load. The heights then reduce the residual as in an undamped step.

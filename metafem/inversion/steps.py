@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from metafem._validate import FloatArray, IntArray
 from metafem.inversion.problem import NONE, Asperities, Candidate, Parameter, Problem, misfit
@@ -29,7 +30,7 @@ PAIRED, EVALUATED = 64, 24
 MOST_STEPPED, REPETITIONS = 512, 60
 
 # Misfit at which a search over steps ends, number of random changes of a few asperities that are tried above
-# it, under a model with interaction, largest number of asperities of one, and probability that one is removed.
+# it, under a model with interaction, largest number of asperities, and probability that one is removed.
 STEP_GOAL, KICKS, KICKS_MODEL, MOST_KICKED, REMOVED = 1e-3, 20, 3, 3, 0.3
 
 # If the misfit is the largest difference, the sum of this power of the differences is minimised. For a
@@ -90,7 +91,7 @@ class _Steps:
         return self.problem.surface(self.whole)
 
     @cached_property
-    def held(self) -> FloatArray:
+    def held(self) -> NDArray[np.bool_]:
         """Whether each height is prescribed, (n,)."""
         return np.isin(self.sites, list(self.problem.held))
 
@@ -180,7 +181,7 @@ class _Steps:
         return trials[row], residuals[row]
 
     def _predicted(self, index: IntArray, residual: FloatArray) -> IntArray:
-        """Return level indices (m, n) after changes of one or two asperities, with the least predicted sums."""
+        """Return level indices (m, n) after changes of one or two asperities, of the least predicted sums."""
         which, to = self._changes(index)
         if not which.size:
             return np.empty((0, len(index)), dtype=np.int64)
@@ -208,7 +209,7 @@ class _Steps:
         return np.array(trials, dtype=np.int64).reshape(-1, len(index))
 
     def _changes(self, index: IntArray) -> tuple[IntArray, IntArray]:
-        """Return the asperities of all single changes, and their new level indices: a step, removal, or a new one."""
+        """Return the asperities of all single changes, and their new level indices."""
         count, every = len(self.levels) - 1, np.arange(len(index))
         on = every[(index != NONE) & ~self.held]
         which, to = np.tile(on, 3), np.concatenate([index[on] + 1, index[on] - 1, np.full(len(on), NONE)])

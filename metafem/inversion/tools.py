@@ -81,8 +81,8 @@ class RadiusRange:
     low, high : float
         Smallest and largest radius [mm], positive and increasing; both are allowed.
     step : float, optional
-        Radii between `low` and `high` are multiples of this step [mm]. Default: 0.05 up to 1 mm and 0.1 above,
-        the steps in which ball-end mills are sold.
+        Radii between `low` and `high` are multiples of this step [mm]. Default: 0.05 up to 1 mm and 0.1
+        above, the steps in which ball-end mills are sold.
 
     Raises
     ------
@@ -281,7 +281,7 @@ def default_contact(tools: Given | None) -> Contact:
 
 
 def refuse_misfits(tools: Tools, template: Surface, top: float) -> None:
-    """Raise InvalidInput for tools of several shapes whose caps cannot be `top` [mm] high, or then overlap."""
+    """Raise InvalidInput for tools of several shapes whose caps cannot be `top` [mm] high, or overlap."""
     ranged = isinstance(tools.given, PowerRange)
     words = "tools: a range of exponents is not possible with adhesion; give a list of tools"
     refuse_if(ranged and tools.law.adhesive, words)

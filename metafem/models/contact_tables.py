@@ -34,7 +34,7 @@ def tables(law: Contact, radius: Any) -> Law:
         return kernel.hertz_law(np.array(radius, dtype=np.float64, order="C"))
     mixed = isinstance(law, Elastic) and isinstance(law.cap, Caps)
     kept, kinds = (_kept, _kinds) if isinstance(law, Hashable) else (_kept.__wrapped__, _kinds.__wrapped__)
-    size, laws = np.array(radius["radius"] if mixed else radius, dtype=np.float64, order="C"), kinds(law)
+    size, laws = np.array(radius["radius"] if mixed else radius, dtype=np.float64, order="C"), kinds(law)  # type: ignore[arg-type]
     if all(one.similar for one in laws):
         which = np.array(radius["cap"], order="C") if mixed else np.zeros(size.shape, dtype=np.int64)
         return Law(size, which, size, kept(tuple((one, 1.0) for one in laws)))
