@@ -70,7 +70,7 @@ class Bounds:
     last: float
 
     def region(self, load: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return the lowest and the highest friction of `count` asperities at loads (k,), (k,) each [mm^2]."""
+        """Return the lowest and the highest friction of `count` asperities at loads, (k,) each [mm^2]."""
         low = self._areas(load).min(axis=0)
         grid = float(load.max()) * np.geomspace(LEAST, 1.0, LOADS) / self.count
         areas = self._areas(grid)
