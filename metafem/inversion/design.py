@@ -144,6 +144,7 @@ def design(
 
 def _with_hints(problem: Problem, reason: Infeasible) -> Infeasible:
     """Return the refusal of a target with remedies, and with a nearest target that a design meets."""
+    problem = replace(problem, draft=False)  # so that a draft and its design are told the same
     line: Any = problem.target
     nearest: Any = reason.nearest
     words = f"{reason}{remedies(problem, _meets)}"
@@ -261,10 +262,10 @@ def _status(problem: Problem, candidate: Candidate, misfit: float, touching: boo
 def _refuse_missed(problem: Problem, law: TargetLaw, area: FloatArray, misfit: float) -> None:
     """Raise Infeasible for points, samples outside the bounds, or a band, that the law misses.
 
-    Heights on steps, other heights beside given ones, and those of a draft are only missed.
+    Heights on steps, and other heights beside given ones, are only missed.
     """
     target = problem.target
-    free = problem.limits.height_step is None and not problem.held and not problem.draft
+    free = problem.limits.height_step is None and not problem.held
     if misfit <= REACHED + law.noise or not target.refused or not free:
         return
     if target.exact:
@@ -480,6 +481,7 @@ def achievable_load_range(
     True
     """
     problem = Problem.checked(target, template, Independent(contact=checked_contact(contact)), limits, tools)
+    problem = replace(problem, draft=False)  # so that a draft and its design are told the same
     line: Any = problem.target
     refuse_if(not target.lines, f"target = {target!r:.60} must be a metafem.LinearLaw or BilinearLaw")
     most = replace(problem.bounds, last=0.0).largest_load(limits)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import chain
 
 import numpy as np
 
@@ -71,8 +72,8 @@ STRETCHES = (1.03, 1.0, 1.06, 1.1)
 # Depth of the added summits below the lowest level, relative to the depth of that level.
 ADDED_DEPTH = 0.01
 
-# Number of random changes after which a descent to rounding is tried again.
-ATTEMPTS = 8
+# Number of random changes after which a descent to rounding is tried again; the same under a model.
+ATTEMPTS, ATTEMPTS_MODEL = 30, 8
 
 # Largest number of loads at which heights are sought for a draft, and refined under another model.
 DRAFT_LOADS, REFINED_LOADS = 15, 1000
@@ -89,10 +90,11 @@ def inverted(problem: Problem, rng: np.random.Generator) -> Candidate:
     """Return the independent asperities whose law is nearest to that of the target, with the fewest tools."""
     law = problem.law
     assert law is not None
+    levels = None
     if problem.target.exact and not problem.tools.law.adhesive:
-        found = _levels(problem, law, rng)
-        if found is not None:
-            return found
+        levels = _levels(problem, law, rng)
+        if levels is not None and not problem.held:
+            return levels
     branches = tuple(
         # if the law has no free parameter, each branch has a fixed intercept
         Branch(
@@ -102,7 +104,8 @@ def inverted(problem: Problem, rng: np.random.Generator) -> Candidate:
         )
         for slope, ends in problem.target.branches
     )
-    return Candidate(_raised(problem, _nearest(problem, law, rng).asperities), law, branches=branches)
+    first = [] if levels is None else [levels.asperities]
+    return Candidate(_raised(problem, _nearest(problem, law, rng, first).asperities), law, branches=branches)
 
 
 def _raised(problem: Problem, at: Asperities) -> Asperities:
@@ -115,7 +118,8 @@ def _raised(problem: Problem, at: Asperities) -> Asperities:
     return at.with_heights(at.height[at.sites] + problem.limits.top - at.height[at.sites].max())
 
 
-def _nearest(problem: Problem, law: TargetLaw, rng: np.random.Generator) -> Found:
+def _nearest(problem: Problem, law: TargetLaw, rng: np.random.Generator, first: list[Asperities]) -> Found:
+    """Return the best asperities of a search, which begins with the `first` ones."""
     exact = problem.target.exact
     sought = law.thinned(DRAFT_LOADS) if problem.draft and not exact else law
     sought = sought.narrowed(0.5) if law.is_band else sought
@@ -127,9 +131,8 @@ def _nearest(problem: Problem, law: TargetLaw, rng: np.random.Generator) -> Foun
     agreeing, most = (1, PATIENCE // 2) if outside else (AGREEING, PATIENCE)
     agreeing = 1 if problem.tools.law.adhesive else agreeing
     for tool in problem.tools.tried.tolist():
-        starts = (
-            start for friction in guesses for start in of_one_tool(problem, sought.load, friction, tool, rng)
-        )
+        guessed = (of_one_tool(problem, sought.load, friction, tool, rng) for friction in guesses)
+        starts, first = chain(first, *guessed), []
         tries = 0 if several else patience(problem, most)
         one = search(residual, starts, problem, goal, rng, patience=tries, agreeing=agreeing)
         best = one if best is None or one.misfit < best.misfit else best
@@ -142,7 +145,7 @@ def _nearest(problem: Problem, law: TargetLaw, rng: np.random.Generator) -> Foun
             tried += of_several_tools(problem, sought.load, friction, rng)
         mixed = search(residual, tried, problem, goal, rng, sought, patience(problem, most), agreeing)
         best = min(best, _with_fewer_tools(problem, residual, mixed, goal), key=lambda one: one.misfit)
-    return _to_rounding(problem, residual, best, rng) if exact else best
+    return _to_rounding(problem, residual, best, rng, ATTEMPTS) if exact else best
 
 
 def _with_fewer_tools(problem: Problem, residual: Residual, best: Found, goal: float) -> Found:
@@ -159,10 +162,12 @@ def _with_fewer_tools(problem: Problem, residual: Residual, best: Found, goal: f
     return best
 
 
-def _to_rounding(problem: Problem, residual: Residual, start: Found, rng: np.random.Generator) -> Found:
+def _to_rounding(
+    problem: Problem, residual: Residual, start: Found, rng: np.random.Generator, attempts: int
+) -> Found:
     """Return asperities whose law is exact, by descents from the start and from random changes."""
     best, at = start, start.asperities
-    for _ in range(1 if problem.draft else ATTEMPTS):
+    for _ in range(1 if problem.draft else attempts):
         found = descend(residual, at, problem, POINT_GOAL, exact=True)
         best = found if found.misfit < best.misfit else best
         if best.misfit <= EXACT:
@@ -181,7 +186,7 @@ def _levels(problem: Problem, law: TargetLaw, rng: np.random.Generator) -> Candi
             if not isinstance(path, Infeasible):
                 paths.append((tool, path))
                 break
-    if not paths or problem.held:
+    if not paths:
         return None
     tool, path = min(paths, key=lambda each: sum(len(level.heights) for level in each[1]))
     offset, height = problem.limits.offset, np.array([each for level in path for each in level.heights])
@@ -257,7 +262,7 @@ def _refined(problem: Problem, candidate: Candidate, before: float, rng: np.rand
         found = search(*given, patience=patience(problem, PATIENCE_MODEL), agreeing=1)
         best = min(best, found, key=lambda one: one.misfit)
     if exact and best.misfit > EXACT and most is None:
-        best = _to_rounding(problem, residual, best, rng)
+        best = _to_rounding(problem, residual, best, rng, ATTEMPTS_MODEL)
     if model.gradient_model != model:
         best = descend(model_residual(problem, law, own=True), best.asperities, problem, goal, exact)
     return best.asperities

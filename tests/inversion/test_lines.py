@@ -40,7 +40,7 @@ def test_a_line_beyond_the_allowed_heights_is_met_as_nearly_as_they_allow(templa
     limits = mf.Limits(0.12, offset=0.084, height_step=step)
     result = mf.design(target, template, limits=limits)
     assert result.status is DesignStatus.MISSED
-    assert result.misfit < 0.036  # found by hand, on the steps
+    assert result.misfit < 0.038  # found by hand, on the steps
     whole = 0.12 if step is None else 0.12 - step
     assert np.ptp(result.surface.height) == pytest.approx(whole)
     assert f"the whole allowed range of {whole:g} mm" in said(result)

@@ -58,7 +58,8 @@ def flow() -> Flow:
 
 def _mould(path: Path) -> np.ndarray:
     """Return the depths of the holes for asperities [mm], in the order of their sites."""
-    rows = np.genfromtxt(path, delimiter=",", names=True, dtype=None, encoding="utf-8")
+    lines = [line for line in path.read_text("utf-8").splitlines() if not line.startswith("#")]
+    rows = np.genfromtxt(lines, delimiter=",", names=True, dtype=None, encoding="utf-8")
     asperities = rows[rows["kind"] == "asperity"]
     return np.asarray(asperities["depth_mm"][np.argsort(asperities["site"])])
 

@@ -118,7 +118,7 @@ def test_predict_compares_contact_laws_and_models_at_the_same_loads(run, demo):
 def test_a_surface_is_designed_made_and_predicted_under_a_contact_law(run):
     contact = '[contact]\nkind = "elastic"\n[cap]\nkind = "profile"\nfile = "cap.csv"\n'
     Path("cap.csv").write_text("rho_mm,f_um\n0,0\n0.2,38\n0.4,170\n0.5,290\n0.7,600\n", "utf-8")
-    Path("cap.toml").write_text(demo_text("linear").replace("[8, 8]", "[6, 6]") + contact, "utf-8")
+    Path("cap.toml").write_text(demo_text("operating-points") + contact, "utf-8")
     made = run("design", "cap.toml", "-o", "cap", "--json").data
     assert made["model"]["python"] == "Independent(contact=Elastic())"
     design = mf.load("cap")

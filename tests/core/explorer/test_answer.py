@@ -15,10 +15,8 @@ from metafem.explorer.session import State
 from metafem.explorer.text.document import Document
 from metafem.explorer.text.fields import with_field
 from metafem.explorer.text.kinds import with_kind
-from metafem.explorer.workshop.changes import with_section
 from metafem.explorer.workshop.header import STOPPED, header_data
 from metafem.files import demo_text, parsed
-from metafem.models import Independent
 from tests.explorer.scenes import SAMPLED, WANTED
 
 TEXT, LINEAR = demo_text("operating-points"), demo_text("linear")
@@ -102,9 +100,6 @@ def test_a_draft_is_simplified_where_it_would_be_slow_and_followed_by_the_design
         assert draft.simplified == (model != drafted)
         assert law_data(draft)["model"] == (f"{drafted}, draft" if draft.simplified else model)
         assert header_data(draft)["status"].startswith("draft under") == draft.simplified
-    adhesive = with_field(with_section(TEXT, "contact"), "contact.kind", "jkr")
-    draft = to(with_field(adhesive, "model.kind", "layer"), draft=True)
-    assert draft.design.law.model == Independent(draft.specification.model.contact)
     arranged = to(with_field(TEXT, "layout.tilt", "0.1 deg"), draft=True)
     assert "tilt_after" not in arranged.design.parameters
     again = answered(State(TEXT), 2, to(TEXT, draft=True), draft=True)
