@@ -171,7 +171,9 @@ def loads(name: str, value: Any, *, negative: bool = False) -> FloatArray:
 
 def instance(name: str, value: Any, kind: type | UnionType, required: str, *, optional: bool = False) -> None:
     """Refuse a value that is a class or not an instance of `kind`; an optional value may be None."""
-    wrong = isinstance(value, type) or not isinstance(value, (kind, type(None)) if optional else kind)
+    # a protocol is asked last, because it looks for each of its members
+    known = kind in type(value).__mro__ or (optional and value is None)
+    wrong = not known and (isinstance(value, type) or not isinstance(value, kind))
     refuse_if(wrong, f"must be {required}", key=name, value=shown(value) if wrong else None)
 
 
@@ -289,8 +291,7 @@ def array_with_gaps(name: str, value: Any, *, shape: tuple[int | None, ...]) -> 
 
 def refuse_entries(name: str, values: FloatArray, wrong: Any, must: str) -> None:
     """Raise InvalidInput for the first entry of `values` at which the mask `wrong` is true."""
-    bad = np.argwhere(wrong)
-    if bad.size:
-        place = tuple(bad[0].tolist())
+    if np.any(wrong):
+        place = tuple(np.argwhere(wrong)[0].tolist())
         entry = f"{name}[{', '.join(map(str, place))}]"
         raise InvalidInput(must, key=entry, value=float(values[place]))

@@ -416,7 +416,7 @@ def _missed(problem: Problem, candidate: Candidate, found: Design) -> list[Note]
             Note(
                 f"the {found.misfit_meaning} is {misfit_text(found.misfit)}: the heights follow a density, "
                 f"whose law has the {wording.name(len(found.fits))} at large loads and an intercept. "
-                f"Give load_range: heights are then found whose friction is within {percent(REACHED, 'g')} of "
+                f"Give load_range: heights are then found with a friction within {percent(REACHED, 'g')} of "
                 "the line through the origin over those loads",
                 Level.INFORMATION if found.misfit <= MISSED else Level.WARNING,
                 "misfit", found.misfit, MISSED, ("load_range",),
