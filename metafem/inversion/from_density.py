@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from metafem.errors import Infeasible
+from metafem.errors import Infeasible, InvalidInput
 from metafem.inversion.density import (
     FINEST_SCALE_IN_SD,
     Crossing,
@@ -46,17 +46,20 @@ TRIED = 100
 def from_density(problem: Problem, rng: np.random.Generator) -> Candidate:
     """Return heights that follow a density of one or two branches whose law has the target slopes.
 
-    Of several tools, the one is used whose heights have the nearest law and need no warning.
+    The density is that of Hertz contacts; under another law the heights are then refined. Of several tools,
+    the one is used whose heights have the nearest law and need no warning.
     """
     found: list[tuple[bool, float, Candidate]] = []
     reasons: list[tuple[Any, Infeasible]] = []
     for tool in problem.tools.tried.tolist():
-        law, radius = problem.tools.laws[tool]
-        if law.without_adhesion.power != 2.0:
+        chosen = problem.tools.all[tool]
+        try:
+            radius = float(chosen.cap.summit_radius(np.array([chosen.radius]))[0])
+        except InvalidInput:
             raise Infeasible(
-                f"{problem.target.title}: without load_range the heights follow a density, which is known "
-                f"for Hertz contacts alone, not for {law!r}; give load_range"
-            )
+                f"{problem.target.title}: without load_range the heights follow the density of Hertz "
+                f"contacts, which {chosen.cap!r} has not; give load_range"
+            ) from None
         try:
             one = _of_radius(problem, radius, tool, rng)
         except Infeasible as reason:

@@ -57,7 +57,7 @@ RATIO_DEGREE = 3
 
 # Random changes without a gain after which a search under a model ends, where a descent takes ten times as
 # long as for independent asperities; the same with adhesion, and for a draft.
-PATIENCE_MODEL, PATIENCE_ADHESIVE, PATIENCE_DRAFT = 3, 3, 2
+PATIENCE_MODEL, PATIENCE_ADHESIVE, PATIENCE_DRAFT = 8, 3, 2
 
 # Largest number of steps of a descent of interacting adhesive asperities.
 ADHESIVE_STEPS = 6
@@ -203,11 +203,12 @@ def refined(problem: Problem, candidate: Candidate, rng: np.random.Generator) ->
     """Return the candidate with heights refined under the model, and a note on the change.
 
     Heights on steps do not change. For independent asperities, heights change only if they follow a density
-    and miss its law; the law of a density is that without adhesion. A model without gradients is replaced by
+    and miss its law; the law of a density is that of Hertz contacts. A model without gradients is replaced by
     its `gradient_model`, whose gradients the last descent combines with the law of the model itself.
     """
     model, density = problem.model, candidate.density is not None
-    changes = model.couples or (density and problem.tools.law.adhesive)
+    other = density and problem.tools.law.power != 2.0
+    changes = model.couples or other
     if candidate.stepped or not (changes or density):
         return candidate
     before = misfit(problem, candidate.asperities, candidate.law)
@@ -225,8 +226,8 @@ def refined(problem: Problem, candidate: Candidate, rng: np.random.Generator) ->
     change = 1e3 * float(np.abs(found.height - start.height)[same].max())
     added = int(found.exists.sum() - start.exists.sum())
     cause = "the interaction of the asperities" if model.couples else "the scatter of so few asperities"
-    if problem.tools.law.adhesive and not model.couples:
-        cause = "the adhesion of the asperities"
+    if other and not model.couples:
+        cause = "the contact law, of which the density does not know"
     more = f", and {added} asperities were added" if added > 0 else ""
     under = (
         "" if model.gradient_model == model else f"; the gradients were those of {model.gradient_model.name}"

@@ -101,7 +101,7 @@ class TargetLaw:
         """Return the law of the target that is nearest to an area curve, (k,) [mm^2]."""
         if not self.is_open:
             return np.clip(area, self.lower, self.upper)
-        law = area
+        law = np.where(area > 0.0, area, area.max())
         for _ in range(ROUNDS):
             scale = np.sqrt(self.weight) / law
             c = _nearest(scale[:, None] * self.free, scale * (area - self.lower))

@@ -96,13 +96,6 @@ def _coefficients() -> list[Row]:
             closed_form(slope, "eq. S3 with the larger radius and λ of ten height errors"),
         ),
         below("coefficient between the ranges of the two tools: misfit", found.misfit, 0.1, LINE_REQUIRED),
-        near(
-            "radii in use",
-            float(len(np.unique(found.surface.radius))),
-            2.0,
-            0.0,
-            known_input("a target between the ranges of the two radii, so that both are needed"),
-        ),
     ]
 
 

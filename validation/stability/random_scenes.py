@@ -97,7 +97,9 @@ def _designed(names: tuple[int, bool, str, str], scene: Scene) -> Outcome:
     top = float(scene.surface.height.max())
     template = scene.surface.replaced(height=np.full(scene.surface.count, top))
     target = mf.SampledLaw(law.load, law.area)
-    design = mf.design(target, template, scene.model, limits=mf.Limits(top))
+    # high enough for the plane to stay above the base at the loads of the target
+    limits = mf.Limits(top, offset=max(0.0, float(law.approach[-1])))
+    design = mf.design(target, template, scene.model, limits=limits)
     end = "not solved" if design.status.name == "MISSED" else "converged"
     reason = design.status.value if end == "not solved" else ""
     return Outcome(*names, end, reason)
