@@ -192,11 +192,6 @@ class Contacts(NamedTuple):
     contact_radius: FloatArray  # [mm]
 
 
-def contacts(law: Contact, indentation: FloatArray, radius: FloatArray) -> Contacts:
-    """Return the contacts at indentations [mm] without neighbours; at d < 0 a contact is open."""
-    return law.contacts(indentation, radius)
-
-
 def area_change(
     law: Contact, contact_radius: FloatArray, radius: FloatArray, slope: FloatArray
 ) -> FloatArray:

@@ -40,7 +40,7 @@ from scipy.optimize import brentq, minimize_scalar
 
 from metafem._validate import FloatArray
 from metafem.contact import Contact
-from metafem.contact.law import Contacts, contacts
+from metafem.contact.law import Contacts
 from metafem.inversion.limits import Limits
 from metafem.inversion.tools import Tools
 from metafem.models import Independent
@@ -112,7 +112,7 @@ class Bounds:
         for law, summit in self.tools.laws:
             deepest, _ = at_load(law.without_adhesion, np.array([self.last]), summit)
             depth, size = deepest * np.geomspace(SHALLOWEST, 1.0, CONTACTS), np.full(CONTACTS, summit)
-            found = contacts(law.without_adhesion, depth, size)
+            found = law.without_adhesion.contacts(depth, size)
             every.append((found, law.without_adhesion.area_slope(found.contact_radius, size)))
         return every
 
@@ -159,7 +159,7 @@ class Bounds:
         most = 0.0
         for law, summit in self.tools.laws:
             depth = min(limits.top, float(law.without_adhesion.largest_indentation(summit)))
-            found = contacts(law.without_adhesion, np.array(depth), np.array(summit))
+            found = law.without_adhesion.contacts(np.array(depth), np.array(summit))
             most = max(most, float(found.load))
         return self.count * most
 
@@ -173,10 +173,10 @@ def at_load(law: Contact, load: FloatArray, radius: float) -> tuple[FloatArray, 
     if n is None:
         deepest = np.array(law.largest_indentation(radius))
         if np.isfinite(deepest):
-            load = np.minimum(load, contacts(law, deepest, np.array(radius)).load)
+            load = np.minimum(load, law.contacts(deepest, np.array(radius)).load)
         depth, _, area, _ = Independent(contact=law).curves(np.zeros(1), radius, load)
         return depth[0], area[0]
-    unit = contacts(law, np.ones(1), np.array([radius]))
+    unit = law.contacts(np.ones(1), np.array([radius]))
     relative = load / unit.load
     return relative ** (n / (n + 1.0)), unit.area * relative ** (2.0 / (n + 1.0))
 

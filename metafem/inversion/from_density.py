@@ -52,14 +52,14 @@ def from_density(problem: Problem, rng: np.random.Generator) -> Candidate:
     found: list[tuple[bool, float, Candidate]] = []
     reasons: list[tuple[Any, Infeasible]] = []
     for tool in problem.tools.tried.tolist():
-        chosen = problem.tools.all[tool]
+        (law, _), chosen = problem.tools.laws[tool], problem.tools.all[tool]
+        words = f"{problem.target.title}: without load_range the heights follow the density of Hertz contacts"
+        if law.without_adhesion.power not in (None, 2.0):
+            raise Infeasible(f"{words}, and {law!r} has no curvature; give load_range")
         try:
             radius = float(chosen.cap.summit_radius(np.array([chosen.radius]))[0])
-        except InvalidInput:
-            raise Infeasible(
-                f"{problem.target.title}: without load_range the heights follow the density of Hertz "
-                f"contacts, which {chosen.cap!r} has not; give load_range"
-            ) from None
+        except InvalidInput as error:
+            raise Infeasible(f"{words}, and a summit {error}; give load_range") from None
         try:
             one = _of_radius(problem, radius, tool, rng)
         except Infeasible as reason:

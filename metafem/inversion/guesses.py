@@ -22,7 +22,6 @@ from scipy.optimize import brentq, linprog, nnls
 
 from metafem._validate import FloatArray, IntArray
 from metafem.contact import Contact
-from metafem.contact.law import contacts
 from metafem.errors import InvalidInput
 from metafem.inversion.bounds import Bounds, at_load
 from metafem.inversion.infeasible import nearest_law
@@ -156,8 +155,8 @@ def by_least_squares(
             gap = np.repeat(np.insert(np.interp(at, np.arange(len(load)), approach), 0, 0.0), len(tried))
             indentation = approach[:, None] - gap
             try:
-                one = contacts(
-                    law, indentation, np.broadcast_to(problem.tools.summits[which], indentation.shape)
+                one = law.contacts(
+                    indentation, np.broadcast_to(problem.tools.summits[which], indentation.shape)
                 )
                 closed = indentation > 0.0
                 areas, loads = np.where(closed, one.area, 0.0), np.where(closed, one.load, 0.0)
@@ -198,7 +197,7 @@ def in_order(
         depth = float(at_load(law, load[:1] / count, radius[0])[0][0])
     else:
         depth = depth_at_pressure(law, load[0] / friction[0], radius[0]) or LEAST_DEPTH * radius[0]
-    first = float(contacts(law, np.array(depth), radius[:1]).area[0])
+    first = float(law.contacts(np.array(depth), radius[:1]).area[0])
     levels, numbers, kinds = [0.0], [friction[0] / first], [radius[0]]
     plane, widest, single, at = -depth, float(radius.max()), _Single(law, radius), [0]
     for k, (p, f, new) in enumerate(zip(load[1:], friction[1:], radius[1:], strict=True), start=1):
@@ -273,7 +272,7 @@ class _Single:
         """
         most = min(float(self.law.largest_indentation(radius)), TABLE[1] * radius)
         depth = np.geomspace(TABLE[0] * radius, most, TABULATED)
-        found = contacts(self.law, depth, np.full(TABULATED, radius))
+        found = self.law.contacts(depth, np.full(TABULATED, radius))
         if self.law.adhesive:
             return np.log(depth), found.load, found.area
         return np.log(depth), np.log(found.load), np.log(found.area)
@@ -288,7 +287,7 @@ class _Single:
         """Return the total load and area [mm^2] as a function of the indentations of asperities (q,) [mm]."""
         n = self.law.power
         if n is not None:
-            unit = contacts(self.law, np.ones(len(radius)), radius)
+            unit = self.law.contacts(np.ones(len(radius)), radius)
             loads, areas, by_load, by_area = unit.load * number, unit.area * number, 1.0 + 1.0 / n, 2.0 / n
             return lambda depth: (float(loads @ depth**by_load), float(areas @ depth**by_area))
         parts = [(self.tables[R], radius == R) for R in np.unique(radius).tolist()]
@@ -334,14 +333,14 @@ def depth_at_pressure(law: Contact, pressure: float, radius: float) -> float:
     """
 
     def excess(logarithm: float) -> float:
-        found = contacts(law, np.array(math.exp(logarithm)), np.array(radius))
+        found = law.contacts(np.array(math.exp(logarithm)), np.array(radius))
         # an adhesive contact has a negative load at small indentations
         return math.log(max(float(found.load), np.finfo(float).tiny) / found.area / pressure)
 
     most = min(float(law.largest_indentation(radius)), MOST_DEPTH * radius)
     if law.power is not None and law.power > 1.0:  # P/A ~ d^(1 - 1/n)
         n = law.power
-        unit = contacts(law, np.array(radius), np.array(radius))
+        unit = law.contacts(np.array(radius), np.array(radius))
         at_radius = float(unit.load / unit.area)
         return float(min(radius * (pressure / at_radius) ** (n / (n - 1.0)), most))
     low, high = math.log(LEAST_DEPTH * radius), math.log(most)

@@ -19,7 +19,6 @@ from scipy.optimize import brentq
 
 from metafem._validate import FloatArray
 from metafem.contact import Contact
-from metafem.contact.law import contacts
 from metafem.errors import Infeasible
 from metafem.inversion.problem import Problem
 from metafem.models import Independent
@@ -87,7 +86,7 @@ class Step:
         """Return the excess over the point with new asperities (k,) at indentations of the level [mm]."""
         indentation = np.column_stack([self.above + depth[:, None], depth])
         count = np.column_stack([np.ones((len(depth), len(self.above))), number])
-        found = contacts(self.law, indentation, np.full(indentation.shape, self.radius))
+        found = self.law.contacts(indentation, np.full(indentation.shape, self.radius))
         growth = self.law.area_slope(found.contact_radius, self.radius)
         load, area, stiffness, growth = (
             (count * part).sum(axis=1) for part in (found.load, found.area, found.stiffness, growth)
@@ -137,7 +136,7 @@ class Step:
     def levels(self, height: float, left: int) -> Iterator[Level]:
         """Yield the levels at a height [mm] that meet the point with at most `left` asperities."""
         number = np.arange(0.0 if self.above.size else 1.0, left + 1.0)
-        touching = contacts(self.law, self.above, np.full(len(self.above), self.radius)).area.sum()
+        touching = self.law.contacts(self.above, np.full(len(self.above), self.radius)).area.sum()
         if touching >= self.friction or not number.size:
             return
         depth, both = self.depth(number), self.depth(number + 1.0)
@@ -166,7 +165,7 @@ class Step:
 
         def excess(depth: FloatArray) -> tuple[FloatArray, FloatArray]:
             level, own = self.excess(depth, count), np.array([adjustment(depth)])
-            found = contacts(self.law, own, np.array([self.radius]))
+            found = self.law.contacts(own, np.array([self.radius]))
             with np.errstate(divide="ignore", invalid="ignore"):  # an adjustment asperity that just touches
                 # dP/dA of the adjustment asperity, whose area decreases as that of the others increases
                 steepness = found.stiffness / self.law.area_slope(found.contact_radius, self.radius)

@@ -22,7 +22,6 @@ import numpy as np
 from scipy.linalg.lapack import dposv
 
 from metafem._validate import FloatArray
-from metafem.contact.law import contacts
 from metafem.errors import InvalidInput
 from metafem.inversion.problem import NONE, Asperities, Problem
 from metafem.inversion.target_law import LateResidual, TargetLaw
@@ -382,6 +381,6 @@ def _rates(problem: Problem, depth: FloatArray, summits: Any) -> tuple[FloatArra
     if not law.adhesive:
         return load_equation(law).rates(depth, summits)
     size, closed = np.broadcast_to(summits, depth.shape), depth > 0.0
-    at = contacts(law, depth, size)
+    at = law.contacts(depth, size)
     growth = law.area_slope(at.contact_radius, size)
     return tuple(np.where(closed, part, 0.0) for part in (at.load, at.stiffness, at.area, growth))

@@ -18,7 +18,6 @@ from metafem._validate import FloatArray
 from metafem.caps import Caps
 from metafem.contact import Contact, Elastic
 from metafem.contact.elastic import PARABOLOID
-from metafem.contact.law import contacts
 
 # Relative error of a table. A sphere needs 5 halvings of the spacing of its points, which is 1 in the
 # logarithm at first; the cubics of a table stop at the last of 6 halvings, 1e-8 off.
@@ -35,23 +34,23 @@ def tables(law: Contact, radius: Any) -> Law:
     mixed = isinstance(law, Elastic) and isinstance(law.cap, Caps)
     kept, kinds = (_kept, _kinds) if isinstance(law, Hashable) else (_kept.__wrapped__, _kinds.__wrapped__)
     size, laws = np.array(radius["radius"] if mixed else radius, dtype=np.float64, order="C"), kinds(law)  # type: ignore[arg-type]
-    if all(one.similar for one in laws):
-        which = np.array(radius["cap"], order="C") if mixed else np.zeros(size.shape, dtype=np.int64)
-        return Law(size, which, size, kept(tuple((one, 1.0) for one in laws)))
     which, keys = np.zeros(size.shape, dtype=np.int64), list[tuple[Contact, float]]()
+    if all(one.similar for one in laws):
+        which += radius["cap"] if mixed else 0
+        return Law(size, which, size, kept(tuple((one, 1.0) for one in laws)))
     for k, one in enumerate(laws):
         own = radius["cap"] == k if mixed else np.full(size.shape, True)
         sizes, inverse = np.unique(size[own], return_inverse=True)
-        which[own] = len(keys) + (0 if one.similar else inverse)
-        keys += [(one, 1.0)] if one.similar else [(one, float(each)) for each in sizes]
+        which[own] = len(keys) + inverse
+        keys += [(one, each) for each in sizes.tolist()]
     return Law(size, which, size, kept(tuple(keys)))
 
 
 @lru_cache(maxsize=64)
 def _kinds(law: Any) -> tuple[Contact, ...]:
     """Return the law of each kind of cap."""
-    mixed = isinstance(law, Elastic) and isinstance(law.cap, Caps)
-    return tuple(Elastic(cap) for cap in law.cap.kinds) if mixed else (law,)
+    cap = getattr(law, "cap", None)
+    return tuple(Elastic(each) for each in cap.kinds) if isinstance(cap, Caps) else (law,)
 
 
 def rows_of(law: Law, rows: int | slice) -> Law:
@@ -91,7 +90,7 @@ def _one(law: Contact, radius: float) -> FloatArray:
 
     def functions(x: FloatArray) -> FloatArray:
         """Return ln p, ln a^2 and ln M (n, functions) at ln z, all over the radius."""
-        found = contacts(law, radius * np.exp(x), np.array(radius))
+        found = law.contacts(radius * np.exp(x), np.array(radius))
         parts = [found.load / radius**2, found.area / (math.pi * radius**2)]
         if law.largest_order > 1:
             parts.append(law.second_moment(found.contact_radius, radius) / radius**4)

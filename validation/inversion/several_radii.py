@@ -13,7 +13,7 @@ from validation.figures import panels
 from validation.inversion.later_targets import area_at, largest_exponent
 from validation.paper.surfaces import friction_of_slope, template
 from validation.scenes.models import MODELS
-from validation.sources import closed_form, known_input, self_consistency
+from validation.sources import closed_form, self_consistency
 
 # Two tool radii, or any radius between them [mm]; loads and heights of the power laws.
 TOOLS = [0.2, 0.8]

@@ -15,7 +15,6 @@ from metafem._kernels.gradient import area_gradients
 from metafem._kernels.law import Law
 from metafem._kernels.newton import ON_CURVE, TOLERANCE
 from metafem._validate import FloatArray
-from metafem.contact.law import contacts
 from metafem.errors import InvalidInput, NotConverged
 from metafem.models._resources import run_rows
 from metafem.models.contact_tables import deepest, rows_of, tables
@@ -111,7 +110,7 @@ class ElasticCoupling(Coupled):
             found = solution.gradient()
             if not self.pedestal:
                 return found
-            carried = contacts(self.law, indentation, self.law.summits(self.surface)).load
+            carried = self.law.contacts(indentation, self.law.summits(self.surface)).load
             return self.on_pedestals(found, height, carried)
 
         return Sensitivity(self._curve(solution), gradient, indentation)

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.contact.law import contacts
 from metafem.models.contact_tables import tables
 
 RADII = np.array([0.3, 0.526])
@@ -39,7 +38,7 @@ def results(make, length, modulus):
     """Quantities of a law, and the powers of the length with which they grow."""
     law = make(length, modulus).for_material(mf.Material(1.36 * modulus))
     radius, d = length * RADII, length * np.array([0.001, 0.08])
-    found = contacts(law, d, radius)
+    found = law.contacts(d, radius)
     a = found.contact_radius
     yield 1, a
     yield 1, law.indentation(a, radius)

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.contact.law import contacts
 from metafem.inversion.guesses import in_order
 from metafem.inversion.levels import Step
 from metafem.inversion.problem import Asperities, Problem
@@ -127,7 +126,7 @@ def test_no_asperity_enters_where_the_earlier_ones_have_load_and_area():
     """The law of one asperity: between two samples the first has both, up to rounding."""
     for law in (mf.Elastic(mf.Power(3.7)), mf.KogutEtsion(14.0).for_material(MATERIAL)):
         for depth in np.random.default_rng(0).uniform(1e-3, 0.02, 20):
-            one = contacts(law, depth * np.geomspace(0.01, 1.0, 6), np.array(0.526))
+            one = law.contacts(depth * np.geomspace(0.01, 1.0, 6), np.array(0.526))
             height, at = in_order(law, one.load, one.area, np.full(6, 0.526), 4)
             assert len(height) == len(at) >= 1
             assert ((-depth <= height) & (height <= 0.0)).all()

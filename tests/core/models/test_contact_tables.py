@@ -5,7 +5,7 @@ import pytest
 
 import metafem as mf
 from metafem._kernels import law as kernel
-from metafem.contact.law import area_change, contacts
+from metafem.contact.law import area_change
 from metafem.models.contact_tables import tables
 from validation.methods.bent import Bent
 
@@ -26,7 +26,7 @@ def test_kernels_are_the_laws():
         one_of = (table.data, table.which[1], R)
         for z in np.geomspace(1e-9, 0.1, 200):
             p, rate, square, widening = kernel.pressed(*one_of, z)
-            one = contacts(law, np.array(z), np.array(R))
+            one = law.contacts(np.array(z), np.array(R))
             own = law.area_slope(one.contact_radius, R) / (np.pi * one.stiffness)
             pairs = [(p, one.load), (rate, one.stiffness), (square, one.contact_radius**2)]
             assert widening == pytest.approx(own, rel=1e4 * rtol)  # a derivative of the profile
