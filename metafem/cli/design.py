@@ -107,7 +107,7 @@ def design(
     show(
         as_json,
         {**data, "notes": notes_data(notes)},
-        head=[result.target.title, result.status.value],
+        head=[result.target.title, result.verdict],
         tables=_tables(result),
         notes=notes,
         lines=[f"wrote {output}/: open {output / 'report.html'}"],

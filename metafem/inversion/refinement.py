@@ -57,7 +57,7 @@ RATIO_DEGREE = 3
 
 # Random changes without a gain after which a search under a model ends, where a descent takes ten times as
 # long as for independent asperities; the same with adhesion, and for a draft.
-PATIENCE_MODEL, PATIENCE_ADHESIVE, PATIENCE_DRAFT = 8, 3, 2
+PATIENCE_MODEL, PATIENCE_ADHESIVE, PATIENCE_DRAFT = 8, 8, 2
 
 # Largest number of steps of a descent of interacting adhesive asperities.
 ADHESIVE_STEPS = 6
@@ -129,7 +129,7 @@ def _nearest(problem: Problem, law: TargetLaw, rng: np.random.Generator, first: 
     # no surface meets a target outside the bounds, and one restart tells how near surfaces come
     outside = nearest_law(sought, problem.bounds)[0] > goal
     agreeing, most = (1, PATIENCE // 2) if outside else (AGREEING, PATIENCE)
-    agreeing = 1 if problem.tools.law.adhesive else agreeing
+    agreeing = 2 if problem.tools.law.adhesive else agreeing
     for tool in problem.tools.tried.tolist():
         guessed = (of_one_tool(problem, sought.load, friction, tool, rng) for friction in guesses)
         starts, first = chain(first, *guessed), []
