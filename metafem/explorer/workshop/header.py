@@ -140,7 +140,7 @@ def _status(answer: Answer) -> tuple[str, str]:
 
 def _meaning(design: Design) -> str:
     """Return the status of a design, what its misfit measures, and the largest good value, as sentences."""
-    status, bound = design.verdict, percent(design.largest_misfit, ".3g")
+    status, bound = design.status.value, percent(design.largest_misfit, ".3g")
     good = f"The misfit is the {design.misfit_meaning}; up to {bound} is good."
     return f"{status[:1].upper()}{status[1:]}. {good}"
 
