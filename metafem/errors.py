@@ -89,8 +89,7 @@ def refuse_if(
 class Infeasible(MetafemError):
     """No surface within the limits can reach the target.
 
-    The message states loads and frictions in the units of the target; `in_units` converts them to other
-    units.
+    The message states loads and frictions in the units of the target.
 
     Attributes
     ----------
@@ -102,18 +101,10 @@ class Infeasible(MetafemError):
         a surface.
     """
 
-    def __init__(self, message: Any, nearest: Any = None, by_search: bool = False) -> None:
+    def __init__(self, message: str, nearest: Any = None, by_search: bool = False) -> None:
         super().__init__(message)
-        self.message = message
         self.nearest = nearest
         self.by_search = by_search
-
-    def __str__(self) -> str:
-        return str(self.message)
-
-    def in_units(self, wording: Any) -> str:
-        """Return the message with loads and frictions in the units of a target's wording."""
-        return self.message if isinstance(self.message, str) else str(self.message.worded(wording))
 
 
 class NotConverged(MetafemError):

@@ -14,8 +14,7 @@ from metafem.explorer.session import State
 from metafem.explorer.text.fields import shown
 from metafem.explorer.text.names import on_page
 from metafem.files import Specification, parsed, planned, section_forms, toml_table
-from metafem.inversion import Design, OperatingPoints, SampledLaw, Target
-from metafem.inversion.wording import Wording
+from metafem.inversion import Design, Target
 from metafem.models import Independent, Model
 from metafem.models.model import contact_of
 from metafem.surface import Surface
@@ -154,10 +153,10 @@ def _refused(answer: Answer, error: Infeasible) -> Answer:
     """Return an answer with the reason why no surface reaches the target, and the nearest law."""
     given, draft = answer.specification, answer.draft
     answer = replace(answer, undecided=draft and error.by_search, nearest_target=error.nearest)
-    if given is None:
-        return replace(answer, refusal=on_page(str(error)))
-    nearest = None if error.nearest is None else _law_of(given, error.nearest, draft)
-    return replace(answer, refusal=on_page(_in_units_of(answer.state, given, error)), nearest=nearest)
+    nearest = None
+    if given is not None and error.nearest is not None:
+        nearest = _law_of(given, error.nearest, draft)
+    return replace(answer, refusal=on_page(str(error)), nearest=nearest)
 
 
 def specification_of(state: State) -> Specification:
@@ -165,14 +164,6 @@ def specification_of(state: State) -> Specification:
     # a browser can send a lone surrogate; with "surrogatepass" the parser then refuses it as invalid UTF-8
     tables = {name: text.encode("utf-8", "surrogatepass") for name, text in state.tables.items()}
     return parsed(state.text, tables)
-
-
-def _in_units_of(state: State, specification: Specification, error: Infeasible) -> str:
-    """Return the text of a refusal; for operating points and sampled laws, in the units of the axes."""
-    target, template = specification.target, specification.template
-    if template.friction is None or not isinstance(target, (OperatingPoints, SampledLaw)):
-        return str(error)
-    return error.in_units(Wording.of(template.material, template.friction) if state.newtons else Wording())
 
 
 def _designed(specification: Specification, draft: bool) -> Design:

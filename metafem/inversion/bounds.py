@@ -135,16 +135,6 @@ class Bounds:
         ]
         return min(own) * (1.0 if len(own) == 1 else least_ratio(self.count))
 
-    def largest_exponent(self, load_range: tuple[float, float]) -> float:
-        """Return the largest mean exponent [-] over a range of loads.
-
-        The friction then rises from that of one asperity to that of N equal asperities.
-        """
-        if not self.convex:
-            return math.inf
-        low, high = self.region(np.array(load_range))
-        return math.log(high[1] / low[0]) / math.log(load_range[1] / load_range[0])
-
     def highest_after(self, load: FloatArray, friction: FloatArray) -> FloatArray:
         """Return the highest friction at increasing loads from the friction at smaller loads, (k,) [mm^2]."""
         n = self._power

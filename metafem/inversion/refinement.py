@@ -89,7 +89,6 @@ def patience(problem: Problem, most: int = PATIENCE) -> int:
 def inverted(problem: Problem, rng: np.random.Generator) -> Candidate:
     """Return the independent asperities whose law is nearest to that of the target, with the fewest tools."""
     law = problem.law
-    assert law is not None
     levels = None
     if problem.target.exact and not problem.tools.law.adhesive:
         levels = _levels(problem, law, rng)
@@ -121,8 +120,7 @@ def _raised(problem: Problem, at: Asperities) -> Asperities:
 def _nearest(problem: Problem, law: TargetLaw, rng: np.random.Generator, first: list[Asperities]) -> Found:
     """Return the best asperities of a search, which begins with the `first` ones."""
     exact = problem.target.exact
-    sought = law.thinned(DRAFT_LOADS) if problem.draft and not exact else law
-    sought = sought.narrowed(0.5) if law.is_band else sought
+    sought = law.thinned(DRAFT_LOADS).aim if problem.draft and not exact else law.aim
     guesses, goal = frictions(sought, problem.bounds), NEARLY if exact else GOAL
     best: Found | None = None
     residual, several = independent_residual(problem, sought), len(problem.tools) > 1
@@ -242,7 +240,7 @@ def _refined(problem: Problem, candidate: Candidate, before: float, rng: np.rand
     goal = POINT_GOAL if exact else 2.0 * REFINED_GOAL if problem.draft else REFINED_GOAL
     if before <= (EXACT if exact else goal):
         return candidate.asperities
-    start, residual = candidate.asperities, model_residual(problem, law.narrowed(0.5) if law.is_band else law)
+    start, residual = candidate.asperities, model_residual(problem, law.aim)
     starts = [start]
     if exact:
         starts = [_stretched(problem, _filled(problem, start), factor) for factor in STRETCHES]
@@ -322,7 +320,6 @@ def _filled(problem: Problem, at: Asperities) -> Asperities:
 def unmet(problem: Problem, area: np.ndarray) -> Infeasible:
     """Return the error for points that a search did not meet, with the reason of the levels."""
     law = problem.law
-    assert law is not None
     reason = levels_through(problem.alone(0), law.load, law.lower)
     words = str(reason) if isinstance(reason, Infeasible) else "no heights that meet the points were found"
     far = percent(float(np.abs(law.difference(area)).max()), ".3g")

@@ -248,7 +248,7 @@ def search(
     """Return the best asperities of descents from initial guesses, exchanges of tools and random changes.
 
     The search ends at the goal, or when a number of restarts agree. law: that of independent asperities, by
-    which exchanges of tools are predicted; without it the tools are fixed.
+    which exchanges of tools are predicted; without it only random changes exchange tools.
     """
     found: list[Found] = []
     for start in starts:
@@ -287,7 +287,8 @@ def _changed(
     patience: int,
 ) -> Found:
     """Return the best asperities of exchanges and random changes of the best ones so far."""
-    failed, exchanged = 0, law is None or len(problem.tools) == 1
+    fixed = law is None or len(problem.tools) == 1  # no exchanges of tools are tried
+    failed, exchanged = 0, fixed
     for _ in each("random change", range(100 * patience), at_most=True):
         if best.misfit <= goal or failed >= patience:
             break
@@ -301,7 +302,7 @@ def _changed(
         )
         exchanged = exchanged or one.misfit >= best.misfit
         if one.misfit < (1.0 - GAIN) * best.misfit:
-            failed, exchanged = 0, law is None or len(problem.tools) == 1
+            failed, exchanged = 0, fixed
         else:
             failed += 1
         best = min(best, one, key=lambda each: each.misfit)

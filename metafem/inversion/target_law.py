@@ -18,6 +18,9 @@ LateResidual = tuple[FloatArray, Callable[[], FloatArray]]
 # previous iteration. After two iterations the weights have converged to within a digit of the residual.
 ROUNDS = 3
 
+# Part of the width of a band at which a search aims, so that its result lies inside by a margin.
+INNER = 0.5
+
 # If the nearest law is not positive, it is raised to at least this fraction of the area curve, which makes
 # the differences large.
 FAR = 0.1
@@ -70,9 +73,12 @@ class TargetLaw:
         """Middle of the band, or the law without its free part, (k,) [mm^2]."""
         return np.asarray(0.5 * (self.lower + self.upper)) if self.is_band else self.lower
 
-    def narrowed(self, part: float) -> TargetLaw:
-        """Return the band narrowed to a part of its width [-] around its middle."""
-        low, high = (self.middle + part * (end - self.middle) for end in (self.lower, self.upper))
+    @property
+    def aim(self) -> TargetLaw:
+        """The law at which a search aims: the inner part of a band, or the law itself."""
+        if not self.is_band:
+            return self
+        low, high = (self.middle + INNER * (end - self.middle) for end in (self.lower, self.upper))
         return replace(self, lower=low, upper=high)
 
     def part(self, rows: IntArray) -> TargetLaw:

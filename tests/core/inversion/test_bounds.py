@@ -48,9 +48,6 @@ def test_no_surface_leaves_the_bounds(law, seed, ratio):
     assert (area[0] <= bounds.highest_after(load, area[0]) * (1.0 + 1e-9)).all()
     exponents = np.diff(np.log(area[0])) / np.diff(np.log(carried[0]))
     assert exponents.min() >= bounds.least_exponent - 1e-9
-    assert math.log(area[0, -1] / area[0, 0]) / math.log(load[-1] / load[0]) <= bounds.largest_exponent(
-        (load[0], load[-1])
-    ) * (1.0 + 1e-12)
 
 
 def test_bounds_of_hertz_contacts_are_the_closed_forms():
@@ -84,7 +81,6 @@ def test_nothing_is_claimed_where_nothing_is_proven():
     assert (low == 0.0).all()
     assert np.isinf(high).all()
     assert bounds.least_exponent == 0.0
-    assert math.isinf(bounds.largest_exponent((0.05, 0.1)))
 
 
 @pytest.mark.parametrize(("ratio", "n"), [(1.5, 4.0), (100.0, 1.5)])
