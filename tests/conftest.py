@@ -6,7 +6,7 @@ import json
 import os
 import subprocess
 import sys
-from functools import cache, partial
+from functools import cache
 from pathlib import Path
 from shutil import rmtree
 
@@ -175,20 +175,3 @@ def full_report(once):
         (folder / "report.html").write_text(page(design, studies=studies), "utf-8")
 
     return once("full-report", write) / "report.html"
-
-
-@pytest.fixture(scope="session")
-def whole_site(once):
-    """The site with the pages of three claims, which the command of the validation wrote."""
-
-    def write(folder):
-        from validation import __main__ as command
-
-        arguments = ["--site", "-o", str(folder), "bounds", "table_s1", "fig4_linear"]
-        with pytest.MonkeyPatch.context() as patch:
-            # in this process: each of two others would load all modules anew
-            patch.setattr(command, "collected", partial(command.collected, processes=1))
-            done = CliRunner().invoke(command.main, arguments)
-        assert done.exit_code == 0, done.output
-
-    return once("whole-site", write)

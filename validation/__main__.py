@@ -16,27 +16,34 @@ from validation.cost import model_table
 from validation.cost.ladder_picture import ladder_picture
 from validation.discovery import Listed
 from validation.numbers import computed, expected
-from validation.page import answers, write_report
+from validation.page import write_report
 from validation.paper.surfaces import fig4
-from validation.proof import renew
 from validation.published import REFERENCE
+from validation.questions import markdown
 from validation.results import Evaluated, collected, known, selected
-from validation.verdicts import printed_table
 
 PICTURE = Path(__file__).parent / "first_minute.svg"
+PROOF = Path(__file__).parent / "guide" / "proof.md"
 LADDER = Path(__file__).parent / "work_precision.svg"
 
 
 def renew_readme(results: dict[str, Evaluated]) -> None:
     """Write the numbers of the proof, and the pictures of README and guide."""
-    renew("answers", answers(results))
-    renew("printed numbers", printed_table(results))
-    renew("models", model_table.table())
+    _renew("questions", markdown(results))
+    _renew("models", model_table.table())
     ladder = svg(ladder_picture(), "Seconds against error of the models, from sparse to merged contacts")
     LADDER.write_text(ladder, "utf-8")
     PICTURE.write_text(svg(_first_minute(), "Target, achieved law and finite elements"), "utf-8")
     explorer_picture.renew_picture()
     shape_pictures.renew_pictures()
+
+
+def _renew(part: str, body: str) -> None:
+    """Write a part of the proof, which stands between its own pair of marks."""
+    begin, end = f"<!-- {part}: python -m validation --readme -->", f"<!-- end of the {part} -->"
+    text = PROOF.read_text("utf-8")
+    head, tail = text.split(begin)[0], text.split(end)[1]
+    PROOF.write_text(f"{head}{begin}\n{body}\n{end}{tail}", "utf-8")
 
 
 def _first_minute():
@@ -55,14 +62,11 @@ def _first_minute():
 @click.command(cls=Listed, listed=known)
 @click.option("-o", "--output", default="validation/results", show_default=True, help="Folder to write.")
 @click.option("--quick", is_flag=True, help="Leave out the claims that take long or measure times.")
-@click.option("--site", is_flag=True, help="Also write the guide, the examples and the reference.")
 @click.option("--readme", is_flag=True, help="Also renew the numbers of guide/proof.md, and all pictures.")
 @click.option("--mutate", is_flag=True, help="Change one term of the package at a time, see below.")
 @click.option("--random", type=int, default=0, metavar="N", help="With --mutate: N random changes instead.")
 @click.argument("names", nargs=-1)
-def main(
-    output: str, quick: bool, site: bool, readme: bool, mutate: bool, random: int, names: tuple[str, ...]
-) -> None:
+def main(output: str, quick: bool, readme: bool, mutate: bool, random: int, names: tuple[str, ...]) -> None:
     """Check the claims NAMES, those of whole groups, or all. Prints failed checks and writes the report.
 
     With --mutate NAMES are mutants of validation/mutants.toml, default: all. Each changes one constant, sign
@@ -83,11 +87,7 @@ def main(
     begin = time.perf_counter()
     results = _evaluate_all(console, wanted)
     folder = Path(output)
-    write_report(folder, results, left_out, whole=site)
-    if site:
-        from validation.site import write_site
-
-        write_site(folder)
+    write_report(folder, results, left_out)
     if readme:
         renew_readme(results)
     checks = [check for each in results.values() for check in each.checks]

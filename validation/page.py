@@ -1,24 +1,25 @@
-"""The pages of the report: the verdicts, and one page for each chapter."""
+"""The pages of the report: the questions with their numbers, and one page for each chapter."""
 
 from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
 
+from metafem.report.html import render
 from validation.chapters import CHAPTERS, Chapter
-from validation.check import Check, Difference, Reason, Result
-from validation.cited import cited
+from validation.check import Check, Reason, Result
 from validation.discovery import first_line
-from validation.numbers import computed, expected, number, powers
-from validation.pages import site_page
+from validation.numbers import cited, computed, expected, number, powers
 from validation.published import REFERENCE
+from validation.questions import questions
 from validation.results import Evaluated, as_data, as_json, module_of
 from validation.sources import Kind
-from validation.verdicts import verdicts
 
 Results = Mapping[str, Evaluated]
+
+TEMPLATES = Path(__file__).parent / "templates"
 
 FORMATS = {"cited": cited, "computed": computed, "expected": expected, "number": number, "powers": powers}
 
@@ -38,13 +39,12 @@ MEANINGS = {
 }
 
 
-def report(results: Results, left_out: Sequence[str] = (), *, whole: bool = False) -> dict[str, str]:
+def report(results: Results, left_out: Sequence[str] = ()) -> dict[str, str]:
     """Return names and texts of the pages and of results.json."""
-    pages = {"index.html": _index(results, left_out, whole)}
+    pages = {"index.html": _index(results, left_out)}
     for chapter in CHAPTERS:
-        pages[f"{chapter.name}.html"] = _chapter(chapter, results, left_out, whole)
+        pages[f"{chapter.name}.html"] = _chapter(chapter, results)
     data = {
-        "verdicts": [asdict(each) for each in verdicts(results)],
         "left_out": list(left_out),
         "printed_numbers": [
             {"row": where, "place": check.source.text, "quantity": check.source.quantity}
@@ -56,72 +56,53 @@ def report(results: Results, left_out: Sequence[str] = (), *, whole: bool = Fals
     return pages
 
 
-def write_report(
-    folder: Path, results: Results, left_out: Sequence[str] = (), *, whole: bool = False
-) -> None:
+def write_report(folder: Path, results: Results, left_out: Sequence[str] = ()) -> None:
     """Write the pages and results.json into a folder."""
     folder.mkdir(parents=True, exist_ok=True)
-    for name, text in report(results, left_out, whole=whole).items():
+    for name, text in report(results, left_out).items():
         (folder / name).write_text(text, "utf-8")
 
 
-def answers(results: Results) -> str:
-    """Return the verdicts in Markdown, a section for each question."""
-    sections = [f"### {each.question}\n\n**{each.headline}.** {each.sentence}" for each in verdicts(results)]
-    return "\n\n".join(sections).replace("E*", r"E\*")
+def _page(template: str, here: str, **values: Any) -> str:
+    """Return a page of the report, with the bar that leads to the others."""
+    bar = [(f"{chapter.name}.html", chapter.name.replace("_", " ").capitalize()) for chapter in CHAPTERS]
+    return render(template, TEMPLATES, here=here, bar=bar, formats=FORMATS, **values)
 
 
-def _index(results: Results, left_out: Sequence[str], whole: bool) -> str:
+def _index(results: Results, left_out: Sequence[str]) -> str:
+    found = [(chapter, _of(chapter, results)) for chapter in CHAPTERS]
     checks = [check for each in results.values() for check in each.checks]
-    chapters = [
-        (chapter, _of(chapter, results), [name for name in chapter.claims if name in left_out])
-        for chapter in CHAPTERS
-    ]
-    shown = [part for part in chapters if part[1] or part[2]]
-    groups = [
-        group
-        for chapter, found, _ in shown
-        for each in found
-        for group in _grouped(each, f"{chapter.name}.html#{each.name}")
-    ]
-    differing = {why.value: listed for why in Reason if (listed := [g for g in groups if g.reason is why])}
-    failed = [found for found in _addressed(results) if not found[2].passed]
+    differing = [row for each in results.values() for row in each.differences]
     kinds = Counter(check.source.kind for check in checks)
-    return site_page(
+    return _page(
         "index.html",
-        here="index.html",
-        whole=whole,
+        "index.html",
         checks=checks,
         total=len(results),
-        verdicts=verdicts(results),
-        chapters=shown,
-        differing=differing,
-        statements=sum(len(each.differences) for each in results.values()),
+        questions=questions(results),
+        chapters=[part for part in found if part[1]],
+        differing={why.value: rows for why in Reason if (rows := [d for d in differing if d.reason is why])},
+        statements=len(differing),
         printed=_printed(results),
-        failed=failed,
+        failed=[each for each in _addressed(results) if not each[2].passed],
         kinds=[(kind.value, kinds[kind], words) for kind, words in MEANINGS.items()],
         left_out=_described(left_out),
         reference=REFERENCE,
-        formats=FORMATS,
     )
 
 
-def _chapter(chapter: Chapter, results: Results, left_out: Sequence[str], whole: bool) -> str:
+def _chapter(chapter: Chapter, results: Results) -> str:
     found = _of(chapter, results)
-    return site_page(
+    return _page(
         "chapter.html",
-        here=f"{chapter.name}.html",
-        whole=whole,
+        f"{chapter.name}.html",
         chapter=chapter,
         results=found,
         checks=[check for each in found for check in each.checks],
-        differing=sum(len(each.differences) for each in found),
         left_out=_described([name for name in chapter.claims if name not in results]),
         compared={each.name: first_line(module_of(each.name)) for each in found},
         pictured=PICTURED,
-        grouped=_grouped,
         row_types={"check": Check, "result": Result},
-        formats=FORMATS,
     )
 
 
@@ -138,28 +119,6 @@ def _addressed(results: Results) -> list[tuple[str, Evaluated, Check]]:
 def _printed(results: Results) -> list[tuple[str, Check]]:
     """Return the checks of printed numbers with their addresses."""
     return [(where, check) for where, _, check in _addressed(results) if check.source.quantity]
-
-
-@dataclass(frozen=True)
-class Statements:
-    """Statements of the paper that do not hold for one reason, with anchors, and where they are shown."""
-
-    title: str
-    where: str
-    rows: list[tuple[str, Difference]]
-
-    @property
-    def reason(self) -> Reason:
-        """Why they do not hold."""
-        return self.rows[0][1].reason
-
-
-def _grouped(each: Evaluated, where: str = "") -> list[Statements]:
-    """Return the differences of a claim, those with the same words together."""
-    groups: dict[str, list[tuple[str, Difference]]] = {}
-    for anchor, row in each.anchored(Difference):
-        groups.setdefault(row.words, []).append((anchor, row))
-    return [Statements(each.title, where, rows) for rows in groups.values()]
 
 
 def _of(chapter: Chapter, results: Results) -> list[Evaluated]:
