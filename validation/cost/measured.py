@@ -22,7 +22,7 @@ PEER = "tamaas"
 PEER_ERRORS = (5e-3, 1e-3)
 
 # Time after which it is not refined any further, whatever the error [s].
-PATIENCE = 30.0
+PATIENCE = 5.0
 
 # Loads of a curve; fewer above this number of asperities, where each load takes seconds.
 LOADS, FEW_LOADS, MANY = 100, 3, 2000

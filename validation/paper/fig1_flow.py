@@ -11,7 +11,7 @@ from scipy import stats
 
 import metafem as mf
 from metafem import reference
-from metafem.drawing import ACHIEVED, MEASURED, TARGET, circles
+from metafem.drawing import ACHIEVED, MEASURED, TARGET
 from validation.check import Check, Claim, Picture, Result, above, below, near, reported
 from validation.figures import panels
 from validation.methods import independent
@@ -172,19 +172,12 @@ def _line(made: mf.Surface, measured: mf.calibration.MeasuredLaw, load_range: tu
     return float(np.polyfit(x, area, 1)[0])
 
 
-@panels(9.0, 6.4, rows=2, columns=2)
-def _figure(density, heights, law, measured):
-    """2: density of the heights that has the target slope, and 64 heights at levels of 6 µm. 3: heights at
-    their sites. 4: predicted law and target slope. 6: measured points of the made part, and the line of the
-    target slope; the points follow the slope, with the intercept that the paper explains.
+@panels(9.0, 3.2, columns=2)
+def _figure(law, measured):
+    """4: predicted law and target slope. 6: measured points of the made part, and the line of the target
+    slope; the points follow the slope, with the intercept that the paper explains.
     """
     found = flow()
-    _draw_density(density, found)
-    height = 1e3 * found.table.height
-    dots = circles(heights, found.table.position, np.full(len(height), 1.1), height)
-    heights.figure.colorbar(dots, ax=heights, shrink=0.8)
-    heights.set(xlim=(-6.2, 6.2), ylim=(-6.2, 6.2), xticks=[], yticks=[], aspect="equal")
-    heights.set_title("3 heights at their sites [µm]", fontsize=9)
     law.plot(found.design.law.load, found.design.law.friction_force, color=ACHIEVED, label="predicted")
     _draw_slope(law, found.design.law)
     _forces(law, "4 predicted law")
@@ -198,18 +191,6 @@ def _figure(density, heights, law, measured):
 def _forces(ax, title: str) -> None:
     ax.set(xlabel="load  P [N]", ylabel="friction force  F [N]", xlim=(0.0, 1.0), ylim=(0.0, 1.8))
     ax.set_title(title, fontsize=9)
-
-
-def _draw_density(ax, found: Flow) -> None:
-    limits, scale = found.specification.limits, float(found.design.parameters["scale"])
-    levels, counts = (found.design.parameters[name] for name in ("levels", "counts"))
-    step = 1e-3 * paper()["fig4"]["level_step_um"]
-    h = np.linspace(0.0, limits.max_height, 200)
-    density = np.exp(-h / scale) / (scale * -np.expm1(-limits.max_height / scale))
-    ax.bar(1e3 * levels, counts, 900.0 * step, color=ACHIEVED, alpha=0.5, label="64 heights")
-    ax.plot(1e3 * (limits.offset + h), np.sum(counts) * step * density, color=TARGET, label="density")
-    ax.set(xlabel="height [µm]", ylabel="asperities per level")
-    ax.set_title("2 heights", fontsize=9)
 
 
 def _draw_slope(ax, law: mf.FrictionLaw) -> None:

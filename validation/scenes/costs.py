@@ -109,18 +109,6 @@ def merged() -> mf.Surface:
     return mf.Surface.square_lattice(0.1 + heights(4), (2, 2), 0.2, radius=0.526, material=MATERIAL)
 
 
-@cache
-def irregular() -> mf.Surface:
-    """Return 64 asperities at random sites at least 0.8 mm apart, with radii from 0.3 to 0.8 mm."""
-    rng = np.random.default_rng(2)
-    sites = rng.uniform(0.0, 10.0, (1, 2))
-    while len(sites) < 64:
-        site = rng.uniform(0.0, 10.0, 2)
-        if np.hypot(*(sites - site).T).min() >= 0.8:
-            sites = np.vstack([sites, site])
-    return mf.Surface(sites, heights(64), rng.uniform(0.3, 0.8, 64), MATERIAL)
-
-
 def scattered(count: int) -> mf.Surface:
     """Return asperities at random sites within two thirds of each cell of a lattice of 1.5 mm."""
     columns = round(np.sqrt(count))
@@ -141,10 +129,6 @@ SCENES = {
     "dense": Scene(
         "lattice of 0.8 mm, 64 asperities", dense, 0.75,
         (0.02, 0.01), (0.02, 0.01, 0.005), (0.04, 0.02), TOLERANCES[:-2],
-    ),
-    "irregular": Scene(
-        "random sites and radii, 64 asperities", irregular, 0.5,
-        (0.02, 0.01), (0.02, 0.01, 0.005), (0.04, 0.02), TOLERANCES[:-1],
     ),
     "merged": Scene(
         "merged contacts, 4 asperities", merged, 0.08,
