@@ -115,8 +115,6 @@ def _limits() -> Iterator[Row]:
         worst = max(float(np.abs(part - 1.0).max()) for part in parts)
         yield below(f"{name}: largest relative difference from Hertz's law", worst, limit, HERTZ)
 
-    """Check the energy of cycles."""
-
 
 @panels(8.0, 3.4, columns=2, sharey=True)
 def _blends(*axes) -> None:
