@@ -94,7 +94,8 @@ def design(
         specification = mf.read_spec(spec)
         if chord_error is not None:
             specification = specification.with_chord_error(chord_error)
-        chosen = mf.files.chosen_model(specification.model, model, contact)
+        block = specification.template.block
+        chosen = mf.files.chosen_model(specification.model, model, contact, block)
         try:
             result = specification.design(chosen)
         except Infeasible as error:
@@ -175,6 +176,7 @@ def _tables(result: Design) -> list[Any]:
         *mf.report.parameter_rows(result),
         (*mf.report.misfit_words(result), ""),
         ("asperities", sites, ""),
+        ("model", result.law.model.name, ""),
     ]
     tables: list[Any] = [(("", "", ""), rows, None)]
     return tables + ([(*mf.report.fit_table(result), None)] if result.fits else [])

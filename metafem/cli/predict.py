@@ -115,7 +115,7 @@ def predict(
     refuse_files(force, output)
     models = []
     for kind, words in pairs:
-        chosen = mf.files.chosen_model(used, kind, words)
+        chosen = mf.files.chosen_model(used, kind, words, surface.block)
         if kind == "layer" and "thickness" in given and surface.block is None:
             layer = mf.Interacting(substrate=mf.BondedLayer(given["thickness"]))
             chosen = mf.files.chosen_model(layer, None, words)

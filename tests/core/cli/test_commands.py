@@ -5,7 +5,8 @@ from pathlib import Path
 import pytest
 
 import metafem as mf
-from metafem.files import DEMOS, MODELS, all_keys, demo_text, manual, schema_text
+from metafem.files import DEMOS, all_keys, demo_text, manual, schema_text
+from metafem.files.specification.models import model_named
 from tests.core.files.specs import PLAIN, text
 
 MATERIAL = ("--composite-modulus", "1.36 MPa")
@@ -31,7 +32,7 @@ def test_spec_prints_every_key(run):
 def test_demo_runs_under_every_model(run, model):
     result = run("demo", "linear", "--model", model, "--json")
     assert result.exit_code == 0, result.output
-    assert mf.load("linear").law.model == MODELS[model]()
+    assert mf.load("linear").law.model == model_named(model, block=mf.load("linear").surface.block)
 
 
 @pytest.mark.parametrize("name", DEMOS)

@@ -105,6 +105,7 @@ REFUSALS = [
      "target.friction_force", "[friction]"),
     # other sections
     (of_spec(friction='shear_strength = "1 MPa"\narea_ratio = -0.5'), "friction.area_ratio", "-0.5"),
+    (of_spec(friction='shear_strength = "1 MPa"\narea_ratio = 87'), "friction.area_ratio", "0.85"),
     (of_spec(lattice=SHAPE), "lattice.radius", "526 um"), (of_spec(tools=TOOLS), "lattice.radius", "[tools]"),
     (of_spec(lattice='shape = [3000, 3000]\npitch = "1 mm"\nradius = "1 mm"'), "lattice.shape", "9,000,000"),
     (tools(f'{TOOLS}\nstep = "10 um"'), "tools.step", "radius_range"),

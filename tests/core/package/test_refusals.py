@@ -41,6 +41,7 @@ REFUSALS = {
         (lambda: mf.Material.from_young(0.0, 0.5), "young_modulus", "0"),
         (lambda: mf.Material.from_young(1.0, 0.6), "poisson_ratio", "0.6"),
         (lambda: mf.Friction(-1.0), "shear_strength", "-1"),
+        (lambda: mf.Friction(0.4, 87), "area_ratio", "0.85"),
         (lambda: mf.Block(20.0, 20.0, 0.0), "thickness", "0"),
         (lambda: mf.Power(4).summit_radius(1.0), "curvature", "Elastic()"),
         (lambda: mf.Profile(lambda rho: rho**4, 0.3).summit_radius(1.0), "curvature", "Elastic()"),
