@@ -103,8 +103,7 @@ def array(name: str, value: Any, *, shape: tuple[int | None, ...], positive: boo
     bad = np.argwhere(~np.isfinite(result))
     if bad.size:
         first = tuple(bad[0].tolist())
-        where = first[0] if len(first) == 1 else first
-        raise InvalidInput(f"holds {result[first]} at entry {where}; all must be finite", key=name)
+        raise InvalidInput(f"= {result[first]} must be finite", key=f"{name}{list(first)}")
     if unit_of(name) != "1":
         # coordinates and heights may be arbitrarily small, because nothing is divided by them
         beyond = np.argwhere((np.abs(result) > LARGEST) | (positive & (result > 0.0) & (result < SMALLEST)))
@@ -197,9 +196,8 @@ def increasing(name: str, value: FloatArray, *, first: int = 0) -> FloatArray:
     bad = np.flatnonzero(np.diff(value) <= 0.0)
     if bad.size:
         i = int(bad[0])
-        before = Given(f"{name}[{i + first}]", value[i])
-        words = "does not exceed {}; the values must increase"
-        raise InvalidInput(words, before, key=f"{name}[{i + first + 1}]", value=value[i + 1])
+        words = "does not exceed the one before it; the values must increase"
+        raise InvalidInput(words, key=f"{name}[{i + first + 1}]", value=value[i + 1])
     return value
 
 
@@ -240,7 +238,7 @@ def _plain(name: str, value: Any) -> Any:
     if isinstance(value, np.ma.MaskedArray):
         masked = np.flatnonzero(np.ma.getmaskarray(value))
         if masked.size:
-            words = f"is masked at entry {masked[0]}; leave out or fill masked entries"
+            words = f"is masked at entry {masked[0] + 1}; leave out or fill masked entries"
             raise InvalidInput(words, key=name)
         value = np.ma.getdata(value)
     if value is None or isinstance(value, (str, bytes, bool, complex)):

@@ -313,8 +313,8 @@ def _refuse_coincident(position: FloatArray) -> None:
     if same.size:
         i, j = sorted(order[same[0] : same[0] + 2].tolist())
         x, y = position[i]
-        words = f"and position[{j}] coincide at ({x:g}, {y:g}); no two asperities may share a position"
-        raise InvalidInput(words, key=f"position[{i}]")
+        both = f"entries {i + 1} and {j + 1} of position coincide at ({x:g}, {y:g})"
+        raise InvalidInput(f"{both}; no two asperities may share a position")
 
 
 def _refuse_misfit(position: FloatArray, radius: FloatArray, cell: PeriodicCell) -> None:
@@ -333,8 +333,8 @@ def _refuse_misfit(position: FloatArray, radius: FloatArray, cell: PeriodicCell)
         i = int(distance[:, 1].argmin())
         refuse_if(
             bool(distance[i, 1] <= 1e-9 * sides.min()),
-            f"position[{i}] and position[{other[i][other[i] != i][0]}] coincide in another period of the "
-            f"cell, {cell.width:g} x {cell.length:g} mm; remove one of them",
+            f"entries {i + 1} and {other[i][other[i] != i][0] + 1} of position coincide in another period of "
+            f"the cell, {cell.width:g} x {cell.length:g} mm; remove one of them",
         )
 
 

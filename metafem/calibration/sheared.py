@@ -333,7 +333,7 @@ def _of_test(points: FloatArray, errors: MeasurementErrors) -> tuple[FloatArray,
 
 
 def _refuse_impossible(found: ShearCalibration) -> None:
-    """Raise InvalidInput if a factor is not positive or B is above 1, or if a line that does not fit falls."""
+    """Raise InvalidInput for factors that cannot be, or for a line that falls and does not fit."""
     sigma = f"friction_force is not positive on the whole: sigma = {found.shear_strength:.4g} MPa; forces"
     refuse_if(found.shear_strength <= 0.0, f"{sigma} that resist sliding are positive")
     columns = "area_before", "area_sheared", "friction_force"

@@ -22,6 +22,7 @@ from metafem._validate import FloatArray
 from metafem._values import percent
 from metafem.contact import Contact
 from metafem.errors import MetafemError
+from metafem.material import ELASTOMERS
 from metafem.models import Curve, Interacting, Model
 from metafem.models.boundary_elements.model import resolvable
 from metafem.models.curve import ModelError
@@ -33,7 +34,6 @@ from metafem.models.error import (
     truncation,
     without_jumps,
 )
-from metafem.material import ELASTOMERS
 from metafem.models.interacting.influence import close_pairs
 from metafem.models.model import contact_of, has_paraboloids
 from metafem.notes import Level, Note, information
