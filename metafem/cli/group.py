@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import errno
+import json
+import os
 import sys
 from collections.abc import Mapping
 from importlib import import_module
@@ -9,7 +12,6 @@ from typing import Any
 
 import click
 
-from metafem.cli.output import printing, show_error
 from metafem.errors import InvalidInput, MetafemError
 
 # Module of each command.
@@ -46,9 +48,12 @@ class Command(click.Command):
         except MetafemError as error:
             raise Ended(type(error).__name__, str(error)) from None
         except OSError as error:
-            if error.filename is None:  # an error of the output stream, not of a file
+            if error.errno == errno.EPIPE:  # the program that reads the output has closed the pipe
                 raise
-            raise Ended("InvalidInput", f"{error.filename!s:.300}: {error.strerror}") from None
+            if error.filename is not None:
+                raise Ended("InvalidInput", f"{error.filename!s:.300}: {error.strerror}") from None
+            os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # or Python reports the error again when it exits
+            raise Ended("OSError", f"the output cannot be written: {error.strerror}") from None
 
 
 def in_options(error: InvalidInput, ctx: click.Context) -> InvalidInput:
@@ -86,16 +91,19 @@ class Commands(click.Group):
         """Parse the arguments, run the command and exit; with --json, an error is printed as JSON too."""
         given = sys.argv[1:] if args is None else args
         extra["standalone_mode"] = False  # the exit code is set here
-        with printing():
-            try:
-                code = super().main(args, *rest, **extra)
-            except click.ClickException as error:
-                show_error(error, "--json" in given)
-                code = BAD_INPUT if getattr(error, "kind", "") == "InvalidInput" else error.exit_code
-            except click.Abort:
-                click.echo("stopped; no unfinished file is left", err=True)
-                code = STOPPED
-            sys.exit(code if isinstance(code, int) else 0)
+        try:
+            code = super().main(args, *rest, **extra)
+        except click.ClickException as error:
+            code = BAD_INPUT if getattr(error, "kind", "") == "InvalidInput" else error.exit_code
+            if "--json" in given:
+                about = {"type": getattr(error, "kind", "Usage"), "message": error.format_message()}
+                click.echo(json.dumps({"error": about | getattr(error, "data", {})}))
+            else:
+                error.show()
+        except click.Abort:
+            click.echo("stopped; no unfinished file is left", err=True)
+            code = STOPPED
+        sys.exit(code if isinstance(code, int) else 0)
 
 
 @click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})

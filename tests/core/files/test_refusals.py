@@ -128,7 +128,6 @@ REFUSALS = [
      "0.157 mm high"),
     (of_spec(block='width = "20 mm"\nlength = "11 mm"\nthickness = "7 mm"'), "block.length", "20 by 11 mm"),
     (of_spec(part='alignment_height = "600 um"'), "part.alignment_height", "'600 um' exceeds"),
-    (lambda folder: spec().with_chord_error(1e-6), "part.chord_error", "0.001 um"),
     (lambda folder: spec(block=None, model='kind = "layer"').design(), "layer", "[block]"),
     # tables that a specification names
     (of_spec({"a.csv": ""}, target=SAMPLED), "target.file", "a.csv"),
