@@ -14,7 +14,7 @@ from metafem.cli.group import NOT_ACHIEVED, Ended
 from metafem.cli.options import Name, command, force_option, json_option, model_options
 from metafem.cli.output import Printed, notes_data, show
 from metafem.cli.progress import loaded, progress
-from metafem.errors import Infeasible, InvalidInput, refuse_if
+from metafem.errors import Infeasible, refuse_if
 from metafem.files.specification.models import DEMOS
 from metafem.progress import doing
 
@@ -106,19 +106,17 @@ def _refusal(error: Infeasible, folder: Path, force: bool) -> Ended:
     words, nearest = str(error), error.nearest
     if nearest is None or nearest.law is None:
         return Ended("Infeasible", words, **({"nearest": {"target": nearest.title}} if nearest else {}))
-    law = dict(
-        zip(("rescaled_load", "rescaled_friction"), (each.tolist() for each in nearest.law), strict=True)
-    )
-    data, path = {"target": nearest.title, **law}, Path(f"{folder.absolute()}-nearest.csv")
-    rows = "".join(f"{x!r},{y!r}\n" for x, y in zip(*law.values(), strict=True))
-    head = "# The nearest law that was found, by metafem.\nrescaled_load_mm2,rescaled_friction_mm2\n"
-    try:
+    load, friction = (values.tolist() for values in nearest.law)
+    data = {"target": nearest.title, "rescaled_load": load, "rescaled_friction": friction}
+    path = Path(f"{folder.absolute()}-nearest.csv")
+    if path.exists() and not force:
+        words += f"; the nearest law is not written, because {path.name} exists (--force replaces it)"
+    else:
+        rows = "".join(f"{x!r},{y!r}\n" for x, y in zip(load, friction, strict=True))
+        head = "# The nearest law that was found, by metafem.\nrescaled_load_mm2,rescaled_friction_mm2\n"
         mf.files.write_text(path, head + rows, force=force)
-        words += f"; the nearest law is written to {path.name}; design it as a sampled target with "
-        words += f'file = "{path.name}"'
+        words += f'; the nearest law is in {path.name}, for a sampled target with file = "{path.name}"'
         data["file"] = str(path)
-    except InvalidInput as reason:
-        words += f"; the nearest law is not written: {reason}"
     return Ended("Infeasible", words, nearest=data)
 
 

@@ -27,9 +27,9 @@ def _checked(what: str, check: Callable[[], tuple[str, bool]]) -> Finding:
         return what, f"{type(error).__name__}: {error}", False
 
 
-def _kept() -> dict[str, list[Path]]:
-    """Return the files and folders of each cache."""
-    return {"kernels": _caches.kept_kernels(), "blocks": _caches.kept_blocks()}
+def _kept() -> list[Path]:
+    """Return the files and folders of the caches: compiled kernels, and the influence of blocks."""
+    return [*_caches.kept_kernels(), *_caches.kept_blocks()]
 
 
 def _cache() -> tuple[str, bool]:
@@ -40,7 +40,7 @@ def _cache() -> tuple[str, bool]:
         tempfile.TemporaryFile(dir=folder).close()
     except OSError as error:
         return f"{error}; kernels are compiled again each time; set {_caches.VARIABLE} to a folder", False
-    return f"{folder}; {_sizes({name: _caches.size(paths) for name, paths in _kept().items()})}", True
+    return f"{folder}; {_caches.size(_kept()) / 1e6:.1f} MB", True
 
 
 def _contact() -> tuple[str, bool]:
@@ -60,27 +60,18 @@ def _folder() -> tuple[str, bool]:
     return "equal to the bit" if same else "changed", same
 
 
-def _sizes(caches: dict[str, int]) -> str:
-    """Return a text with the size of each cache; `caches` holds the sizes in bytes."""
-    return ", ".join(f"{name} {size / 1e6:.1f} MB" for name, size in caches.items())
-
-
 @command(
-    click.option(
-        "--clear-cache", is_flag=True, help="Remove compiled kernels and the stored influence of blocks."
-    ),
+    click.option("--clear-cache", is_flag=True, help="Remove compiled kernels and influences of blocks."),
     json_option,
     short_help="Check the installation.",
 )
 def doctor(clear_cache: bool, as_json: bool) -> None:
     """Check the installation: versions, caches, compiled kernels, and a design with its files and report."""
     if clear_cache:
-        folder = _caches.cache_folder()
-        sizes = {name: _caches.remove(paths) for name, paths in _kept().items()}
-        sizes["left"] = _caches.size([path for paths in _kept().values() for path in paths])
-        data = {f"{name}_bytes": number for name, number in sizes.items()}
-        show(as_json, {"folder": str(folder), **data}, lines=[f"removed from {folder}: {_sizes(sizes)}"])
-        well = sizes["left"] == 0
+        folder, freed, left = _caches.cache_folder(), _caches.remove(_kept()), _caches.size(_kept())
+        data = {"folder": str(folder), "freed_bytes": freed, "left_bytes": left}
+        show(as_json, data, lines=[f"removed {freed / 1e6:.1f} MB from {folder}, left {left / 1e6:.1f} MB"])
+        well = left == 0
     else:
         from metafem.files.result.folder import versions
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import errno
 import json
 import os
 import sys
@@ -48,12 +47,9 @@ class Command(click.Command):
         except MetafemError as error:
             raise Ended(type(error).__name__, str(error)) from None
         except OSError as error:
-            if error.errno == errno.EPIPE:  # the program that reads the output has closed the pipe
+            if error.filename is None:  # an error of the output stream, not of a file
                 raise
-            if error.filename is not None:
-                raise Ended("InvalidInput", f"{error.filename!s:.300}: {error.strerror}") from None
-            os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # or Python reports the error again when it exits
-            raise Ended("OSError", f"the output cannot be written: {error.strerror}") from None
+            raise Ended("InvalidInput", f"{error.filename!s:.300}: {error.strerror}") from None
 
 
 def in_options(error: InvalidInput, ctx: click.Context) -> InvalidInput:
@@ -100,6 +96,10 @@ class Commands(click.Group):
                 click.echo(json.dumps({"error": about | getattr(error, "data", {})}))
             else:
                 error.show()
+        except OSError as error:
+            os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # or Python reports the error again when it exits
+            click.echo(f"Error: the output cannot be written: {error.strerror}", err=True)
+            code = NOT_ACHIEVED
         except click.Abort:
             click.echo("stopped; no unfinished file is left", err=True)
             code = STOPPED

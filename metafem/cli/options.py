@@ -90,16 +90,17 @@ def option_name(name: str) -> str:
     return f"--{name.replace('_', '-')}"
 
 
-def model_options(default: str, multiple: bool = False) -> list[Decorator]:
+def model_options(default: str) -> list[Decorator]:
     """Return the options --model and --contact; `default` describes their default."""
-    again = " May be repeated, to compare laws." if multiple else ""
-    text = f"Model of the law, from single contacts to resolved ones.{again} Default: {default}."
-    text += " The automatic one is the fastest that is accurate enough."
-    model = click.option("--model", type=click.Choice(tuple(MODELS)), multiple=multiple, help=text)
-    text = f"Law of one contact, a kind and its values: {', '.join(CONTACTS)}."
-    text += f' For example --contact "jkr 9 mJ/m^2 elastic".{again}'
-    text += f" Default: {default.replace('independent', 'hertz')}."
-    return [model, click.option("--contact", multiple=multiple, help=text, metavar="LAW")]
+    model = (
+        "Model of the law, from single contacts to resolved ones; automatic is the fastest that is accurate "
+    )
+    contact = f"Law of one contact, a kind and its values: {', '.join(CONTACTS)}. For example --contact "
+    contact += f'"jkr 9 mJ/m^2 elastic". Default: {default.replace("independent", "hertz")}.'
+    return [
+        click.option("--model", type=click.Choice(tuple(MODELS)), help=f"{model}enough. Default: {default}."),
+        click.option("--contact", metavar="LAW", help=contact),
+    ]
 
 
 json_option = click.option(

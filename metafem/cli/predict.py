@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -66,7 +66,7 @@ SCENE = {
     ),
     *quantities(SCENE),
     column_option,
-    *model_options("that of the folder; independent for a table", multiple=True),
+    *model_options("that of the folder; independent for a table"),
     click.option("-o", "--output", type=Name(), help="Also write the law to this CSV file."),
     force_option,
     json_option,
@@ -75,8 +75,8 @@ SCENE = {
 def predict(
     source: Path,
     load: tuple[float, ...],
-    model: tuple[str, ...],
-    contact: tuple[str, ...],
+    model: str | None,
+    contact: str | None,
     column: tuple[str, ...],
     output: Path | None,
     force: bool,
@@ -88,13 +88,9 @@ def predict(
     SOURCE is a result folder of `metafem design`, or a CSV file with the columns x_mm, y_mm, height_um and
     radius_um (or in other units). A table needs --composite-modulus or --young-modulus. With the model layer
     it also needs --thickness, and with the model block --thickness, --width and --length. With
-    --shear-strength, friction forces are also printed. If --model or --contact is repeated, all combinations
-    of models and contact laws are compared at the same loads.
+    --shear-strength, friction forces are also printed. `metafem study fidelity` compares all models.
     """
     given = {name: value for name, value in scene.items() if value is not None}
-    pairs = [(kind, words) for kind in model or (None,) for words in contact or (None,)]
-    several = f"--output holds one law, and {len(pairs)} are compared; choose one of them"
-    refuse_if(output is not None and len(pairs) > 1, several)
     refuse_files(force, output)
     with progress(), doing("predicting the law"):
         if source.is_dir():
@@ -109,34 +105,34 @@ def predict(
             refuse_if(source.suffix.lower() == ".toml", advice)
             surface, used = _surface(source, given, columns_of(column)), mf.Independent()
             remedy = "a table holds none; add --thickness, and --width and --length for the model block"
-        laws: list[FrictionLaw] = []
-        models = []
-        for kind, words in pairs:
-            if kind == "layer" and surface.block is None and "thickness" in given:
-                layer = mf.Interacting(substrate=mf.BondedLayer(given["thickness"]))
-                models.append(mf.files.chosen_model(layer, None, words))
-            else:
-                models.append(mf.files.chosen_model(used, kind, words, surface.block))
-            mf.files.refuse_missing_block(models[-1], surface, remedy)
-        for each in models:
-            loads = laws[0].load if laws else load or None
-            laws.append(mf.friction_law(surface, each, load=loads))
+        if model == "layer" and surface.block is None and "thickness" in given:
+            used, model = mf.Interacting(substrate=mf.BondedLayer(given["thickness"])), None
+        chosen = mf.files.chosen_model(used, model, contact, surface.block)
+        mf.files.refuse_missing_block(chosen, surface, remedy)
+        law = mf.friction_law(surface, chosen, load=load or None)
     if output is not None:
-        mf.files.write_text(output, mf.files.law_table(laws[0]), force=force)
-    data = [_law_data(law) for law in laws]
-    lines = []
-    for number, law in enumerate(laws, 1):
-        label = f"{number}: " if len(laws) > 1 else ""
-        lines.append(f"{label}model {law.model.name}, {law.status.value}")
-        lines.append(f"{label}{mf.report.error_words(law.model_error)}")
+        mf.files.write_text(output, mf.files.law_table(law), force=force)
     show(
         as_json,
-        data[0] if len(laws) == 1 else {"laws": data},
-        tables=[_table(laws, whole=bool(load))],
-        lines=lines,
-        notes=() if as_json else [note for law in laws for note in law.notes],
+        {
+            "model": mf.report.model_data(law.model),
+            "status": law.status.name.lower(),
+            "model_error": mf.report.error_data(law.model_error),
+            **mf.files.plain_data(law.columns()),
+            "notes": notes_data(law.notes),
+        },
+        tables=[_table(law, whole=bool(load))],
+        lines=[f"model {law.model.name}, {law.status.value}", mf.report.error_words(law.model_error)],
+        notes=law.notes,
         files=[output],
     )
+
+
+def _table(law: FrictionLaw, whole: bool) -> Printed:
+    """Return the table of a law at all loads if the user stated them, otherwise at about ten."""
+    step = 1 if whole else max(1, len(law.load) // 10)
+    columns = {name: values.tolist() for name, values in law.columns().items() if name in SHOWN}
+    return in_columns(columns, range(step - 1, len(law.load), step))
 
 
 def _surface(source: Path, given: Mapping[str, float], columns: Mapping[str, str]) -> Surface:
@@ -165,30 +161,3 @@ def _surface(source: Path, given: Mapping[str, float], columns: Mapping[str, str
     friction = None if strength is None else mf.Friction(strength, given.get("area_ratio", 1.0))
     block = mf.Block(**sides) if len(sides) == len(SIDES) else None
     return mf.files.read_surface(table, material, given.get("radius"), friction, block)
-
-
-def _table(laws: list[FrictionLaw], whole: bool) -> Printed:
-    """Return one law, or the areas of several laws with their relative difference from the first law.
-
-    It has all loads if `whole` is true, which means that the user stated them; otherwise about ten.
-    """
-    columns = {name: values.tolist() for name, values in laws[0].columns().items() if name in SHOWN}
-    if len(laws) > 1:
-        first = laws[0].area
-        columns = {"load_N": columns["load_N"], "1: area_mm2": first.tolist()}
-        for number, law in enumerate(laws[1:], 2):
-            pairs = zip(law.area.tolist(), columns["1: area_mm2"], strict=True)
-            columns[f"{number}: area_mm2"] = law.area.tolist()
-            columns[f"{number}: change"] = [f"{100.0 * (a / b - 1.0):+.2g} %" if b else "-" for a, b in pairs]
-    step = 1 if whole else max(1, len(laws[0].load) // 10)
-    return in_columns(columns, range(step - 1, len(laws[0].load), step))
-
-
-def _law_data(law: FrictionLaw) -> dict[str, Any]:
-    return {
-        "model": mf.report.model_data(law.model),
-        "status": law.status.name.lower(),
-        "model_error": mf.report.error_data(law.model_error),
-        **mf.files.plain_data(law.columns()),
-        "notes": notes_data(law.notes),
-    }
