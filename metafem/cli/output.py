@@ -21,7 +21,7 @@ Printed = tuple[Sequence[str], Sequence[Sequence[str]], str | None]
 WIDE = 160
 
 # Units at the end of the names of columns, as the titles of a table show them.
-UNITS = {"N": "N", "mm": "mm", "mm2": "mm²", "N_per_mm": "N/mm", "MPa": "MPa"}
+UNITS = {"N_per_mm": "N/mm", "N": "N", "mm": "mm", "mm2": "mm²", "MPa": "MPa"}
 
 
 def show(
@@ -73,6 +73,7 @@ def print_table(
         title_justify="left",
         box=SIMPLE_HEAD if headed else None,
         show_header=headed,
+        padding=(0, 1, 0, 0),
         pad_edge=False,
     )
     for i, heading in enumerate(columns):
