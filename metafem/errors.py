@@ -74,17 +74,10 @@ class InvalidInput(MetafemError, ValueError):
         return self.at(f"{section}.{self.key}")
 
 
-def refuse_if(
-    wrong: Any,
-    must: str,
-    *about: Given,
-    key: str = "",
-    value: float | str | None = None,
-    example: str = "",
-) -> None:
-    """Raise `InvalidInput` with these attributes if `wrong` is true."""
+def refuse_if(wrong: Any, must: str, *about: Given, **attributes: Any) -> None:
+    """Raise `InvalidInput` with these arguments if `wrong` is true."""
     if wrong:
-        raise InvalidInput(must, *about, key=key, value=value, example=example)
+        raise InvalidInput(must, *about, **attributes)
 
 
 class Infeasible(MetafemError):
