@@ -160,7 +160,8 @@ def test_a_table_is_predicted_on_a_layer_of_a_thickness(run, demo):
     ids=["thin block", "narrow lattice", "no comparison"],
 )
 def test_a_design_warns_of_what_its_model_leaves_out(run, sections, words):
-    Path("bad.toml").write_text(text(**sections), "utf-8")
+    alone = 'kind = "independent"'
+    Path("bad.toml").write_text(text(model=alone, **sections), "utf-8")
     notes = run("design", "bad.toml", "-o", "bad", "--json").data["notes"]
     assert any(words in note["text"] for note in notes if note["level"] == "warning")
     assert "No warnings" not in Path("bad/report.html").read_text("utf-8")
