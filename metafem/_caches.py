@@ -53,9 +53,11 @@ def kept_blocks() -> list[Path]:
 
 def size(paths: list[Path]) -> int:
     """Return the total size of files, and of all files in folders [bytes]."""
-    return sum(_size(path) for path in paths) + sum(
-        _size(Path(folder, file)) for path in paths for folder, _, files in os.walk(path) for file in files
-    )
+    total = 0
+    for file in (file for path in paths for file in (path, *path.rglob("*"))):
+        with suppress(OSError):  # another process has removed it
+            total += file.stat().st_size if file.is_file() else 0
+    return total
 
 
 def remove(paths: list[Path]) -> int:
@@ -97,10 +99,3 @@ def _time(path: Path) -> float:
         return path.stat().st_mtime
     except OSError:  # another process has removed it
         return 0.0
-
-
-def _size(path: Path) -> int:
-    try:
-        return path.stat().st_size if path.is_file() else 0
-    except OSError:
-        return 0

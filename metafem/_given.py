@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -31,6 +32,9 @@ UNITS: Mapping[str, str] = {
     for name in names
 }
 
+# Arguments with an entry for each of some sites, which keep their numbers.
+BY_SITE = ("pinned",)
+
 
 def unit_of(name: str) -> str:
     """Return the unit of an argument, such as "mm" for ``radius[3]``, or "1" if it has none."""
@@ -55,7 +59,24 @@ class Given:
         return f"{self.value:g} {unit_of(self.name)}".removesuffix(" 1")
 
     def __str__(self) -> str:
-        return self.name if self.value is None else f"{self.name} = {self.number}"
+        name = spoken(self.name)
+        return name if self.value is None else f"{name} = {self.number}"
+
+
+def spoken(name: str) -> str:
+    """Return the name of an argument in words: entries count from 1, as those of a table do.
+
+    Examples
+    --------
+    >>> spoken("limits.offset"), spoken("radius[3]"), spoken("target.crossover_loads[0][1]")
+    ('limits.offset', 'entry 4 of radius', 'entry (1, 2) of target.crossover_loads')
+    """
+    found = re.fullmatch(r"([^][]+)((?:\[\d+(?:, \d+)*\])+)", name)
+    if found is None or found[1] in BY_SITE:
+        return name
+    places = [str(int(place) + 1) for place in re.findall(r"\d+", found[2])]
+    place = places[0] if len(places) == 1 else f"({', '.join(places)})"
+    return f"entry {place} of {found[1]}"
 
 
 def shown(value: Any, most: int = 60) -> str:

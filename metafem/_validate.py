@@ -23,8 +23,9 @@ IntArray = NDArray[np.int64]
 # normal number in double precision.
 SMALLEST, LARGEST = sys.float_info.min**0.2, sys.float_info.max**0.2
 
-# Largest ratio of two lengths. At larger ratios, rounding loses the smaller length when the two are added.
-PROPORTION = 1.0 / sys.float_info.epsilon
+# Bounds of lengths that must be positive, and largest magnitude of all lengths [mm]. Rounding then loses no
+# length when two of them are added.
+SHORTEST, LONGEST = 1e-8, 1e8
 
 # Bounds of Poisson's ratio; a material with 0.5 is incompressible.
 POISSON: Mapping[str, Any] = {"at_least": 0.0, "at_most": 0.5}
@@ -56,9 +57,20 @@ def number(
         (at_most is not None and result > at_most, "must be at most {.number}", at_most),
     ):
         refuse_if(wrong, must, Given(name, bound), key=name, value=result)
-    if result and not SMALLEST <= abs(result) <= LARGEST and unit_of(name) != "1":
-        raise _beyond(name, result)
+    least, most = bounds(name, above == 0.0)
+    if result and not least <= abs(result) <= most:
+        raise _beyond(name, result, least, most)
     return result
+
+
+def bounds(name: str, positive: bool) -> tuple[float, float]:
+    """Return the bounds of the magnitude of an argument that is not 0."""
+    match unit_of(name):
+        case "1":
+            return 0.0, math.inf
+        case "mm":
+            return SHORTEST if positive else 0.0, LONGEST
+    return SMALLEST, LARGEST
 
 
 def member(owner: Any, name: str, *, optional: bool = False, **bounds: float) -> None:
@@ -74,13 +86,10 @@ def _one(value: Any) -> Any:
     return value
 
 
-def _beyond(name: str, value: float) -> InvalidInput:
-    return InvalidInput(
-        "is outside the range in which products fit double precision; it must be 0, or "
-        f"{SMALLEST:.0e} to {LARGEST:.0e} {unit_of(name)} in magnitude",
-        key=name,
-        value=value,
-    )
+def _beyond(name: str, value: float, least: float, most: float) -> InvalidInput:
+    limits = f"at most {most:.0e}" if least == 0.0 else f"0, or {least:.0e} to {most:.0e}"
+    words = f"is outside the range of double precision; it must be {limits} {unit_of(name)} in magnitude"
+    return InvalidInput(words, key=name, value=value)
 
 
 def integer(name: str, value: Any, *, at_least: int) -> int:
@@ -103,14 +112,13 @@ def array(name: str, value: Any, *, shape: tuple[int | None, ...], positive: boo
     bad = np.argwhere(~np.isfinite(result))
     if bad.size:
         first = tuple(bad[0].tolist())
-        where = first[0] if len(first) == 1 else first
-        raise InvalidInput(f"holds {result[first]} at entry {where}; all must be finite", key=name)
-    if unit_of(name) != "1":
-        # coordinates and heights may be arbitrarily small, because nothing is divided by them
-        beyond = np.argwhere((np.abs(result) > LARGEST) | (positive & (result > 0.0) & (result < SMALLEST)))
-        if beyond.size:
-            first = tuple(beyond[0].tolist())
-            raise _beyond(f"{name}{list(first)}", result[first])
+        raise InvalidInput(f"= {result[first]} must be finite", key=f"{name}{list(first)}")
+    least, most = bounds(name, positive)
+    # nothing is divided by entries that may be 0
+    beyond = np.argwhere((np.abs(result) > most) | (positive & (result > 0.0) & (result < least)))
+    if beyond.size:
+        first = tuple(beyond[0].tolist())
+        raise _beyond(f"{name}{list(first)}", result[first], least, most)
     if positive and result.min() <= 0.0:
         i = int(result.argmin())
         raise InvalidInput("must be greater than 0", key=f"{name}[{i}]", value=result[i])
@@ -132,29 +140,11 @@ def _refuse_shape(name: str, found: tuple[int, ...], shape: tuple[int | None, ..
         raise InvalidInput(f"has shape {found}; it must have shape ({required})", key=name)
 
 
-def proportion(name: str, value: float, other: str, reference: float) -> None:
-    """Refuse a length that exceeds a reference length by more than double precision resolves."""
-    small, large = sorted((abs(value), abs(reference)))
-    if large > PROPORTION * small:
-        raise InvalidInput(
-            f"and {{}} differ by a factor of {large / small:.1g}; it must be at most {PROPORTION:.1g}, the "
-            "resolution of double precision",
-            Given(other, reference),
-            key=name,
-            value=value,
-        )
-
-
 def lists(name: str, value: Any, length: int | None) -> FloatArray:
     """Return one list of numbers, or several, as a new, read-only, finite array (m, length)."""
-    try:
-        table = np.atleast_2d(np.asarray(plain(name, value), dtype=np.float64))
-    except InvalidInput:
-        raise
-    except (TypeError, ValueError, OverflowError, Warning):
-        words = f"is not lists of numbers of one length: {shown(value, 80)}"
-        raise InvalidInput(words, key=name) from None
-    return array(name, table, shape=(None, length))
+    while depth(value) < 2:
+        value = [value]
+    return array(name, value, shape=(None, length))
 
 
 def loads(name: str, value: Any, *, negative: bool = False) -> FloatArray:
@@ -165,7 +155,7 @@ def loads(name: str, value: Any, *, negative: bool = False) -> FloatArray:
     refuse_if(below, "holds {.number}; loads cannot be negative", lowest, key=name)
     tiny = np.flatnonzero((result != 0.0) & (np.abs(result) < SMALLEST))
     if tiny.size:
-        raise _beyond(f"{name}[{tiny[0]}]", result[tiny[0]])
+        raise _beyond(f"{name}[{tiny[0]}]", result[tiny[0]], SMALLEST, LARGEST)
     return result
 
 
@@ -192,14 +182,14 @@ def depth(value: Any) -> int:
 def increasing(name: str, value: FloatArray, *, first: int = 0) -> FloatArray:
     """Return `value` if its entries are positive and strictly increasing; errors index from `first`."""
     refuse_if(value[0] <= 0.0, "must be greater than 0", key=f"{name}[{first}]", value=value[0])
-    if value[0] < SMALLEST and unit_of(name) != "1":
-        raise _beyond(f"{name}[{first}]", value[0])
+    least, most = bounds(name, positive=True)
+    if value[0] < least:
+        raise _beyond(f"{name}[{first}]", value[0], least, most)
     bad = np.flatnonzero(np.diff(value) <= 0.0)
     if bad.size:
         i = int(bad[0])
-        before = Given(f"{name}[{i + first}]", value[i])
-        words = "does not exceed {}; the values must increase"
-        raise InvalidInput(words, before, key=f"{name}[{i + first + 1}]", value=value[i + 1])
+        words = "does not exceed the one before it; the values must increase"
+        raise InvalidInput(words, key=f"{name}[{i + first + 1}]", value=value[i + 1])
     return value
 
 
@@ -219,64 +209,24 @@ def generator(rng: Any) -> np.random.Generator:
 
 
 def plain(name: str, value: Any) -> Any:
-    """Return a value as plain numbers in the unit of the argument `name`.
+    """Return a value as plain numbers, in an array unless it is a single number of Python.
 
-    A quantity of pint, astropy or a similar library is converted by its own method. Values that have a unit
-    but no such method, masked entries and units of another dimension are refused. Other values that are not
-    numbers raise a TypeError that states their type.
+    Values with another unit than that of the argument `name`, and masked entries, are refused. Other values
+    that are not numbers raise a TypeError or ValueError that states their type.
     """
     if isinstance(value, (int, float)) and not isinstance(value, bool):
         return value
-    if isinstance(value, (list, tuple, range)):
-        return [v if type(v) in (float, int) else plain(f"{name}[{i}]", v) for i, v in enumerate(value)]
+    unit, expected = getattr(value, "units", None) or getattr(value, "unit", None), unit_of(name)
+    if unit is not None and str(unit) != expected:
+        allowed = "numbers without unit" if expected == "1" else f"plain numbers in {expected}"
+        raise InvalidInput(f"is given in {shown(str(unit))}; it must be {allowed}", key=name)
+    refuse_if(np.ma.is_masked(value), "has masked entries; leave them out", key=name)
     with warnings.catch_warnings():
-        warnings.simplefilter("error")  # a lossy conversion raises a warning
-        return _plain(name, value)
-
-
-def _plain(name: str, value: Any) -> Any:
-    if type(value) is not np.ndarray and not isinstance(value, np.generic):
-        value = _without_unit(name, value)
-    if isinstance(value, np.ma.MaskedArray):
-        masked = np.flatnonzero(np.ma.getmaskarray(value))
-        if masked.size:
-            words = f"is masked at entry {masked[0]}; leave out or fill masked entries"
-            raise InvalidInput(words, key=name)
-        value = np.ma.getdata(value)
-    if value is None or isinstance(value, (str, bytes, bool, complex)):
-        raise TypeError(f"{name} is {shown(value)}")
-    array = np.asarray(value)
-    if array.dtype.kind in FOREIGN:
-        raise TypeError(f"{name} is {array.dtype}")
-    if array.dtype.kind != "O":
-        return array if array.ndim else array[()]
-    if array.ndim == 0:
-        return float(value)
-    entries = [plain(f"{name}[{i}]", member) for i, member in enumerate(array.flat)]
-    return np.array(entries, dtype=np.float64).reshape(array.shape)
-
-
-def _without_unit(name: str, value: Any) -> Any:
-    """Return the numbers of a quantity, which its attributes identify, in the unit of `name`."""
-    expected = unit_of(name)
-    inner = getattr(value, "data", None)
-    if hasattr(inner, "to") and hasattr(inner, "units"):  # a labelled array that wraps a quantity
-        value = inner
-    for numbers, unit in (("magnitude", "units"), ("value", "unit")):
-        if hasattr(value, unit) and hasattr(value, numbers) and hasattr(value, "to"):
-            try:
-                return getattr(value.to("" if expected == "1" else expected), numbers)
-            except Exception:  # each library raises its own errors
-                raise _wrong_unit(name, getattr(value, unit), expected) from None
-    text = getattr(value, "units", None) or getattr(value, "unit", None)
-    if isinstance(text, str) and text != expected:
-        raise _wrong_unit(name, text, expected)
-    return value
-
-
-def _wrong_unit(name: str, unit: Any, expected: str) -> InvalidInput:
-    allowed = "a number without unit" if expected == "1" else f"{expected}, or a plain number in {expected}"
-    return InvalidInput(f"is given in {shown(str(unit))}; it must be {allowed}", key=name)
+        warnings.simplefilter("error")  # libraries of quantities warn when units are lost
+        array = np.asarray(value)
+        if array.dtype.kind in FOREIGN or value is None:
+            raise TypeError(f"{name} is {shown(value)}")
+        return array.astype(np.float64) if array.dtype.kind == "O" else array
 
 
 def array_with_gaps(name: str, value: Any, *, shape: tuple[int | None, ...]) -> FloatArray:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from metafem._given import Given
+from metafem._given import Given, spoken
 
 
 class MetafemError(Exception):
@@ -27,7 +27,7 @@ class InvalidInput(MetafemError, ValueError):
         no key.
     key : str
         The argument, an entry such as "radius[3]", or a key of a file such as "limits.max_height"; "" if the
-        error does not concern a single argument.
+        error does not concern a single argument. The message says "entry 4 of radius".
     value : float, str or None
         The invalid number, in the package's unit, or text; None if the error does not state the value.
     example : str
@@ -60,7 +60,8 @@ class InvalidInput(MetafemError, ValueError):
         if not self.key:
             return self.must
         number = self.value if isinstance(self.value, (str, type(None))) else f"{self.value:g}"
-        return f"{self.key} {self.must}" if number is None else f"{self.key} = {number} {self.must}"
+        name = spoken(self.key)
+        return f"{name} {self.must}" if number is None else f"{name} = {number} {self.must}"
 
     def at(self, key: str) -> InvalidInput:
         """Return the error of a value as an error of `key`."""
@@ -73,17 +74,10 @@ class InvalidInput(MetafemError, ValueError):
         return self.at(f"{section}.{self.key}")
 
 
-def refuse_if(
-    wrong: Any,
-    must: str,
-    *about: Given,
-    key: str = "",
-    value: float | str | None = None,
-    example: str = "",
-) -> None:
-    """Raise `InvalidInput` with these attributes if `wrong` is true."""
+def refuse_if(wrong: Any, must: str, *about: Given, **attributes: Any) -> None:
+    """Raise `InvalidInput` with these arguments if `wrong` is true."""
     if wrong:
-        raise InvalidInput(must, *about, key=key, value=value, example=example)
+        raise InvalidInput(must, *about, **attributes)
 
 
 class Infeasible(MetafemError):

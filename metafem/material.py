@@ -8,6 +8,10 @@ import numpy as np
 
 from metafem import _validate as check
 from metafem._validate import FloatArray
+from metafem.errors import refuse_if
+
+# Range of E* [MPa] of rubbers and gels; outside it, a unit is usually wrong.
+ELASTOMERS = (0.01, 100.0)
 
 
 @dataclass(frozen=True)
@@ -85,12 +89,13 @@ class Friction:
     shear_strength : float
         sigma [MPa], positive: friction force over the real contact area under shear.
     area_ratio : float
-        B [-], positive: real contact area under shear over that before shear; default: 1, no change.
+        B [-], positive and at most 1: real contact area under shear over that before shear; default: 1, no
+        change.
 
     Raises
     ------
     InvalidInput
-        If a value is not positive.
+        If a value is outside its range.
 
     Examples
     --------
@@ -105,6 +110,12 @@ class Friction:
     def __post_init__(self) -> None:
         check.member(self, "shear_strength", above=0.0)
         check.member(self, "area_ratio", above=0.0)
+        refuse_if(
+            self.area_ratio > 1.0,
+            "must be at most 1, because contacts shrink under shear; 85 percent is 0.85",
+            key="area_ratio",
+            value=self.area_ratio,
+        )
 
     @property
     def stress(self) -> float:

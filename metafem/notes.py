@@ -1,15 +1,7 @@
 """Notes: sentences that accompany a result, as a warning or as information.
 
 A note is a warning unless it is made by `information`. The thresholds of the notes are defined next to their
-texts:
-
-- effects that a model neglects: `BOUND`, `STATED`, `WIDEST` and `TOO_WIDE` in `prediction/validity.py`;
-- choice of the model: the tolerance of `Automatic` in `models/automatic.py`;
-- designs: `MISSED` in `inversion/refinement.py` and `HEIGHT_TO_ERROR` in `inversion/design.py`;
-- height errors: `FINEST_SCALE_IN_SD` of `inversion/density.py`, used in
-  `inversion/from_density.py`;
-- measurements: `REJECTED` in `calibration/verdict.py`, `KNOWN` in `calibration/compression/calibrate.py`, and
-  `ABOVE_ONE` in `calibration/sheared/lines.py`.
+texts, most of them in `prediction/validity.py`.
 """
 
 from __future__ import annotations

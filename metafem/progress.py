@@ -16,44 +16,23 @@ Item = TypeVar("Item")
 OnStep = Callable[[str, float | None], None]
 
 
-@dataclass(frozen=True)
-class _Step:
-    """A step. In a series, it has a number; `of` is the number of steps in the series or its upper bound."""
-
-    name: str
-    number: int = 0
-    of: int = 0
-    at_most: bool = False
-
-    def __str__(self) -> str:
-        most = "at most " if self.at_most else ""
-        counted = f" {self.number} of {most}{self.of}" if self.of else ""
-        return f"{self.name}{counted}"
-
-
 @dataclass(eq=False)
 class _Listener:
-    """The running steps, outermost first, and the functions that report them."""
+    """The functions that report steps and messages, and the running steps, outermost first.
+
+    A step of a series has a completed fraction of it, which is None if the series may end early.
+    """
 
     on_step: OnStep
     on_message: Callable[[str], None] | None
-    steps: list[_Step] = field(default_factory=list)
+    steps: list[tuple[str, *tuple[float | None, ...]]] = field(default_factory=list)
 
-    def at(self, depth: int, *step: _Step) -> None:
+    def at(self, depth: int, *step: tuple[str, *tuple[float | None, ...]]) -> None:
         """Replace the steps at `depth` and deeper, then report the running steps."""
         self.steps[depth:] = step
         if self.steps:
-            self.on_step(", ".join(map(str, self.steps)), self._done())
-
-    def _done(self) -> float | None:
-        done, width, known = 0.0, 1.0, False
-        for step in self.steps:
-            if step.at_most:
-                break
-            if step.of:
-                width /= step.of
-                done, known = done + width * (step.number - 1), True
-        return done if known else None
+            done = next((step[1] for step in self.steps if len(step) > 1), None)
+            self.on_step(", ".join(step[0] for step in self.steps), done)
 
 
 _LISTENER: ContextVar[_Listener | None] = ContextVar("metafem progress", default=None)
@@ -100,7 +79,7 @@ def doing(name: str) -> Iterator[None]:
         yield
         return
     depth = len(listener.steps)
-    listener.at(depth, _Step(name))
+    listener.at(depth, (name,))
     try:
         yield
     finally:
@@ -118,8 +97,9 @@ def each(name: str, items: Sequence[Item], *, at_most: bool = False) -> Iterator
         return
     depth = len(listener.steps)
     try:
-        for number, item in enumerate(items, 1):
-            listener.at(depth, _Step(name, number, len(items), at_most))
+        for number, item in enumerate(items):
+            words = f"{name} {number + 1} of {'at most ' if at_most else ''}{len(items)}"
+            listener.at(depth, (words, None if at_most else number / len(items)))
             yield item
     finally:
         # do not report here: if the loop ends early, Python prints and ignores exceptions raised by a

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -94,13 +94,9 @@ class Surface(Value):
         heights = check.array("height", height, shape=(n,))
         radii = _radii(radius, n)
         _refuse_coincident(positions)
-        _refuse_disproportion(radii, {"radius": radii, "height": heights, "position": positions})
         check.instance("material", material, Material, "a metafem.Material")
         check.instance("friction", friction, Friction, "a metafem.Friction", optional=True)
         check.instance("block", block, Block, "a metafem.Block", optional=True)
-        if block is not None:
-            for name in ("width", "length", "thickness"):
-                check.proportion(f"block.{name}", getattr(block, name), "radius", float(radii.min()))
         check.instance("cell", cell, PeriodicCell, "a metafem.PeriodicCell", optional=True)
         if cell is not None:
             _refuse_misfit(positions, radii, cell)
@@ -156,8 +152,6 @@ class Surface(Value):
         refuse_if(rows * columns > 1e8, many)  # more sites need gigabytes of memory
         step = check.number("pitch", pitch, above=0.0)
         radii = _radii(radius, rows * columns)
-        for size in (radii.min(), radii.max()):
-            check.proportion("pitch", step, "radius", float(size))
         x = step * (np.arange(columns) - 0.5 * (columns - 1))
         y = step * (np.arange(rows) - 0.5 * (rows - 1))
         position = np.column_stack([np.tile(x, rows), np.repeat(y, columns)])
@@ -313,15 +307,14 @@ def _refuse_coincident(position: FloatArray) -> None:
     if same.size:
         i, j = sorted(order[same[0] : same[0] + 2].tolist())
         x, y = position[i]
-        words = f"and position[{j}] coincide at ({x:g}, {y:g}); no two asperities may share a position"
-        raise InvalidInput(words, key=f"position[{i}]")
+        both = f"entries {i + 1} and {j + 1} of position coincide at ({x:g}, {y:g})"
+        raise InvalidInput(f"{both}; no two asperities may share a position")
 
 
 def _refuse_misfit(position: FloatArray, radius: FloatArray, cell: PeriodicCell) -> None:
     """Refuse asperities larger than a cell, beyond one period, or coincident in another period."""
     sides, largest, extent = np.array([cell.width, cell.length]), radius.max(), np.ptp(position, axis=0)
     for name, side, reach in zip(("width", "length"), sides.tolist(), extent, strict=True):
-        check.proportion(f"cell.{name}", side, "radius", float(radius.min()))
         given: dict[str, Any] = {"key": f"cell.{name}", "value": side}
         wider = f"is smaller than the largest radius, {largest:g} mm; one period must be wider than that"
         refuse_if(side < largest, wider, **given)
@@ -333,17 +326,6 @@ def _refuse_misfit(position: FloatArray, radius: FloatArray, cell: PeriodicCell)
         i = int(distance[:, 1].argmin())
         refuse_if(
             bool(distance[i, 1] <= 1e-9 * sides.min()),
-            f"position[{i}] and position[{other[i][other[i] != i][0]}] coincide in another period of the "
-            f"cell, {cell.width:g} x {cell.length:g} mm; remove one of them",
+            f"entries {i + 1} and {other[i][other[i] != i][0] + 1} of position coincide in another period of "
+            f"the cell, {cell.width:g} x {cell.length:g} mm; remove one of them",
         )
-
-
-def _refuse_disproportion(radius: FloatArray, lengths: Mapping[str, FloatArray]) -> None:
-    """Refuse lengths so large, relative to the smallest radius, that rounding would lose the radius."""
-    i = int(radius.argmin())
-    for name, values in lengths.items():
-        largest = int(np.abs(values).argmax())
-        value = float(values.flat[largest])
-        if abs(value) > radius[i]:
-            j = largest // values[0].size
-            check.proportion(f"{name}[{j}]", value, f"radius[{i}]", float(radius[i]))

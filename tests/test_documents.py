@@ -45,3 +45,8 @@ def test_every_page_of_the_guide_is_linked():
         for link in re.findall(r"\]\(([^)#:]+\.md)", text_of(page))
     }
     assert [page for page in GUIDE if Path(page).name not in links] == []
+
+
+def test_pages_of_the_guide_are_short():
+    long = [page for page in GUIDE if len(text_of(page).split()) > 900]
+    assert long == ["validation/guide/proof.md"]  # generated

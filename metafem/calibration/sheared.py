@@ -33,7 +33,7 @@ from metafem.notes import Note, information
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-# Excess of B over 1, in standard deviations, above which a note is added. One normal error in a hundred is
+# Excess of B over 1, in standard deviations, above which a fit is refused. One normal error in a hundred is
 # larger.
 ABOVE_ONE = 2.33
 
@@ -145,8 +145,8 @@ class ShearCalibration(Value):
 
     @property
     def friction(self) -> Friction:
-        """Friction with the fitted area ratio and shear strength."""
-        return Friction(self.shear_strength, self.area_ratio)
+        """Friction with the fitted area ratio, or 1 if errors make it larger, and the shear strength."""
+        return Friction(self.shear_strength, min(self.area_ratio, 1.0))
 
     @property
     def parameter_covariance(self) -> FloatArray:
@@ -263,7 +263,7 @@ def shear(
         few = int(pair.all(axis=0).sum())
         refuse_if(few < 2, f"{what} needs at least 2 points of {line}, and {few} have both quantities")
     found = _fitted(points, errors)
-    _refuse_falling(found)
+    _refuse_impossible(found)
     names = list(dict.fromkeys(labels.tolist()))
     several = names if len(names) > 1 else []
     tests = tuple(
@@ -332,8 +332,8 @@ def _of_test(points: FloatArray, errors: MeasurementErrors) -> tuple[FloatArray,
     return value, covariance
 
 
-def _refuse_falling(found: ShearCalibration) -> None:
-    """Raise InvalidInput if a factor is not positive, or if a line that does not fit falls."""
+def _refuse_impossible(found: ShearCalibration) -> None:
+    """Raise InvalidInput for factors that cannot be, or for a line that falls and does not fit."""
     sigma = f"friction_force is not positive on the whole: sigma = {found.shear_strength:.4g} MPa; forces"
     refuse_if(found.shear_strength <= 0.0, f"{sigma} that resist sliding are positive")
     columns = "area_before", "area_sheared", "friction_force"
@@ -348,6 +348,12 @@ def _refuse_falling(found: ShearCalibration) -> None:
             f"{second} decreases with {first} (slope {slope:.3g}), which contradicts {line}; check the "
             "columns and their units",
         )
+    ratio, sd = found.area_ratio, float(np.sqrt(found.covariance[0, 0]))
+    refuse_if(
+        ratio > 1.0 + ABOVE_ONE * sd,
+        f"area_ratio = {ratio:.4g} ± {sd:.2g} is above 1, but contacts shrink under shear; check that "
+        "area_before and area_sheared are not exchanged",
+    )
 
 
 def _notes(found: ShearCalibration) -> Iterator[Note]:
@@ -355,13 +361,6 @@ def _notes(found: ShearCalibration) -> Iterator[Note]:
     for line, verdict in zip(LINES, (found.area_verdict, found.friction_verdict), strict=True):
         if not verdict.fits:
             yield verdict.note(f"{line} does not fit")
-    ratio, sd = found.area_ratio, np.sqrt(found.covariance[0, 0])
-    if ratio > 1.0 + ABOVE_ONE * sd:
-        yield Note(
-            f"B = {ratio:.4g} is above 1 by {(ratio - 1.0) / sd:.2g} standard deviations, but the areas "
-            "of soft contacts shrink under shear; compare area_before and area_sheared, and "
-            "check that they are not exchanged"
-        )
     if found.heterogeneity is not None and not found.heterogeneity.fits:
         yield found.heterogeneity.note("the tests differ")
     unused, count = int(np.isnan(found.area_fitted).sum()), len(found.area_fitted)

@@ -4,8 +4,6 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Iterator
-from contextlib import contextmanager
 from typing import Any
 
 __all__ = ["main", "run"]
@@ -22,41 +20,40 @@ def run() -> None:
     depend on their number. OPENBLAS_NUM_THREADS sets another number.
     """
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # numpy's import reads this variable
+    for stream in filter(None, (sys.stdout, sys.stderr)):
+        stream.reconfigure(errors="replace")
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # files that are being written are removed
+    ended = _ending_soon()
     try:
-        with _ending_soon():
-            from metafem.cli.group import main
+        from metafem.cli.group import main
 
-            main(prog_name="metafem")
+        main(prog_name="metafem")
     except KeyboardInterrupt:
         sys.exit(130)
+    finally:
+        ended.set()
 
 
-@contextmanager
-def _ending_soon() -> Iterator[None]:
-    """End the process soon after Ctrl-C in the body, also within a factorisation, which takes seconds.
+def _ending_soon() -> threading.Event:
+    """End the process soon after Ctrl-C, also within a factorisation, until the returned event is set.
 
-    Python raises KeyboardInterrupt only when such a call of a library returns.
+    Python raises KeyboardInterrupt only when such a call of a library returns, which may take seconds.
     """
     reading, writing = os.pipe()
     os.set_blocking(writing, False)
-    before, ended = signal.set_wakeup_fd(writing), threading.Event()
+    signal.set_wakeup_fd(writing)
+    ended = threading.Event()
 
     def watch() -> None:
-        while (number := os.read(reading, 1)) and number[0] != signal.SIGINT:
+        while os.read(reading, 1)[0] != signal.SIGINT:
             pass
-        if number and not ended.wait(LEAVE):
+        if not ended.wait(LEAVE):
             os.write(2, b"stopped\n")
             os._exit(130)
 
     if sys.argv[1:2] != ["explore"]:  # whose server ends by itself
         threading.Thread(target=watch, daemon=True).start()
-    try:
-        yield
-    finally:
-        ended.set()
-        signal.set_wakeup_fd(before)
-        os.close(writing)
+    return ended
 
 
 def __getattr__(name: str) -> Any:

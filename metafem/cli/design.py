@@ -11,10 +11,10 @@ import click
 
 import metafem as mf
 from metafem.cli.group import NOT_ACHIEVED, Ended
-from metafem.cli.options import Name, command, force_option, json_option, model_options, quantity
-from metafem.cli.output import notes_data, show
+from metafem.cli.options import Name, command, force_option, json_option, model_options
+from metafem.cli.output import Printed, notes_data, show
 from metafem.cli.progress import loaded, progress
-from metafem.errors import Infeasible, InvalidInput, refuse_if
+from metafem.errors import Infeasible, refuse_if
 from metafem.files.specification.models import DEMOS
 from metafem.progress import doing
 
@@ -47,33 +47,19 @@ def demo(name: str, **options: Any) -> None:
         mf.files.write_text(path, text)
     if (remark := mf.files.place_schema(path.parent)) is not None:
         click.echo(f"note: {remark}", err=True)
-    click.get_current_context().invoke(design, spec=path, output=folder, chord_error=None, **options)
+    click.get_current_context().invoke(design, spec=path, output=folder, **options)
 
 
 @command(
     click.argument("spec", type=Name(), metavar="SPEC.toml"),
     click.option("-o", "--output", type=Name(), required=True, help="Result folder to create."),
     *model_options("that of the specification"),
-    quantity(
-        "chord_error",
-        "mm",
-        "1 um",
-        "Largest depth of the triangles of the solids below the spheres, such as {}. Overrides "
-        "part.chord_error in SPEC.toml. Default: 4e-4 of the smallest radius, or more if a solid would have "
-        "over two million triangles.",
-    ),
     force_option,
     json_option,
     short_help="Design a surface from a specification.",
 )
 def design(
-    spec: Path,
-    output: Path,
-    model: str | None,
-    contact: str | None,
-    chord_error: float | None,
-    force: bool,
-    as_json: bool,
+    spec: Path, output: Path, model: str | None, contact: str | None, force: bool, as_json: bool
 ) -> None:
     """Design a surface from the specification SPEC.toml and write the result folder.
 
@@ -92,9 +78,8 @@ def design(
     ahead.start()  # the report needs them after everything else
     with progress(), doing("designing"):
         specification = mf.read_spec(spec)
-        if chord_error is not None:
-            specification = specification.with_chord_error(chord_error)
-        chosen = mf.files.chosen_model(specification.model, model, contact)
+        block = specification.template.block
+        chosen = mf.files.chosen_model(specification.model, model, contact, block)
         try:
             result = specification.design(chosen)
         except Infeasible as error:
@@ -118,22 +103,21 @@ def design(
 
 def _refusal(error: Infeasible, folder: Path, force: bool) -> Ended:
     """Return the error for a refused target, after its nearest law is written next to the result folder."""
-    if error.nearest is None:
-        return Ended("Infeasible", str(error))
-    words, nearest, law = str(error), {"target": error.nearest.title}, error.nearest.law
-    if law is not None:
-        path = Path(f"{folder.absolute()}-nearest.csv")
+    words, nearest = str(error), error.nearest
+    if nearest is None or nearest.law is None:
+        return Ended("Infeasible", words, **({"nearest": {"target": nearest.title}} if nearest else {}))
+    load, friction = (values.tolist() for values in nearest.law)
+    data = {"target": nearest.title, "rescaled_load": load, "rescaled_friction": friction}
+    path = Path(f"{folder.absolute()}-nearest.csv")
+    if path.exists() and not force:
+        words += f"; the nearest law is not written, because {path.name} exists (--force replaces it)"
+    else:
+        rows = "".join(f"{x!r},{y!r}\n" for x, y in zip(load, friction, strict=True))
         head = "# The nearest law that was found, by metafem.\nrescaled_load_mm2,rescaled_friction_mm2\n"
-        rows = "".join(f"{x!r},{y!r}\n" for x, y in zip(law[0].tolist(), law[1].tolist(), strict=True))
-        try:
-            mf.files.write_text(path, head + rows, force=force)
-            words += f"; the nearest law is written to {path.name}; design it as a sampled target with "
-            words += f'file = "{path.name}"'
-            nearest["file"] = str(path)
-        except InvalidInput as reason:
-            words += f"; the nearest law is not written: {reason}"
-        nearest |= {"rescaled_load": law[0].tolist(), "rescaled_friction": law[1].tolist()}
-    return Ended("Infeasible", words, nearest=nearest)
+        mf.files.write_text(path, head + rows, force=force)
+        words += f'; the nearest law is in {path.name}, for a sampled target with file = "{path.name}"'
+        data["file"] = str(path)
+    return Ended("Infeasible", words, nearest=data)
 
 
 def _data(result: Design) -> dict[str, Any]:
@@ -147,26 +131,20 @@ def _data(result: Design) -> dict[str, Any]:
         "model": mf.report.model_data(result.law.model),
         "model_error": mf.report.error_data(result.law.model_error),
         "parameters": mf.files.plain_data(result.parameters),
-        "slopes": [_slope_data(result, *pair) for pair in result.fits],
+        "slopes": [
+            {
+                "target": branch.slope,
+                "fitted": fit.slope,
+                "intercept_mm2": fit.intercept,
+                "friction_coefficient": fit.friction_coefficient,
+                "intercept_N": fit.intercept_force,
+            }
+            for branch, fit in result.fits
+        ],
     }
 
 
-def _slope_data(result: Design, branch: Any, fit: Any) -> dict[str, float | None]:
-    """Return target and fitted slope of a branch, and friction coefficients if the surface has a Friction."""
-    data = {"target": branch.slope, "fitted": fit.slope, "intercept_mm2": fit.intercept}
-    surface = result.surface
-    if surface.friction is None:
-        return data
-    per_slope = surface.friction.stress / surface.material.composite_modulus
-    return {
-        **data,
-        "target_friction_coefficient": float(f"{branch.slope * per_slope:.15g}"),
-        "fitted_friction_coefficient": fit.friction_coefficient,
-        "intercept_N": fit.intercept_force,
-    }
-
-
-def _tables(result: Design) -> list[Any]:
+def _tables(result: Design) -> list[Printed]:
     """Return the table of the parameters of a design, and that of its slopes."""
     from metafem.inversion.result import empty_sites_words
 
@@ -175,8 +153,9 @@ def _tables(result: Design) -> list[Any]:
         *mf.report.parameter_rows(result),
         (*mf.report.misfit_words(result), ""),
         ("asperities", sites, ""),
+        ("model", result.law.model.name, ""),
     ]
-    tables: list[Any] = [(("", "", ""), rows, None)]
+    tables: list[Printed] = [(("", "", ""), rows, None)]
     return tables + ([(*mf.report.fit_table(result), None)] if result.fits else [])
 
 
@@ -188,26 +167,15 @@ def _tables(result: Design) -> list[Any]:
         help="Print the JSON schema instead, by which editors complete keys and mark errors. A specification "
         "names it in a comment before the first section: `#:schema ./metafem.schema.json`.",
     ),
-    click.option(
-        "-o", "--output", type=Name(), help="Write the schema into this file instead of printing it."
-    ),
-    force_option,
     json_option,
     short_help="Print every key of a specification, with examples.",
 )
-def spec(as_schema: bool, output: Path | None, force: bool, as_json: bool) -> None:
+def spec(as_schema: bool, as_json: bool) -> None:
     """Print every section and key of a specification with its meaning and an example."""
-    if output is not None:
-        if not as_schema:
-            raise click.UsageError("--output writes the schema; add --schema")
-        mf.files.write_schema(output, force)
-        show(as_json, {"schema": str(output)}, files=[output])
-    elif as_schema:
-        click.echo(mf.files.schema_text(), nl=False)
-    elif as_json:
+    if as_json:
         show(True, [{name: getattr(key, name) for name in SHOWN} for key in mf.files.all_keys()])
     else:
-        click.echo(mf.files.manual(), nl=False)
+        click.echo(mf.files.schema_text() if as_schema else mf.files.manual(), nl=False)
 
 
 @command(click.argument("folder", type=Name()), json_option)

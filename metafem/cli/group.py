@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import os
 import sys
 from collections.abc import Mapping
 from importlib import import_module
@@ -9,7 +11,6 @@ from typing import Any
 
 import click
 
-from metafem.cli.output import printing, show_error
 from metafem.errors import InvalidInput, MetafemError
 
 # Module of each command.
@@ -86,16 +87,23 @@ class Commands(click.Group):
         """Parse the arguments, run the command and exit; with --json, an error is printed as JSON too."""
         given = sys.argv[1:] if args is None else args
         extra["standalone_mode"] = False  # the exit code is set here
-        with printing():
-            try:
-                code = super().main(args, *rest, **extra)
-            except click.ClickException as error:
-                show_error(error, "--json" in given)
-                code = BAD_INPUT if getattr(error, "kind", "") == "InvalidInput" else error.exit_code
-            except click.Abort:
-                click.echo("stopped; no unfinished file is left", err=True)
-                code = STOPPED
-            sys.exit(code if isinstance(code, int) else 0)
+        try:
+            code = super().main(args, *rest, **extra)
+        except click.ClickException as error:
+            code = BAD_INPUT if getattr(error, "kind", "") == "InvalidInput" else error.exit_code
+            if "--json" in given:
+                about = {"type": getattr(error, "kind", "Usage"), "message": error.format_message()}
+                click.echo(json.dumps({"error": about | getattr(error, "data", {})}))
+            else:
+                error.show()
+        except OSError as error:
+            os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # or Python reports the error again when it exits
+            click.echo(f"Error: the output cannot be written: {error.strerror}", err=True)
+            code = NOT_ACHIEVED
+        except click.Abort:
+            click.echo("stopped; no unfinished file is left", err=True)
+            code = STOPPED
+        sys.exit(code if isinstance(code, int) else 0)
 
 
 @click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -21,23 +22,11 @@ CONTACTS = (
     *("jackson-green YIELD_STRENGTH", "tabulated FILE"),
 )
 
+# Type of an option that names a file or folder.
+Name = partial(click.Path, path_type=Path)
+
 # Placeholder of a quantity in `--help`, by its unit.
 PLACEHOLDERS = {"mm": "LENGTH", "N": "FORCE", "rad": "ANGLE", "MPa": "STRESS", "%": "PERCENT", "1": "NUMBER"}
-
-
-class Name(click.Path):
-    """Type of an option that names a file or folder; Path would read an empty name as the current folder."""
-
-    name = "path"
-
-    def __init__(self) -> None:
-        super().__init__(path_type=Path)
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """Return the path that a text names."""
-        if value == "":
-            self.fail("the name is empty; write the name of a file or folder", param, ctx)
-        return super().convert(value, param, ctx)
 
 
 class Quantity(click.ParamType):  # type: ignore[type-arg]
@@ -101,22 +90,17 @@ def option_name(name: str) -> str:
     return f"--{name.replace('_', '-')}"
 
 
-def model_options(default: str, multiple: bool = False) -> list[Decorator]:
+def model_options(default: str) -> list[Decorator]:
     """Return the options --model and --contact; `default` describes their default."""
-    again = " May be repeated, to compare laws." if multiple else ""
-    text = f"Model of the law, from single contacts to resolved ones.{again} Default: {default}."
-    model = click.option("--model", type=click.Choice(tuple(MODELS)), multiple=multiple, help=text)
-    text = f"Law of one contact, a kind and its values: {', '.join(CONTACTS)}."
-    text += f' For example --contact "jkr 9 mJ/m^2 elastic".{again}'
-    text += f" Default: {default.replace('independent', 'hertz')}."
-    complete = {"metavar": "LAW", "shell_complete": _contact_kinds}
-    return [model, click.option("--contact", multiple=multiple, help=text, **complete)]  # type: ignore[arg-type]
-
-
-def _contact_kinds(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[str]:
-    """Return the kinds of contact laws that begin with `incomplete`, for shell completion."""
-    kinds = (law.partition(" ")[0] for law in CONTACTS)
-    return [kind for kind in kinds if kind.startswith(incomplete)]
+    model = (
+        "Model of the law, from single contacts to resolved ones; automatic is the fastest that is accurate "
+    )
+    contact = f"Law of one contact, a kind and its values: {', '.join(CONTACTS)}. For example --contact "
+    contact += f'"jkr 9 mJ/m^2 elastic". Default: {default.replace("independent", "hertz")}.'
+    return [
+        click.option("--model", type=click.Choice(tuple(MODELS)), help=f"{model}enough. Default: {default}."),
+        click.option("--contact", metavar="LAW", help=contact),
+    ]
 
 
 json_option = click.option(
@@ -137,11 +121,13 @@ column_option = click.option(
 
 def columns_of(given: tuple[str, ...]) -> dict[str, str]:
     """Return the titles of columns by the names that they stand for, from the option --column."""
-    pairs = [text.partition("=") for text in given]
-    for text, (name, sign, title) in zip(given, pairs, strict=True):
+    columns = {}
+    for text in given:
+        name, _, title = map(str.strip, text.partition("="))
         words = f'--column "{text:.60}" must be NAME=TITLE, such as load="Kraft [N]"'
-        refuse_if(not (name and sign and title), words)
-    return {name.strip(): title.strip() for name, _, title in pairs}
+        refuse_if(not (name and title), words)
+        columns[name] = title
+    return columns
 
 
 def refuse_files(force: bool, *files: Path | None, figure: Path | None = None) -> None:

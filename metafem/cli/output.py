@@ -1,14 +1,9 @@
-"""The printer of results, and output on terminals that lack characters or into full files."""
+"""The printer of results: lines and tables for a reader, or JSON for a program."""
 
 from __future__ import annotations
 
-import codecs
-import errno
 import json
-import os
-import sys
-from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -22,85 +17,11 @@ if TYPE_CHECKING:
 # A table that is printed: column titles, rows and a title.
 Printed = tuple[Sequence[str], Sequence[Sequence[str]], str | None]
 
-# Least number of characters per line if the output is not a terminal, so that tables are not wrapped, and
-# largest number at which columns are separated by one blank; above it by two.
-WIDE, NARROW = 160, 80
+# Least number of characters per line if the output is not a terminal, so that tables are not wrapped.
+WIDE = 160
 
-# Replacements of characters that a terminal cannot show; all other such characters become a question mark.
-PLAIN = {
-    "λ": "lambda",
-    "σ": "sigma",
-    "ν": "nu",
-    "µ": "u",
-    "μ": "mu",
-    "δ": "delta",
-    "π": "pi",
-    "²": "^2",
-    "³": "^3",
-    "°": " deg",
-    "·": "*",
-    "×": "x",
-    "±": "+-",
-    "≤": "<=",
-    "≥": ">=",
-    "–": "-",
-    "—": "-",
-    "−": "-",
-    "…": "...",
-    "→": "->",
-    "’": "'",
-    "“": '"',
-    "”": '"',
-    "√": "sqrt",
-}
-
-
-def plainly(error: UnicodeError) -> tuple[str, int]:
-    """Return the replacement of characters that an encoding lacks, and the position after them.
-
-    This function is an error handler of `codecs`.
-    """
-    if not isinstance(error, UnicodeEncodeError):
-        raise error
-    return "".join(PLAIN.get(c, "?") for c in error.object[error.start : error.end]), error.end
-
-
-@contextmanager
-def printing() -> Iterator[None]:
-    """Replace characters that the terminal lacks; exit with a message if the output cannot be written."""
-    codecs.register_error("metafem.plainly", plainly)
-    for stream in (sys.stdout, sys.stderr):
-        if hasattr(stream, "reconfigure"):
-            stream.reconfigure(errors="metafem.plainly")
-    try:
-        try:
-            yield
-        finally:
-            if sys.stdout is not None:
-                sys.stdout.flush()
-    except OSError as error:
-        _abandon_output()
-        if error.errno == errno.EPIPE:  # the program that reads the output has closed the pipe
-            sys.exit(1)
-        with suppress(OSError):
-            click.echo(f"Error: the output cannot be written: {error.strerror}", err=True)
-        sys.exit(1)
-
-
-def _abandon_output() -> None:
-    """Discard the buffered output, because Python would otherwise report an error when it exits."""
-    with suppress(OSError, ValueError, AttributeError):
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-
-
-def show_error(error: click.ClickException, as_json: bool) -> None:
-    """Print an error as text on stderr, or as JSON on stdout instead of the data."""
-    if as_json:
-        kind = getattr(error, "kind", "Usage")
-        data = getattr(error, "data", {})
-        click.echo(json.dumps({"error": {"type": kind, "message": error.format_message(), **data}}))
-    else:
-        error.show()
+# Units at the end of the names of columns, as the titles of a table show them.
+UNITS = {"N_per_mm": "N/mm", "N": "N", "mm": "mm", "mm2": "mm²", "MPa": "MPa"}
 
 
 def show(
@@ -146,22 +67,46 @@ def print_table(
     from rich.markup import escape
     from rich.table import Table
 
-    apart = 1 if console.width > NARROW else 0
+    headed = any(columns)
     table = Table(
         title=title and escape(title),
         title_justify="left",
-        box=SIMPLE_HEAD if any(columns) else None,
-        show_header=any(columns),
-        padding=(0, apart, 0, 0),
+        box=SIMPLE_HEAD if headed else None,
+        show_header=headed,
+        padding=(0, 1, 0, 0),
         pad_edge=False,
     )
     for i, heading in enumerate(columns):
         longest = max((len(text) for text in (*heading.split(), *(row[i] for row in rows))), default=1)
-        justify: Any = "right" if i and any(columns) else "left"
-        table.add_column(escape(heading), justify=justify, min_width=longest, overflow="fold")
+        table.add_column(escape(heading), justify="right" if i and headed else "left", min_width=longest)
     for row in rows:
-        table.add_row(*(escape(text) for text in row))
+        table.add_row(*map(escape, row))
     console.print(table, crop=False)
+
+
+def in_columns(columns: Mapping[str, Sequence[Any]], shown: Iterable[int] | None = None) -> Printed:
+    """Return the table of columns whose names end with units, such as ``load_N``, or some of its rows.
+
+    Examples
+    --------
+    >>> in_columns({"load_N": [0.1, 0.2], "contacts": [3, 4], "change": [None, "+1 %"]}, [1])
+    (['load [N]', 'contacts', 'change'], [['0.2', '4', '+1 %']], None)
+    """
+    rows = range(len(next(iter(columns.values())))) if shown is None else shown
+    return [*map(title, columns)], [[_text(values[i]) for values in columns.values()] for i in rows], None
+
+
+def title(name: str) -> str:
+    """Return the heading of a column."""
+    unit = next((unit for unit in UNITS if name.endswith(f"_{unit}")), "")
+    words = name.removesuffix(f"_{unit}").replace("_", " ")
+    return f"{words} [{UNITS[unit]}]" if unit else words
+
+
+def _text(value: Any) -> str:
+    if value is None:
+        return ""
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
 def notes_data(notes: Iterable[Note]) -> list[dict[str, Any]]:

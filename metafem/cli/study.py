@@ -219,7 +219,9 @@ def show_study(
 
 def _arguments(design: Design, options: Mapping[str, Any]) -> dict[str, Any]:
     """Return the arguments of a study that the options of the law, the draws and the seed state."""
-    model = mf.files.chosen_model(design.law.model, options["model"], options["contact"])
+    model = mf.files.chosen_model(
+        design.law.model, options["model"], options["contact"], design.surface.block
+    )
     mf.files.refuse_missing_block(model, design.surface, "design the folder again with a section [block]")
     given = options["load_range"]
     loads = None if given is None else mf.files.rescaled_range(given, design.surface.material)

@@ -102,7 +102,7 @@ class Block3D:
         if outside.size:
             x, y = surface.position[outside[0]]
             raise InvalidInput(
-                f"position[{outside[0]}] = ({x:g}, {y:g}) is not inside the block, "
+                f"entry {outside[0] + 1} of position = ({x:g}, {y:g}) is not inside the block, "
                 f"|x| < {half[0]:g} and |y| < {half[1]:g}"
             )
         return replace(self, block=block, poisson_ratio=ratio)

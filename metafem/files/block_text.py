@@ -83,7 +83,8 @@ def _parameter(name: str, found: Any, index: int, verdict: Verdict, remark: str 
     """Return the line of a parameter, with its interval; `index` is its row in the covariance."""
     unit = "MPa" if name == "shear_strength" else ""
     sd = math.sqrt(found.covariance[index, index])
-    value = f"{rounded(getattr(found, name), sd, 3)} {unit}".rstrip()
+    value = getattr(found, name) if name != "area_ratio" else found.friction.area_ratio
+    value = f"{rounded(value, sd, 3)} {unit}".rstrip()
     comment = interval(getattr(found, f"{name}_interval"), sd, unit) + remark
     fits = "" if verdict.fits else "; the line does not fit"
     return f"{name} = {json.dumps(value) if unit else value}  # {comment}{fits}"

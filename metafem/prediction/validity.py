@@ -22,6 +22,7 @@ from metafem._validate import FloatArray
 from metafem._values import percent
 from metafem.contact import Contact
 from metafem.errors import MetafemError
+from metafem.material import ELASTOMERS
 from metafem.models import Curve, Interacting, Model
 from metafem.models.boundary_elements.model import resolvable
 from metafem.models.curve import ModelError
@@ -55,6 +56,10 @@ STATED = 0.01
 # error of 2 % at a/R = 0.5; WIDEST is 10 % higher. An error of BOUND in A0 corresponds to 6 % in the load. If
 # the error grows as (a/R)^4, it reaches 6 % at 1.3 times 0.5.
 WIDEST, TOO_WIDE = 0.55, 0.65
+
+# Smallest a/R of the widest contact at the largest load of a law; below it the loads are suspected. Those of
+# the source paper's surfaces exceed 0.3, and loads a thousand times smaller make contacts ten times smaller.
+NARROWEST = 0.1
 
 # Second moment of a uniform pressure over that of Hertz's pressure, 1/2 over 2/5.
 UNIFORM = 1.25
@@ -104,6 +109,7 @@ class Validity:
             *law.bound(surface).notes(curve.last.indentation, law.summits(surface)),
             *_base_notes(surface, model, curve),
             *_wide_notes(surface, model, curve),
+            *_unusual_notes(surface, curve),
             *(self._interaction_notes() if (curve.load > 0.0).any() else ()),
             *part_notes(surface),
         )
@@ -288,3 +294,21 @@ def _wide_notes(surface: Surface, model: Model, curve: Curve) -> Iterator[Note]:
     text = f"the widest contact has a/R = {ratio:.2f} at {_last_force(surface, curve):.4g} N: {range_of}"
     level = Level.WARNING if ratio > TOO_WIDE else Level.INFORMATION
     yield Note(text, level, "widest contact, a/R", ratio, WIDEST, ("radius",))
+
+
+def _unusual_notes(surface: Surface, curve: Curve) -> Iterator[Note]:
+    """Yield warnings of a modulus that no elastomer has, and of loads that hardly deform the caps."""
+    modulus, (least, most) = surface.material.composite_modulus, ELASTOMERS
+    if not least <= modulus <= most:
+        text = f"E* = {modulus:.4g} MPa, but rubbers and gels have {least:g} to {most:g} MPa: check its unit"
+        yield Note(text, quantity="composite modulus", value=modulus, remedies=("composite_modulus",))
+    ratio = float((np.sqrt(curve.last.area / math.pi) / surface.radius).max())
+    if len(curve.load) > 1 and 0.0 < ratio < NARROWEST:
+        yield Note(
+            f"even at the largest load, {_last_force(surface, curve):.4g} N, the widest contact has only "
+            f"a/R = {ratio:.1g}: check the units of loads and modulus",
+            quantity="widest contact, a/R",
+            value=ratio,
+            bound=NARROWEST,
+            remedies=("load", "composite_modulus"),
+        )

@@ -19,6 +19,7 @@ from metafem.explorer.widget import Widget
 from metafem.explorer.workshop.loading import load
 from metafem.explorer.workshop.new_part import NewPart
 from metafem.files import DEMOS, MODELS, demo_text
+from metafem.files.specification.models import AUTOMATIC
 from metafem.inversion import Design, DesignStatus
 from metafem.inversion.result import misfit_text
 
@@ -148,7 +149,7 @@ def _meaning(design: Design) -> str:
 def _model(text: str) -> str | None:
     """Return the model kind in a text, even if the text has other problems; None if it cannot be read."""
     try:
-        kind = Document(text).section("model").get("kind", "independent")
+        kind = Document(text).section("model").get("kind", AUTOMATIC)
     except InvalidInput:
         return None
     return kind if isinstance(kind, str) else None

@@ -69,7 +69,7 @@ class Sections(Section):
         with within("target"):
             target = self.target.target(material, friction)
         with within("model"):
-            model = model_named(self.model.kind, contact)
+            model = model_named(self.model.kind, contact, block)
         with within("lattice"):
             template = self._template(limits.top, material, friction, block, cap)
         with within("sites"):

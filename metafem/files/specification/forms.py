@@ -167,7 +167,7 @@ def place_schema(folder: Path) -> str | None:
     except InvalidInput:
         if not os.path.lexists(path):
             raise
-        renew = f"`metafem spec --schema -o {path} --force` renews it"
+        renew = f"`metafem spec --schema > {path}` renews it"
         return f"{path} exists and differs from the schema of this version; {renew}"
     return None
 

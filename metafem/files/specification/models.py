@@ -13,11 +13,15 @@ from metafem.errors import InvalidInput
 
 if TYPE_CHECKING:
     from metafem.contact import Contact
+    from metafem.material import Block
     from metafem.models import Model
 
 # Cell size of the model "resolved" [mm]. A contact radius has at least eight cells at the source paper's
 # smallest loads, and fifty in its largest contact.
 RESOLVED_CELL = 0.008
+
+# Name of the model of a specification that states none.
+AUTOMATIC = "automatic"
 
 # Relative tolerance of A0(P) of the model "automatic": a third of the smallest effect of interaction on the
 # source paper's surfaces.
@@ -32,7 +36,7 @@ MODELS: Mapping[str, Callable[[], Model]] = {
     "layer": lambda: mf.Interacting(substrate=mf.BondedLayer()),
     "block": lambda: mf.Interacting(substrate=mf.fe.Block3D()),
     "resolved": lambda: mf.BoundaryElements(cell=RESOLVED_CELL),
-    "automatic": lambda: mf.Automatic(tolerance=AUTOMATIC_TOLERANCE),
+    AUTOMATIC: lambda: mf.Automatic(tolerance=AUTOMATIC_TOLERANCE),
 }
 
 
@@ -40,10 +44,11 @@ MODELS: Mapping[str, Callable[[], Model]] = {
 DEMOS = ("operating-points", "linear", "bilinear")
 
 
-def model_named(name: str, contact: Contact | None = None) -> Model:
+def model_named(name: str, contact: Contact | None = None, block: Block | None = None) -> Model:
     """Return the named model with a contact law; raise InvalidInput for an unknown name.
 
-    The default contact law is Hertz().
+    The default contact law is Hertz(). The model "automatic" is on the bonded layer of a block, if there is
+    one, and on a half-space otherwise.
 
     Examples
     --------
@@ -55,7 +60,10 @@ def model_named(name: str, contact: Contact | None = None) -> Model:
         raise InvalidInput(words, key="model", value=f'"{printable(name, 60)}"')
     from metafem.models.model import PARABOLOID, with_contact
 
-    return with_contact(MODELS[name](), contact or PARABOLOID)
+    model = MODELS[name]()
+    if name == AUTOMATIC and block is not None:
+        model = mf.Automatic(AUTOMATIC_TOLERANCE, mf.BondedLayer())
+    return with_contact(model, contact or PARABOLOID)
 
 
 def suggestion(name: str, known: Mapping[str, object] | tuple[str, ...]) -> str:

@@ -15,14 +15,15 @@ from metafem.files.specification.forms import KeyForm, section_forms
 from metafem.files.specification.models import model_named, suggestion
 from metafem.files.specification.read import fill, problem
 from metafem.files.specification.sections import ContactSection
+from metafem.material import Block
 from metafem.models import Model
 from metafem.models.model import contact_of, with_contact
 
 
-def chosen_model(model: Model, name: str | None, contact: str | None) -> Model:
+def chosen_model(model: Model, name: str | None, contact: str | None, block: Block | None = None) -> Model:
     """Return the model that ``--model`` and ``--contact`` state; defaults: `model` and its contact law."""
     law = contact_of(model) if contact is None else contact_named(contact)
-    return with_contact(model, law) if name is None else model_named(name, law)
+    return with_contact(model, law) if name is None else model_named(name, law, block)
 
 
 @cache

@@ -15,7 +15,7 @@ from pydantic import ValidationError
 from metafem._given import printable, shown
 from metafem.errors import InvalidInput, refuse_if
 from metafem.files.laws import COLUMNS, columns_of
-from metafem.files.part.plan import PartOptions, planned
+from metafem.files.part.plan import PartOptions
 from metafem.files.reading import SPECIFICATION, TABLE, decoded, file_label, read_bytes
 from metafem.files.result.names import RESERVED
 from metafem.files.specification.contents import Sections
@@ -111,18 +111,6 @@ class Specification:
         with drafting() if draft else nullcontext():
             found = design(self.target, self.template, chosen, limits, self.seed, tools=self.tools)
         return found if draft or self.tilt is None else arrange(found, self.tilt, self.seed)
-
-    def with_chord_error(self, chord_error: float) -> Specification:
-        """Return the specification with another chord error of the part [mm].
-
-        Raises
-        ------
-        InvalidInput
-            If the chord error is not positive, or so small that the files of the part would be too large.
-        """
-        part = replace(self.part, chord_error=chord_error)
-        planned(self.template, self.template, part)
-        return replace(self, part=part)
 
 
 def refuse_missing_block(model: Model, surface: Surface, remedy: str) -> None:

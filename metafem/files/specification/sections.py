@@ -33,7 +33,7 @@ from metafem.files.specification.fields import (
     one_of,
     optional,
 )
-from metafem.files.specification.models import MODELS, suggestion
+from metafem.files.specification.models import AUTOMATIC, MODELS, suggestion
 from metafem.inversion import Limits, PowerRange, RadiusRange, Tool
 from metafem.surface import Block, Friction, Material
 
@@ -216,7 +216,7 @@ class LayoutSection(Section):
 class ModelSection(Section):
     """The section ``[model]``."""
 
-    kind: Annotated[str, one_of(MODELS)] = key(f"one of: {', '.join(MODELS)}", "layer", default="independent")
+    kind: Annotated[str, one_of(MODELS)] = key(f"one of: {', '.join(MODELS)}", "layer", default=AUTOMATIC)
 
     @field_validator("kind")
     @classmethod

@@ -175,7 +175,7 @@ REFUSALS = [
     (lambda: grey_values(np.zeros((4, 50, 50))), "image", "(4, 50, 50)"),
     (lambda: grey_values(np.eye(50) * 1e38), "image", "1e+38"),
     (lambda: grey_values("picture.tif"), "image", "picture.tif"),
-    (lambda: stack_areas([np.zeros(SHAPE), np.ones(SHAPE)], PIXEL), "images[1]", "1"),
+    (lambda: stack_areas([np.zeros(SHAPE), np.ones(SHAPE)], PIXEL), "images", "1"),
     (matched(viewed_from="below"), "viewed_from", "below"),
     (tracked(areas=[]), "image", "1"),
     (tracked(areas=[images.contacts(sites(), 0.1)] * 2, image=["a", "a"]), "image", "a"),

@@ -121,13 +121,15 @@ def test_intervals_are_those_of_the_covariance_and_begin_at_zero_or_above(points
         assert 0.0 <= low < value < high
 
 
-def test_a_line_that_does_not_fit_and_areas_that_grow_are_noted(points):
+def test_a_line_that_does_not_fit_and_areas_that_grow_are_told(points):
     found = shear(*points[:2], points[2] + 0.02)
     assert not found.friction_verdict.fits
     assert str(found.notes[0]).startswith("F = sigma Af does not fit:")
     area = np.linspace(0.05, 0.5, 10)
-    assert len(shear(area, area / 0.85, 0.3 * area).notes) == 1
-    assert not shear(area, 1.001 * area, 0.3 * area).notes
+    with pytest.raises(mf.InvalidInput, match="exchanged"):
+        shear(area, area / 0.85, 0.3 * area)
+    found = shear(area, 1.001 * area, 0.3 * area)
+    assert (found.friction.area_ratio, found.notes) == (1.0, ())
 
 
 @pytest.mark.parametrize("model", [mf.Interacting(substrate=mf.BondedLayer()), mf.Independent(mf.Elastic())])

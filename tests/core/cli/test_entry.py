@@ -19,15 +19,15 @@ def kept_handlers():
     signal.signal(signal.SIGTERM, before[1])
 
 
-def test_a_shell_offers_the_contact_laws_that_begin_so(monkeypatch, capsys):
+def test_a_shell_offers_the_models_that_begin_so(monkeypatch, capsys):
     monkeypatch.setenv("_METAFEM_COMPLETE", "bash_complete")
-    monkeypatch.setenv("COMP_WORDS", "metafem design --contact j")
+    monkeypatch.setenv("COMP_WORDS", "metafem design --model l")
     monkeypatch.setenv("COMP_CWORD", "3")
     with pytest.raises(SystemExit) as end:
         cli.run()
     assert end.value.code == 0
     offered = [entry.partition(",")[2] for entry in capsys.readouterr().out.splitlines()]
-    assert offered == ["jkr", "jackson-green"]
+    assert offered == ["layer"]
 
 
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])

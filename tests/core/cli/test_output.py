@@ -12,20 +12,14 @@ from metafem.files import demo_text
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("encoding", "shown"), [("cp1252", "lambda = 5 \xb5m\xb2"), ("ascii", "lambda = 5 um^2")]
-)
-def test_a_terminal_without_greek_letters_gets_their_names(encoding, shown):
-    code = (
-        "from metafem.cli.output import printing\nwith printing():\n    print('\u03bb = 5 \xb5m\xb2 \u2603')"
-    )
+def test_a_terminal_without_greek_letters_gets_question_marks():
     done = subprocess.run(
-        [sys.executable, "-c", code],
-        env={**os.environ, "PYTHONIOENCODING": encoding},
+        [sys.executable, "-m", "metafem", "predict", "--help"],
+        env={**os.environ, "PYTHONIOENCODING": "cp1252"},
         capture_output=True,
         check=True,
     )
-    assert done.stdout.decode(encoding).strip() == f"{shown} ?"
+    assert b"? for a table" in done.stdout
 
 
 @pytest.mark.slow

@@ -37,6 +37,7 @@ def small():
         lattice='shape = [3, 3]\npitch = "1.5 mm"\nradius = "526 um"',
         limits='max_height = "160 um"',
         part='alignment_height = "400 um"\nchord_error = "2 um"',
+        model='kind = "independent"',
         checks='hardness = "10 MPa"',
     )
     return found, mf.design(found.target, found.template, limits=found.limits)

@@ -105,6 +105,7 @@ REFUSALS = [
      "target.friction_force", "[friction]"),
     # other sections
     (of_spec(friction='shear_strength = "1 MPa"\narea_ratio = -0.5'), "friction.area_ratio", "-0.5"),
+    (of_spec(friction='shear_strength = "1 MPa"\narea_ratio = 87'), "friction.area_ratio", "0.85"),
     (of_spec(lattice=SHAPE), "lattice.radius", "526 um"), (of_spec(tools=TOOLS), "lattice.radius", "[tools]"),
     (of_spec(lattice='shape = [3000, 3000]\npitch = "1 mm"\nradius = "1 mm"'), "lattice.shape", "9,000,000"),
     (tools(f'{TOOLS}\nstep = "10 um"'), "tools.step", "radius_range"),
@@ -127,7 +128,6 @@ REFUSALS = [
      "0.157 mm high"),
     (of_spec(block='width = "20 mm"\nlength = "11 mm"\nthickness = "7 mm"'), "block.length", "20 by 11 mm"),
     (of_spec(part='alignment_height = "600 um"'), "part.alignment_height", "'600 um' exceeds"),
-    (lambda folder: spec().with_chord_error(1e-6), "part.chord_error", "0.001 um"),
     (lambda folder: spec(block=None, model='kind = "layer"').design(), "layer", "[block]"),
     # tables that a specification names
     (of_spec({"a.csv": ""}, target=SAMPLED), "target.file", "a.csv"),

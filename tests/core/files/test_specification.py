@@ -14,7 +14,7 @@ from metafem import files
 from metafem.files.specification.contents import Sections
 from metafem.files.specification.forms import SCHEMA_FILE, as_toml, whole_schema
 from metafem.files.specification.options import contact_named, contacts
-from metafem.models.model import with_contact
+from metafem.models.model import contact_of, with_contact
 from tests.core.files.specs import SHAPE, spec, text
 
 MATERIAL, FRICTION = mf.Material(1.36, 0.5), mf.Friction(0.358, 0.85)
@@ -104,7 +104,9 @@ MEMBERS = [
     ({"tools": "exponent_range = [1.2, 6]"}, "tools", mf.PowerRange(1.2, 6.0)),
     ({"tools": "exponent_range = [2, 3]\nexponent_step = 0.5\ncoefficient = 1"}, "tools",
      mf.PowerRange(2, 3, 0.5, coefficient=1.0)),
-    ({"tools": "exponent_range = [1.2, 6]"}, "model", mf.Independent(mf.Elastic())),
+    ({"tools": "exponent_range = [1.2, 6]"}, "model",
+     mf.Automatic(1e-3, mf.BondedLayer(), mf.Elastic())),
+    ({"block": None}, "model", mf.Automatic(1e-3)),
     ({"lattice": SHAPE, "tools": 'radii = ["300 um", "0.4 mm"]\ncaps = ["sphere", "power 4"]'}, "tools",
      (mf.Tool(0.3), mf.Tool(0.4, mf.Power(4)))),
     ({}, "cap", mf.Sphere()),
@@ -137,9 +139,11 @@ def test_each_model_has_its_name():
     assert list(files.MODELS) == names.split()
     models = [
         *(mf.Independent(), mf.Interacting(), mf.Interacting(substrate=mf.BondedLayer())),
-        *(mf.Interacting(substrate=mf.fe.Block3D()), mf.BoundaryElements(0.008), mf.Automatic(1e-3)),
+        *(mf.Interacting(substrate=mf.fe.Block3D()), mf.BoundaryElements(0.008)),
+        mf.Automatic(1e-3, mf.BondedLayer()),
     ]
     assert [spec(model=f'kind = "{name}"').model for name in files.MODELS] == models
+    assert spec().model == models[-1]
     folder = mf.Independent(contact=mf.Elastic())
     assert files.chosen_model(folder, None, None) is folder
     assert files.chosen_model(folder, "independent", None) == folder
@@ -171,7 +175,7 @@ def test_each_contact_law_is_read_from_words_and_from_its_section(tmp_path, monk
     for words, (keys, law) in LAWS.items():
         assert contact_named(words) == law, words
         model = spec(TABLES, contact=f'kind = "{words.split()[0]}"\n{keys}').model
-        assert model == mf.Independent(law), words
+        assert contact_of(model) == law, words
     rows = 'rho = ["0 um", "0.2 mm", "0.4 mm", "0.6 mm"]\nf = ["0 um", "39.5 um", "184 um", "600 um"]'
     assert spec(cap=f'kind = "profile"\n{rows}').template.cap == CAP
 
@@ -261,12 +265,11 @@ def test_a_design_uses_all_keys():
     result = found.design()
     assert dict(result.pinned) == {5: None, 2: 0.1}
     limits = mf.Limits(0.12, offset=0.084, pinned={5: None, 2: 0.1})
-    same = mf.design(found.target, found.template, limits=limits, rng=3, tools=[0.526, 0.3])
+    same = mf.design(found.target, found.template, found.model, limits, rng=3, tools=[0.526, 0.3])
     same = mf.arrange(same, 0.1 * DEGREE, rng=3)
     np.testing.assert_array_equal(result.surface.height, same.surface.height)
     draft = found.design(draft=True)
     assert (draft.target, dict(draft.pinned)) == (found.target, {5: None, 2: 0.1})
-    assert found.with_chord_error(0.002).part.chord_error == 0.002
 
 
 def test_all_problems_are_listed_and_survive_a_process():

@@ -134,3 +134,16 @@ def test_loads_and_forces_per_area_of_a_periodic_cell(rough):
     np.testing.assert_allclose(law.nominal_shear_stress, law.friction_force / 180.0, rtol=1e-12)
     with pytest.raises(mf.InvalidInput, match="cell"):
         _ = mf.friction_law(rough, load=[0.2]).nominal_pressure
+
+
+def test_units_are_suspected_of_moduli_and_loads_that_rubber_does_not_have():
+    lattice = mf.Surface.square_lattice(0.1, (2, 2), radius=0.526, material=mf.Material(1.36))
+    rubber, stiff = lattice, lattice.replaced(material=mf.Material(3300.0))
+    for surface, load, words in (
+        (stiff, [100.0, 400.0], ["E* = 3300 MPa, but rubbers and gels have 0.01 to 100 MPa: check its unit"]),
+        (rubber, [1e-4, 4e-4], ["the widest contact has only a/R = 0.06: check the units"]),
+        (rubber, [0.1, 0.4], []),
+    ):
+        warned = [str(note) for note in mf.friction_law(surface, load=load).notes if "check" in str(note)]
+        assert len(warned) == len(words)
+        assert all(part in note for part, note in zip(words, warned, strict=True))
