@@ -12,7 +12,6 @@ from metafem import _validate as check
 from metafem import drawing
 from metafem._validate import FloatArray
 from metafem._values import span
-from metafem.drawing import card
 from metafem.errors import InvalidInput, NotConverged, refuse_if
 from metafem.models import Curve, Independent, Model, Status
 from metafem.models.curve import ModelError
@@ -129,25 +128,11 @@ class FrictionLaw(BaseLaw):
         refuse_if(fall, "the loads of a law must not decrease")
 
     def __repr__(self) -> str:
-        *facts, (_, notes) = self._facts().items()
-        return f"<FrictionLaw: {', '.join(f'{name} {fact}' for name, fact in facts)}, {notes}>"
-
-    def _repr_html_(self) -> str:
-        """Return the HTML representation for notebooks."""
-        forces = self.friction is not None
-        arrays = (self.load, self.friction_force) if forces else (self.rescaled_load, self.rescaled_friction)
-        x, y = card.thinned(*arrays)
-        return card.card("Friction law", self._facts(), lambda ax: drawing.law(ax, x, y, forces=forces))
-
-    def _facts(self) -> dict[str, str]:
-        """Return the quantities for the printed summary."""
-        ends = self.material.composite_modulus * self.rescaled_load[[0, -1]]
-        facts = {f"{len(self.area):,} loads": span(ends, "N"), "area": span(self.area, "mm^2")}
-        if self.friction is not None:
-            ends = np.array([self.rescaled_friction.min(), self.rescaled_friction.max()])
-            facts["friction force"] = span(self.friction.stress * ends, "N")
-        facts |= {"model": repr(self.model), "status": self.status.name.lower(), "notes": printed_count(self)}
-        return facts
+        force = "" if self.friction is None else f"friction force {span(self.friction_force, 'N')}, "
+        return (
+            f"<FrictionLaw: {len(self.area):,} loads {span(self.load, 'N')}, area {span(self.area, 'mm^2')}, "
+            f"{force}model {self.model!r}, status {self.status.name.lower()}, {printed_count(self)}>"
+        )
 
     @property
     def load(self) -> FloatArray:
