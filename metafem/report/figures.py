@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import cycle
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,8 +18,12 @@ from metafem.prediction import Onset, equilibrium
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from xarray import Dataset
 
     from metafem.surface import Friction
+
+# Width and height of a figure that stands beside a table or words [inch].
+BESIDE_TEXT = 5.2, 2.7
 
 # Approximate number of loads at which sensitivities are drawn; a law usually has a hundred loads.
 SENSITIVITY_LOADS = 33
@@ -33,7 +38,7 @@ RING, LEAST_DOT = 0.3, 0.1
 
 def law_figure(design: Design) -> Figure:
     """Draw target and achieved law, and below them the relative difference that defines the misfit."""
-    figure = new_figure(7.0, 5.6, (0.9, 0.8, 0.6, 0.6))
+    figure = new_figure(5.6, 4.7, (0.7, 0.8, 0.6, 0.6))
     ax, below = figure.subplots(2, 1, sharex=True, height_ratios=[3, 1], gridspec_kw={"hspace": 0.08})
     _draw_reach(design, ax)
     design.plot(ax)
@@ -90,7 +95,7 @@ def coefficient_figure(design: Design, friction: Friction) -> Figure:
     """Draw the friction coefficient F/P against the load [N], with the target."""
     law, target = design.law, design.target_law
     ratio = friction.stress / law.material.composite_modulus
-    figure = new_figure(7.0, 3.0, MARGINS)
+    figure = new_figure(*BESIDE_TEXT, MARGINS)
     ax = figure.add_subplot()
     ax.plot(law.load, law.friction_coefficient, color=ACHIEVED, lw=1.8, label="achieved")
     load = target.load * law.material.composite_modulus
@@ -109,8 +114,21 @@ def coefficient_figure(design: Design, friction: Friction) -> Figure:
 
 def onset_figure(sliding: Onset) -> Figure:
     """Draw the friction force against the tangential displacement."""
-    figure = new_figure(7.0, 3.0, MARGINS)
+    figure = new_figure(*BESIDE_TEXT, MARGINS)
     sliding.plot(figure.add_subplot())
+    return finished(figure)
+
+
+def interaction_figure(models: Dataset) -> Figure:
+    """Draw the change of A0 from that of independent asperities, in percent, against the load."""
+    figure = new_figure(*BESIDE_TEXT, MARGINS)
+    ax = figure.add_subplot()
+    ax.axhline(0.0, color=QUIET, lw=0.8)
+    changes = 100.0 * models["area_change"].values[1:]
+    for name, change, style in zip(models["model"].values[1:], changes, cycle(("-", "--", ":", "-."))):
+        ax.plot(models["rescaled_load"], change, style, color=ACHIEVED, label=str(name))
+    ax.set(xlabel="rescaled load  P/E* [mm²]", ylabel="change of A0 [%]")
+    ax.set_xlim(left=0.0)
     return finished(figure)
 
 
@@ -120,7 +138,7 @@ def sensitivity_figure(design: Design) -> Figure:
     load = design.law.rescaled_load[:: max(1, len(design.law.load) // SENSITIVITY_LOADS)]
     gradient = model.sensitivity(design.surface, load).gradient[:, np.argsort(-design.surface.height)]
     largest = float(np.abs(gradient).max())
-    figure = new_figure(7.0, 3.2, MARGINS)
+    figure = new_figure(*BESIDE_TEXT, MARGINS)
     ax = figure.add_subplot()
     picture = ax.pcolormesh(
         np.arange(design.surface.count) + 1, load, gradient, cmap="RdBu_r", vmin=-largest, vmax=largest,
@@ -133,7 +151,7 @@ def sensitivity_figure(design: Design) -> Figure:
 
 def height_figure(design: Design) -> Figure:
     """Draw the heights at their sites, with diameters proportional to the radii; empty sites as rings."""
-    figure = new_figure(5.0, 4.2, (0.7, 0.4, 0.8, 0.3))
+    figure = new_figure(4.8, 3.2, (0.7, 0.4, 0.6, 0.3))
     ax = figure.add_subplot()
     sites = design.template.position
     empty = np.setdiff1d(np.arange(len(sites)), design.sites)
@@ -146,7 +164,7 @@ def height_figure(design: Design) -> Figure:
 
 def contact_figure(design: Design) -> Figure:
     """Draw top views at three loads: contacts as discs to scale, summits that are not in contact as rings."""
-    figure = new_figure(9.6, 4.0, (0.7, 0.1, 0.6, 0.6))
+    figure = new_figure(9.6, 3.7, (0.7, 0.1, 0.6, 0.6))
     axes = figure.subplots(1, len(VIEWED_LOADS), sharex=True, sharey=True, gridspec_kw={"wspace": 0.05})
     position = design.surface.position
     distance = drawing.spacing(position)

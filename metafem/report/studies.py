@@ -14,6 +14,7 @@ from metafem.drawing import ACHIEVED, MARGINS, MEASURED, MEASURED_BESIDE, QUIET,
 from metafem.drawing.calibration import measured, residuals
 from metafem.drawing.inline import drawn
 from metafem.inversion import Design
+from metafem.report.figures import BESIDE_TEXT
 from metafem.studies.measured import features
 from metafem.studies.summary import in_words, main_quantity, shares, summary
 
@@ -45,17 +46,10 @@ COLOURS = (ACHIEVED, TARGET)
 # The axes of the measured law end at this multiple of the largest value that is shown.
 ROOM = 1.08
 
-# Figs. S2 and S3 of the source paper (doi:10.1126/science.adk4234) show slopes, but the paper does not state
-# the loads of the fits.
-SOURCE = (
-    "The default, 25 to 100 % of the load at which the plane reaches the lowest asperity, is the choice of "
-    "metafem; the source paper does not print its range."
-)
-
 
 def manufacturing_figure(studies: Labelled) -> Figure:
     """Draw mean slope over nominal slope against the SD of the heights, with bars of ± SD, as in Fig. S3."""
-    figure = new_figure(7.0, 3.2, MARGINS)
+    figure = new_figure(*BESIDE_TEXT, MARGINS)
     ax = figure.add_subplot()
     ax.axhline(1.0, color=QUIET, lw=0.8)
     for (label, study), colour in zip(studies.items(), cycle(COLOURS), strict=False):
@@ -72,7 +66,7 @@ def manufacturing_figure(studies: Labelled) -> Figure:
 
 def misalignment_figure(studies: Labelled) -> Figure:
     """Draw the SD of the slope over the nominal slope against the largest angle, as in Fig. S2."""
-    figure = new_figure(7.0, 3.2, MARGINS)
+    figure = new_figure(*BESIDE_TEXT, MARGINS)
     ax = figure.add_subplot()
     for (label, study), colour in zip(studies.items(), cycle(COLOURS), strict=False):
         angle = np.append(0.0, np.degrees(study["angle"].values))
@@ -89,30 +83,30 @@ def misalignment_figure(studies: Labelled) -> Figure:
 
 
 def uncertainty_figure(study: Dataset) -> Figure:
-    """Draw the law with its error bars, and the share of each input in the variance."""
-    figure = new_figure(9.0, 3.3, ABOVE)
-    left, right = figure.subplots(1, 2, gridspec_kw={"wspace": 0.55})
+    """Draw the law with its error bars, and below it the share of each input in the variance."""
+    figure = new_figure(5.2, 4.4, (1.8, 0.2, 0.6, 0.2))
+    law, bars = figure.subplots(2, 1, gridspec_kw={"hspace": 0.6}, height_ratios=[3, 2])
     name = main_quantity(study)
     shown = "area" if name == "deviation" else name
     load, mean, sd = (study[each].values for each in ("rescaled_load", f"{shown}_mean", f"{shown}_sd"))
-    drawing.law(left, load, mean, forces=False)
+    drawing.law(law, load, mean, forces=False)
     if shown == "friction_force":
-        left.set_ylabel("friction force  F [N]")
+        law.set_ylabel("friction force  F [N]")
     some = slice(None, None, -max(1, len(load) // BARS))
-    left.errorbar(load[some], mean[some], sd[some], fmt="none", capsize=2, lw=1.2, color=ACHIEVED)
+    law.errorbar(load[some], mean[some], sd[some], fmt="none", capsize=2, lw=1.2, color=ACHIEVED)
     if "deviation_sd" in study:
         moments = [f"rescaled_{name}_{moment}" for name in ("load", "friction") for moment in ("mean", "sd")]
         x, dx, y, dy = (study[each].values for each in moments)
-        left.errorbar(x, y, dy, dx, fmt="o", ms=3, lw=1.2, color=TARGET, label="measured")
+        law.errorbar(x, y, dy, dx, fmt="o", ms=3, lw=1.2, color=TARGET, label="measured")
     total, first = shares(study, name, "total"), shares(study, name, "first_order")
     names = [in_words(str(label)).removeprefix("the ") for label in study["parameter"].values]
     labels = [name.replace(" and ", "\nand ") for name in names]  # correlated inputs are one bar
-    right.barh(labels, 100.0 * total, color=QUIET, label="with others")
-    right.barh(labels, 100.0 * first, height=0.5, color=ACHIEVED, label="alone")
-    right.set_ylim(max(len(labels), FEW_BARS) - 0.5, -0.5)
-    right.legend(**LEGEND_ABOVE)
-    right.set_xlabel("share of the variance [%]")
-    right.set_xlim(left=0.0)
+    bars.barh(labels, 100.0 * total, color=QUIET, label="with others")
+    bars.barh(labels, 100.0 * first, height=0.5, color=ACHIEVED, label="alone")
+    bars.set_ylim(max(len(labels), FEW_BARS) - 0.5, -0.5)
+    bars.legend(**LEGEND_ABOVE)
+    bars.set_xlabel("share of the variance [%]")
+    bars.set_xlim(left=0.0)
     return finished(figure)
 
 
@@ -142,34 +136,26 @@ QUESTIONS: Mapping[str, Question] = {
         "Which input matters most?",
         "metafem study uncertainty DIR --sd composite_modulus=0.04MPa --sd radius=2um",
         uncertainty_figure,
-        "Left: the law with bars of one standard deviation. Right: the share of each input in the variance.",
+        "Above: the law with bars of one standard deviation. Below: the share of each input in the variance.",
     ),
 }
 
 
 def study_sections(design: Design, studies: Mapping[str, Dataset]) -> dict[str, Any]:
-    """Return the sections on the accuracy of the part, the measured laws and what explains them, by name."""
-    sections: dict[str, Any] = {"exactness": exactness_section(studies)}
+    """Return the parts of the page on the accuracy of the part, the measured laws and what explains them."""
+    sections: dict[str, Any] = {
+        "answers": [
+            (name, drawn(asked.figure(studies[name]), asked.text, asked.caption), summary(studies[name]))
+            for name, asked in QUESTIONS.items()
+            if name in studies
+        ],
+        "missing": [(asked.text, asked.command) for name, asked in QUESTIONS.items() if name not in studies],
+    }
     if "measured" in studies:
         sections["measured"] = measured_section(design, studies["measured"])
     if "explained" in studies:
         sections["explanation"] = summary(studies["explained"])
     return sections
-
-
-def exactness_section(studies: Mapping[str, Dataset]) -> dict[str, Any]:
-    """Return questions, figures and summaries of the studies, the questions not studied, and a sentence."""
-    answers = [
-        (asked.text, drawn(asked.figure(studies[name]), asked.text, asked.caption), summary(studies[name]))
-        for name, asked in QUESTIONS.items()
-        if name in studies
-    ]
-    missing = [(asked.text, asked.command) for name, asked in QUESTIONS.items() if name not in studies]
-    # studies that compare models have no slope, and their range is empty
-    ranges = {tuple(study.attrs.get("load_range", ())) for study in studies.values()} - {()}
-    words = " and ".join("{:.4g} to {:.4g} mm²".format(*each) for each in sorted(ranges))
-    fitted = f"Slopes are fitted over the rescaled loads P/E* = {words}. {SOURCE}" if words else ""
-    return {"answers": answers, "missing": missing, "fitted": fitted}
 
 
 def measured_section(design: Design, study: Dataset) -> dict[str, Any]:
@@ -187,7 +173,7 @@ def measured_section(design: Design, study: Dataset) -> dict[str, Any]:
 
 def measured_figure(design: Design, study: Dataset) -> Figure:
     """Draw the design's law with the measured points, and below it the deviations over their SD."""
-    figure = new_figure(7.0, 5.6, ABOVE)
+    figure = new_figure(6.2, 4.9, ABOVE)
     ax, below = figure.subplots(2, 1, sharex=True, height_ratios=[3, 1], gridspec_kw={"hspace": 0.08})
     design.law.plot(ax, label="design")
     for label, colour in zip(map(str, study["law"].values), (MEASURED, MEASURED_BESIDE), strict=False):

@@ -84,9 +84,9 @@ def laws_on_substrates(
 def fidelity(design: Design, *, elements: bool = True) -> xr.Dataset:
     """Return A0(P) and delta(P) of a design under all models.
 
-    The models are "independent", order 3 on the "half-space", the bonded "layer" and the true "block",
-    and "fe". The influence of the true block is computed once (half a minute for 64 asperities) and stored
-    on disk.
+    The models are "independent", order 3 on the "half-space", the bonded "layer" and the true "block", that
+    of the design if it is another one, and "fe". The influence of the true block is computed once (half a
+    minute for 64 asperities) and stored on disk.
 
     "fe" denotes independent asperities with the contact law of the true spherical cap on the bonded block
     instead of Hertz's law: ``sum_i P_fe(a_i, h_i) = P`` with ``d_fe(a_i, h_i) = h_i - delta``. The contact
@@ -120,8 +120,15 @@ def fidelity(design: Design, *, elements: bool = True) -> xr.Dataset:
     >>> fidelity(design, elements=False).model.values.tolist()
     ['independent', 'half-space']
     """
+    return compared(design, elements=elements, wait=True)
+
+
+def compared(design: Design, *, elements: bool, wait: bool) -> xr.Dataset:
+    """Return the dataset of `fidelity`; unless `wait`, the true block only if its influence is stored."""
     surface, law, error = design.surface, design.law, float("nan")
-    laws, notes = laws_on_substrates(surface, law.load, contact_of(law.model), wait=True)
+    laws, notes = laws_on_substrates(surface, law.load, contact_of(law.model), wait=wait)
+    if law.model not in [each.model for each in laws.values()]:
+        laws[law.model.name] = law
     curves = {name: (each.area, each.separation) for name, each in laws.items()}
     if elements and not has_paraboloids(law.model):
         notes.append(information("fe is left out: its caps are spherical, to be compared with paraboloids"))

@@ -129,7 +129,8 @@ def uncertainty(
     )
     notes, slope = [information("no slope: all summits have one height, and no load_range is given")], None
     if load_range is not None or np.ptp(surface.height) > 0.0:
-        notes, slope = [], Slope.of(surface, load_range, used)
+        slope = Slope.of(surface, load_range, used)
+        notes = [slope.note]
     modulus, last = surface.material.composite_modulus, float(loads.max())
     if slope is not None:
         last = max(last, modulus * slope.load_range[1])

@@ -15,13 +15,14 @@ from metafem.report.figures import (
     coefficient_figure,
     contact_figure,
     height_figure,
+    interaction_figure,
     law_figure,
     onset_figure,
     sensitivity_figure,
 )
-from metafem.report.interaction import compared, interaction_figure
-from metafem.report.studies import QUESTIONS, exactness_section, measured_figure, measured_section
+from metafem.report.studies import QUESTIONS, measured_figure, measured_section, study_sections
 from metafem.studies.measured import explained, measured
+from metafem.studies.models import compared
 from metafem.studies.summary import summary
 from tests.core.report.test_page import LATTICE, POINTS
 
@@ -68,17 +69,16 @@ def test_laws_are_drawn_with_their_target_reach_and_forces(design):
 
 
 def test_interaction_and_sensitivity_are_drawn(design):
-    laws, left_out = compared(design)
-    assert list(laws) == ["independent", "half-space", "layer"]
-    assert "true block is left out" in left_out[0].text
-    _, first, _ = interaction_figure(laws).axes[0].lines
+    models = compared(design, elements=False, wait=False)
+    assert models.model.values.tolist() == ["independent", "half-space", "layer"]
+    assert "true block is left out" in models.attrs["notes"]
+    _, first, _ = interaction_figure(models).axes[0].lines
     other = mf.friction_law(design.surface, mf.Interacting(), load=design.law.load)
     np.testing.assert_allclose(first.get_ydata(), 100.0 * (other.area / design.law.area - 1.0), atol=1e-9)
     np.testing.assert_allclose(first.get_xdata(), design.law.rescaled_load)
     own = mf.friction_law(design.surface, mf.Interacting(1), load=design.law.load)
-    assert list(compared(replace(design, law=own))[0])[-1] == "half-space, order 1"
-    crowd = mf.Surface.square_lattice(0.1, (39, 39), radius=0.526, material=MATERIAL)
-    assert compared(of_surface(design, crowd)) == ({}, ())
+    others = compared(replace(design, law=own), elements=False, wait=False)
+    assert others.model.values[-1] == "half-space, order 1"
     (mesh,) = sensitivity_figure(design).axes[0].collections
     values, order = np.asarray(mesh.get_array()), np.argsort(-design.surface.height)
     step, surface, last = 1e-6, design.surface, design.law.load[-1:]
@@ -123,14 +123,13 @@ def test_studies_are_drawn_and_answered(design):
     for bars, index in zip(right.containers, ("total", "first_order"), strict=True):
         mean = inputs[f"friction_force_{index}"].values @ weight / weight.sum()
         np.testing.assert_allclose([bar.get_width() for bar in bars], 100.0 * mean)
-    section = exactness_section({"manufacturing": made, "misalignment": tilted, "uncertainty": inputs})
-    for (question, _, found), name in zip(section["answers"], QUESTIONS, strict=True):
-        assert (question, found.answer[-1]) == (QUESTIONS[name].text, ".")
-        assert {len(row) for row in found.rows} == {len(found.columns)}
-    assert section["missing"] == []
+    section = study_sections(design, {"manufacturing": made, "misalignment": tilted, "uncertainty": inputs})
     low, high = made.attrs["load_range"]
-    assert f"P/E* = {low:.4g} to {high:.4g} mm²" in section["fitted"]
-    assert exactness_section({})["fitted"] == ""
+    for (name, picture, found), asked in zip(section["answers"], QUESTIONS, strict=True):
+        assert (name, picture.title, found.answer[-1]) == (asked, QUESTIONS[asked].text, ".")
+        assert {len(row) for row in found.rows} == {len(found.columns)}
+        assert f"P/E* = {low:.4g} to {high:.4g} mm^2" in str(found.notes[0])
+    assert section["missing"] == []
 
 
 def measured_study(design, *factors, **options):
