@@ -72,7 +72,6 @@ OPTIONS: dict[str, Decorator] = {
     "position_sd": _option("--position-sd", Quantity("mm", "5um"), "SD of x and y of sites.", default="0"),
     "misfit": _option("--misfit", bool, "Compare each law with the target; takes longer.", is_flag=True),
     "angle": _option("--angle", ANGLE, "Largest angle, reached in 1,000 steps.", default="0.1deg"),
-    "axes": _option("--axes", click.Choice(("both", "x", "y")), "Axes of the tilt.", default="both"),
     "shuffles": _option("--shuffles", FROM_0, "Number of random placements to compare with.", default=20),
     "placements": _option("--placements", FROM_1, "Number of random placements.", default=1000),
     "elements": _option("--elements/--no-elements", bool, "Press true caps, for a minute.", default=True),
@@ -172,9 +171,7 @@ def manufacturing(design: Design, height_sd: list[float] | None, misfit: bool, *
     return mf.studies.manufacturing(part, height_sd or LEVELS, others=others, **options)
 
 
-@of_design(
-    "angle", "axes", "shuffles", "load_range", "seed", "workers", short_help="How level the plane must be."
-)
+@of_design("angle", "shuffles", "load_range", "seed", "workers", short_help="How level the plane must be.")
 def misalignment(design: Design, **options: Any) -> Dataset:
     """Study the law of a surface that is tilted relative to the plane.
 
