@@ -10,9 +10,8 @@ import numpy as np
 from metafem import drawing
 from metafem._values import three_digits
 from metafem.drawing import ACHIEVED, LARGEST_DOT, MARGINS, QUIET, TARGET, finished, new_figure, scaling
-from metafem.inversion import Design, feasible_region
+from metafem.inversion import Design
 from metafem.inversion.result import draw_target, few
-from metafem.models.model import contact_of
 from metafem.prediction import Onset, equilibrium
 
 if TYPE_CHECKING:
@@ -24,9 +23,6 @@ if TYPE_CHECKING:
 
 # Width and height of a figure that stands beside a table or words [inch].
 BESIDE_TEXT = 5.2, 2.7
-
-# Approximate number of loads at which sensitivities are drawn; a law usually has a hundred loads.
-SENSITIVITY_LOADS = 33
 
 # The three loads of the contact views, as fractions of the largest load of the law.
 VIEWED_LOADS = (0.1, 0.4, 1.0)
@@ -40,7 +36,6 @@ def law_figure(design: Design) -> Figure:
     """Draw target and achieved law, and below them the relative difference that defines the misfit."""
     figure = new_figure(5.6, 4.7, (0.7, 0.8, 0.6, 0.6))
     ax, below = figure.subplots(2, 1, sharex=True, height_ratios=[3, 1], gridspec_kw={"hspace": 0.08})
-    _draw_reach(design, ax)
     design.plot(ax)
     _draw_difference(design, below)
     for branch, _ in design.fits:
@@ -62,23 +57,6 @@ def _draw_difference(design: Design, ax: Axes) -> None:
     if np.abs(difference).max() < 1e-9:
         ax.set_ylim(-1.0, 1.0)
         ax.annotate("all points are met to 1e-9", (0.02, 0.75), xycoords="axes fraction", color=QUIET)
-
-
-def _draw_reach(design: Design, ax: Axes) -> None:
-    """Draw the region of laws that independent asperities can reach, if the target is a curve."""
-    target = design.target_law
-    if design.density is not None or few(target):
-        return
-    bounds = np.linspace(0.0, float(target.load[-1]), 200)[1:]
-    low, high = feasible_region(
-        design.template, bounds, design.limits, design.tools, contact_of(design.law.model)
-    )
-    if np.isinf(high).any():  # no bound is proven
-        return
-    ax.fill_between(
-        bounds, low, high, color=QUIET, alpha=0.12, lw=0, label="achievable with independent asperities"
-    )
-    ax.set_ylim(top=1.5 * float(design.law.rescaled_friction[-1]))
 
 
 def _force_axes(design: Design, ax: Axes) -> None:
@@ -130,23 +108,6 @@ def interaction_figure(models: Dataset) -> Figure:
     ax.set(xlabel="rescaled load  P/E* [mm²]", ylabel="change of A0 [%]")
     ax.set_xlim(left=0.0)
     return finished(figure)
-
-
-def sensitivity_figure(design: Design) -> Figure:
-    """Draw the derivative of the friction, dA0/dh, of each asperity, the tallest first, against the load."""
-    model = design.law.model.gradient_model
-    load = design.law.rescaled_load[:: max(1, len(design.law.load) // SENSITIVITY_LOADS)]
-    gradient = model.sensitivity(design.surface, load).gradient[:, np.argsort(-design.surface.height)]
-    largest = float(np.abs(gradient).max())
-    figure = new_figure(*BESIDE_TEXT, MARGINS)
-    ax = figure.add_subplot()
-    picture = ax.pcolormesh(
-        np.arange(design.surface.count) + 1, load, gradient, cmap="RdBu_r", vmin=-largest, vmax=largest,
-        rasterized=True, shading="nearest",
-    )  # fmt: skip
-    figure.colorbar(picture, label="dA0/dh [mm]")
-    ax.set(xlabel="asperity, the tallest first", ylabel="rescaled load  P/E* [mm²]")
-    return figure
 
 
 def height_figure(design: Design) -> Figure:

@@ -81,8 +81,6 @@ def page(
         sliding = onset(surface, design.law.model, load=float(design.law.load[-1]))
         parts["coefficient"] = drawn(figures.coefficient_figure(design, friction), "Friction coefficient")
         parts["sliding"] = drawn(figures.onset_figure(sliding), "Onset of sliding")
-    if surface.count <= MOST_COMPARED:
-        parts["sensitivities"] = drawn(figures.sensitivity_figure(design), "Sensitivity of A0 to each height")
     if surface.count <= MOST_COMPARED or "fidelity" in studies:
         models = studies.get("fidelity")
         models = compared(design, elements=False, wait=False) if models is None else models
@@ -104,15 +102,9 @@ def page(
     )
 
 
-def write(
-    design: Design,
-    path: Path | str,
-    hardness: float | None = None,
-    *,
-    studies: Mapping[str, Dataset] | None = None,
-) -> None:
-    """Write the report of a design, the text that `page` returns, into a file."""
-    Path(path).write_text(page(design, hardness, studies=studies), "utf-8")
+def write(design: Design, path: Path | str, **options: Any) -> None:
+    """Write the report of a design, the text that `page` returns with these options, into a file."""
+    Path(path).write_text(page(design, **options), "utf-8")
 
 
 def _numbers(design: Design) -> list[tuple[str, str]]:
@@ -127,12 +119,31 @@ def _numbers(design: Design) -> list[tuple[str, str]]:
     ]
 
 
+def _scatter(design: Design) -> tuple[str, str]:
+    """Return the relative scatter of A0 by errors of the heights, and its meaning."""
+    model, target, sd = design.law.model, design.target_law, design.limits.height_sd
+    assumed = ", the precision of the source paper's moulds" if sd is None else ""
+    sd = HEIGHT_SD if sd is None else sd
+    if model.couples and design.surface.count > MOST_COMPARED:
+        return "unknown", f"it is not estimated for more than {MOST_COMPARED:,} asperities"
+    try:
+        area, deviation = scatter(design.surface, model, target.load, sd)
+    except MetafemError as reason:
+        return "unknown", f"because {reason}"
+    ratio = deviation / area
+    value = ratio.max() if target.pointwise else np.sqrt((ratio**2).mean())
+    of = "largest" if target.pointwise else "rms"
+    errors = f"errors of {MICROMETRES * sd:.3g} µm (SD){assumed}"
+    return percent(value), f"SD of A0, {of} over the loads of the target, if the heights have {errors}"
+
+
 def _gists(design: Design, sliding: Onset | None, models: Summary | None) -> dict[str, str]:
     """Return what the folded parts of the page hold, in a line each."""
     surface, law, heights = design.surface, design.law, MICROMETRES * design.surface.height
     columns, rows = words.fit_table(design)
-    name = columns[1].removeprefix("target ").capitalize()
-    friction = [f"{name} {row[2]}, target {row[1]}" for row in rows]
+    friction = [
+        f"{columns[1].removeprefix('target ').capitalize()} {row[2]}, target {row[1]}" for row in rows
+    ]
     if sliding is not None:
         friction.append(f"μ = {law.friction_coefficient[-1]:.3g} at {three_digits(law.load[-1])} N")
         friction.append(words.onset_words(sliding))

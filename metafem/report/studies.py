@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from itertools import cycle
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from metafem import drawing
 from metafem._values import MICROMETRES
 from metafem.drawing import ACHIEVED, MARGINS, MEASURED, MEASURED_BESIDE, QUIET, TARGET, finished, new_figure
 from metafem.drawing.calibration import measured, residuals
@@ -37,9 +36,6 @@ Labelled = Mapping[str, "Dataset"]
 # Largest number of shuffled placements that are drawn; in the source paper's Fig. S2, about as many can be
 # distinguished.
 MOST_SHUFFLES = 20
-
-# Approximate number of error bars on a law.
-BARS = 12
 
 COLOURS = (ACHIEVED, TARGET)
 
@@ -83,74 +79,54 @@ def misalignment_figure(studies: Labelled) -> Figure:
 
 
 def uncertainty_figure(study: Dataset) -> Figure:
-    """Draw the law with its error bars, and below it the share of each input in the variance."""
-    figure = new_figure(5.2, 4.4, (1.8, 0.2, 0.6, 0.2))
-    law, bars = figure.subplots(2, 1, gridspec_kw={"hspace": 0.6}, height_ratios=[3, 2])
-    name = main_quantity(study)
-    shown = "area" if name == "deviation" else name
-    load, mean, sd = (study[each].values for each in ("rescaled_load", f"{shown}_mean", f"{shown}_sd"))
-    drawing.law(law, load, mean, forces=False)
-    if shown == "friction_force":
-        law.set_ylabel("friction force  F [N]")
-    some = slice(None, None, -max(1, len(load) // BARS))
-    law.errorbar(load[some], mean[some], sd[some], fmt="none", capsize=2, lw=1.2, color=ACHIEVED)
-    if "deviation_sd" in study:
-        moments = [f"rescaled_{name}_{moment}" for name in ("load", "friction") for moment in ("mean", "sd")]
-        x, dx, y, dy = (study[each].values for each in moments)
-        law.errorbar(x, y, dy, dx, fmt="o", ms=3, lw=1.2, color=TARGET, label="measured")
-    total, first = shares(study, name, "total"), shares(study, name, "first_order")
-    names = [in_words(str(label)).removeprefix("the ") for label in study["parameter"].values]
-    labels = [name.replace(" and ", "\nand ") for name in names]  # correlated inputs are one bar
-    bars.barh(labels, 100.0 * total, color=QUIET, label="with others")
-    bars.barh(labels, 100.0 * first, height=0.5, color=ACHIEVED, label="alone")
-    bars.set_ylim(max(len(labels), FEW_BARS) - 0.5, -0.5)
-    bars.legend(**LEGEND_ABOVE)
-    bars.set_xlabel("share of the variance [%]")
-    bars.set_xlim(left=0.0)
+    """Draw the share of each input in the variance."""
+    figure = new_figure(*BESIDE_TEXT, (1.8, 0.2, 0.6, 0.4))
+    ax, name = figure.add_subplot(), main_quantity(study)
+    labels = [
+        in_words(str(label)).removeprefix("the ").replace(" and ", "\nand ")  # correlated inputs are one bar
+        for label in study["parameter"].values
+    ]
+    ax.barh(labels, 100.0 * shares(study, name, "total"), color=QUIET, label="with others")
+    ax.barh(labels, 100.0 * shares(study, name, "first_order"), height=0.5, color=ACHIEVED, label="alone")
+    ax.set_ylim(max(len(labels), FEW_BARS) - 0.5, -0.5)
+    ax.legend(**LEGEND_ABOVE)
+    ax.set_xlabel("share of the variance [%]")
+    ax.set_xlim(left=0.0)
     return finished(figure)
 
 
-class Question(NamedTuple):
-    """A question, the command of the study that answers it, and the study's figure with its caption."""
-
-    text: str
-    command: str
-    figure: Callable[[Dataset], Figure]
-    caption: str
-
-
-QUESTIONS: Mapping[str, Question] = {
-    "manufacturing": Question(
+# Of each study: its question, the command that answers it, the figure and its caption.
+QUESTIONS: Mapping[str, tuple[str, str, Callable[[Dataset], Figure], str]] = {
+    "manufacturing": (
         "How accurate must the heights be?",
         "metafem study manufacturing DIR",
         lambda study: manufacturing_figure({"": study}),
         "Mean slope over the nominal one, with bars of one standard deviation, against errors of heights.",
     ),
-    "misalignment": Question(
+    "misalignment": (
         "How level must the plane be?",
         "metafem study misalignment DIR",
         lambda study: misalignment_figure({"": study}),
         "Standard deviation of the slope over the nominal slope against the largest angle of the plane.",
     ),
-    "uncertainty": Question(
+    "uncertainty": (
         "Which input matters most?",
         "metafem study uncertainty DIR --sd composite_modulus=0.04MPa --sd radius=2um",
         uncertainty_figure,
-        "Above: the law with bars of one standard deviation. Below: the share of each input in the variance.",
+        "Share of each input in the variance.",
     ),
 }
 
 
 def study_sections(design: Design, studies: Mapping[str, Dataset]) -> dict[str, Any]:
     """Return the parts of the page on the accuracy of the part, the measured laws and what explains them."""
-    sections: dict[str, Any] = {
-        "answers": [
-            (name, drawn(asked.figure(studies[name]), asked.text, asked.caption), summary(studies[name]))
-            for name, asked in QUESTIONS.items()
-            if name in studies
-        ],
-        "missing": [(asked.text, asked.command) for name, asked in QUESTIONS.items() if name not in studies],
-    }
+    sections: dict[str, Any] = {"answers": [], "missing": []}
+    for name, (question, command, draw, caption) in QUESTIONS.items():
+        if name in studies:
+            picture = drawn(draw(studies[name]), question, caption)
+            sections["answers"].append((name, picture, summary(studies[name])))
+        else:
+            sections["missing"].append((question, command))
     if "measured" in studies:
         sections["measured"] = measured_section(design, studies["measured"])
     if "explained" in studies:

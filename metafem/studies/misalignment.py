@@ -39,8 +39,9 @@ def misalignment(
 ) -> xr.Dataset:
     """Return mean and scatter of the friction law if the plane is not parallel to the surface.
 
-    A tilt along x and y by one angle changes the heights to ``h_i + (x_i + y_i) tan(angle)``. For each angle, mean and standard deviation are taken over all tilts from minus this angle to this angle, as
-    in Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234, Fig. S2 and supplementary text
+    A tilt by one angle along x and along y changes the heights to ``h_i + (x_i + y_i) tan(angle)``. For each
+    angle, mean and standard deviation are taken over all tilts from minus this angle to this angle, as in
+    Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234, Fig. S2 and supplementary text
     "Effect of a misalignment on the friction law". The law is linear between neighbouring angles. The
     placements are computed as `joblib.parallel_config` says.
 

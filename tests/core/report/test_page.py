@@ -25,7 +25,7 @@ LATTICE = mf.Surface.square_lattice(
 POINTS = mf.OperatingPoints([0.02, 0.05], [0.2, 0.45])
 
 
-FIGURES = ("law", "coefficient", "onset", "height", "interaction", "sensitivity", "contact")
+FIGURES = ("law", "coefficient", "onset", "height", "interaction", "contact")
 
 
 def words_of(design, **options):
@@ -111,7 +111,7 @@ def test_the_page_is_self_contained():
     text = page(design)
     links = re.findall(r"""(?:src|href)="([^"]*)"|url\(([^)]*)\)""", text)
     assert {(first or second)[0] for first, second in links} <= {"#", "d"}  # elements, and data
-    assert text.count("<svg") == 7
+    assert text.count("<svg") == 6
     names = re.findall(' id="([^"]*)"', text)
     assert len(names) == len(set(names))
 
