@@ -141,9 +141,7 @@ def _gists(design: Design, sliding: Onset | None, models: Summary | None) -> dic
     """Return what the folded parts of the page hold, in a line each."""
     surface, law, heights = design.surface, design.law, MICROMETRES * design.surface.height
     columns, rows = words.fit_table(design)
-    friction = [
-        f"{columns[1].removeprefix('target ').capitalize()} {row[2]}, target {row[1]}" for row in rows
-    ]
+    friction = [f"{columns[1].capitalize()} {row[1]}, fitted {row[2]}" for row in rows]
     if sliding is not None:
         friction.append(f"μ = {law.friction_coefficient[-1]:.3g} at {three_digits(law.load[-1])} N")
         friction.append(words.onset_words(sliding))
@@ -154,26 +152,6 @@ def _gists(design: Design, sliding: Onset | None, models: Summary | None) -> dic
         "heights": f"{heights.min():.1f} – {heights.max():.1f} µm on {sites}.",
         "interaction": f"Change of A0: {', '.join(changes)}." if changes else "",
     }
-
-
-def _scatter(design: Design) -> tuple[str, str]:
-    """Return the relative scatter of A0 by errors of the heights, and its meaning."""
-    model, target, given = design.law.model, design.target_law, design.limits.height_sd
-    if model.couples and design.surface.count > MOST_COMPARED:
-        return "unknown", f"it is not estimated for more than {MOST_COMPARED:,} asperities"
-    try:
-        area, deviation = scatter(design.surface, model, target.load, HEIGHT_SD if given is None else given)
-    except MetafemError as reason:
-        return "unknown", f"because {reason}"
-    ratio = deviation / area
-    of, value = "largest", ratio.max()
-    if not target.pointwise:
-        of, value = "rms", np.sqrt((ratio**2).mean())
-    sd = f"{MICROMETRES * (HEIGHT_SD if given is None else given):.3g} µm (SD)"
-    assumed = ", the precision of the source paper's moulds" if given is None else ""
-    return percent(
-        value
-    ), f"SD of A0, {of} over the loads of the target, if the heights have errors of {sd}{assumed}"
 
 
 def _summits(design: Design) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:

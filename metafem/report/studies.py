@@ -56,7 +56,7 @@ def manufacturing_figure(studies: Labelled) -> Figure:
             study["slope_sd"].values / nominal,
             fmt="o-", ms=3, lw=1.2, capsize=2, color=colour, label=label or None,
         )  # fmt: skip
-    ax.set(xlabel="standard deviation of the heights  SD(dh) [µm]", ylabel="mean slope over nominal, ± SD")
+    ax.set(xlabel="standard deviation of the heights  SD(dh) [µm]", ylabel="slope over nominal, ± SD")
     return finished(figure)
 
 
@@ -72,7 +72,7 @@ def misalignment_figure(studies: Labelled) -> Figure:
         for i, each in enumerate(shuffled[:MOST_SHUFFLES]):
             name = f"{label} shuffled".strip() if i == 0 else None
             ax.plot(angle, each, "--", color=colour, lw=0.6, alpha=0.6, label=name)
-    ax.set(xlabel="largest angle  |φ| [°]", ylabel="SD of the slope over nominal [%]")
+    ax.set(xlabel="largest angle  |φ| [°]", ylabel="SD of the slope [%]")
     ax.set_xlim(left=0.0)
     ax.set_ylim(bottom=0.0)
     return finished(figure)

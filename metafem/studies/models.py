@@ -17,7 +17,7 @@ from metafem.notes import Note, information
 from metafem.prediction import FrictionLaw, friction_law
 from metafem.progress import doing, each
 from metafem.studies.caps import caps_of, law_of_caps
-from metafem.studies.dataset import Variables, dataset, described
+from metafem.studies.dataset import Variables, dataset
 from metafem.studies.draws import generator_of, seed_of
 from metafem.substrate import BondedLayer, HalfSpace, Substrate
 from metafem.surface import Surface
@@ -149,9 +149,8 @@ def compared(design: Design, *, elements: bool, wait: bool) -> xr.Dataset:
         "sinking": (axes, separation[0] - separation),
         "elements_error": ((), error),
     }
-    coordinates = {"model": list(curves), "rescaled_load": law.rescaled_load}
-    found = dataset("fidelity", variables, coordinates, notes)
-    return found.assign_coords(load=("rescaled_load", law.load, described("load")))
+    loads = {"rescaled_load": law.rescaled_load, "load": ("rescaled_load", law.load)}
+    return dataset("fidelity", variables, {"model": list(curves), **loads}, notes)
 
 
 @doing("comparing assignments of heights to sites")
@@ -222,6 +221,6 @@ def interaction(design: Design, *, placements: int = 1000, rng: Any = 0) -> xr.D
         "sinking": (("substrate", "rescaled_load"), sinking),
         "placement_rms": (("substrate", "placement"), spread),
     }
-    coordinates = {"substrate": list(substrates), "rescaled_load": law.rescaled_load}
-    found = dataset("interaction", variables, coordinates, [], seed=str(seed), draws=count)
-    return found.assign_coords(load=("rescaled_load", law.load, described("load")))
+    loads = {"rescaled_load": law.rescaled_load, "load": ("rescaled_load", law.load)}
+    coordinates = {"substrate": list(substrates), **loads}
+    return dataset("interaction", variables, coordinates, [], seed=str(seed), draws=count)

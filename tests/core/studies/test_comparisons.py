@@ -59,4 +59,5 @@ def test_the_summary_of_an_interaction_holds_each_substrate(interaction):
     for k, row in enumerate(rows):
         moments = [np.sqrt((change[k] ** 2).mean()), np.abs(change[k]).max(), sinking[k]]
         expected = [*moments, np.median(placed[k]), placed[k].max()]
-        np.testing.assert_allclose([abs(float(cell)) for cell in row[1:]], expected, atol=0.0051)
+        shown = [abs(float(cell)) for cell in (*row[1:3], *row[6:])]
+        np.testing.assert_allclose(shown, expected, atol=0.0051)
