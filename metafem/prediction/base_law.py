@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from abc import abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -131,24 +130,13 @@ def fit_branch(
     enough = count >= 3 and np.ptp(load[chosen]) > 0.0
     least = "a fit needs at least 3 points, at different loads"
     refuse_if(not enough, f"{words} {load.min():g} to {load.max():g} mm^2; {least}")
-    x, y = load[chosen], area[chosen]
-    centre, spread = x.mean(), ((x - x.mean()) ** 2).sum()
-    slope = float(((x - centre) * (y - y.mean())).sum() / spread)
-    intercept = float(y.mean() - slope * centre)
-    scatter = math.sqrt(float(((y - intercept - slope * x) ** 2).sum()) / (count - 2))
-    error = float(stdtrit(count - 2, UPPER)) * scatter
-    slope_error = error / math.sqrt(spread)
-    intercept_error = error * math.sqrt(1.0 / count + centre**2 / spread)
-    return BranchFit(
-        slope,
-        intercept,
-        (slope - slope_error, slope + slope_error),
-        (intercept - intercept_error, intercept + intercept_error),
-        (low, high),
-        count,
-        None if friction is None else friction.stress / material.composite_modulus * slope,
-        None if friction is None else friction.stress * intercept,
-    )
+    line, covariance = np.polyfit(load[chosen], area[chosen], 1, cov=True)
+    error = stdtrit(count - 2, UPPER) * np.sqrt(np.diag(covariance))
+    (slope, intercept), low_end, high_end = line.tolist(), (line - error).tolist(), (line + error).tolist()
+    intervals = (low_end[0], high_end[0]), (low_end[1], high_end[1])
+    ratio = None if friction is None else friction.stress / material.composite_modulus * slope
+    force = None if friction is None else friction.stress * intercept
+    return BranchFit(slope, intercept, *intervals, (low, high), count, ratio, force)
 
 
 class BaseLaw(Value):

@@ -73,8 +73,8 @@ class CapContact:
     def relative(self, a: FloatArray, h: FloatArray) -> FloatArray:
         """Return load and indentation over Hertz's values at the same contact radius, (2, n)."""
         ratio = a / foot_radius(h, self.radius)
-        scaled = (_scaled(value, *ends) for value, ends in ((h, self.height), (ratio, self.ratio)))
-        return np.asarray(1.0 + ratio * polyval2d(*scaled, self.excess))
+        x, y = _scaled(h, *self.height), _scaled(ratio, *self.ratio)
+        return np.asarray(1.0 + ratio * polyval2d(x, y, self.excess))
 
 
 def law_of_caps(

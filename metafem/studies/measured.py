@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -146,20 +146,18 @@ def measured_summary(study: xr.Dataset) -> Summary:
     # the numbers have the units of the table: friction forces, or areas
     stress = study["stress"].values if "stress" in study else np.zeros(1)
     factor, what = (stress, " F [N]") if (stress > 0.0).all() else (1.0, " area [mm²]")
-    found = [
-        factor * study[f"{name}"].values
-        for name in ("rescaled_friction", "rescaled_friction_sd", "predicted")
-    ]
+    names = ("rescaled_friction", "rescaled_friction_sd", "predicted")
+    value, sd, design = (factor * study[name].values for name in names)
     deviation = (study["deviation"] / study["deviation_sd"]).values
-    columns = {"law": study["of_law"].values, "P [N]": texts(".4g", study["load"].values)}
-    columns |= _deviations(*found, deviation, what)
+    columns: dict[str, Any] = {"law": study["of_law"].values, "P [N]": texts(".4g", study["load"].values)}
+    columns |= _deviations(value, sd, design, deviation, what)
     return Summary.of(study, "Measured law and design", columns, " ".join(answers(study)))
 
 
 def features(study: xr.Dataset) -> Summary:
     """Return the table of slopes, with deviations from design and target."""
     value, sd, design, target = (study[name].values for name in OF_FEATURE)
-    columns = {"law": study["of_law_feature"].values, "feature": study["feature"].values}
+    columns: dict[str, Any] = {"law": study["of_law_feature"].values, "feature": study["feature"].values}
     columns |= _deviations(value, sd, design, (value - design) / sd)
     columns |= {"target": texts(".4g", target), "from target": _relative(value, target)}
     return Summary.of(study, "Features of the target", columns)

@@ -13,13 +13,13 @@ from metafem.errors import InvalidInput, NotConverged
 from metafem.inversion import Design
 from metafem.models import Independent, Interacting, Model
 from metafem.models.model import contact_of, has_paraboloids
-from metafem.notes import Note, information
+from metafem.notes import Note, from_lines, information
 from metafem.prediction import FrictionLaw, friction_law
 from metafem.progress import doing, each
 from metafem.studies.caps import caps_of, law_of_caps
 from metafem.studies.dataset import Variables, dataset
 from metafem.studies.draws import generator_of, seed_of
-from metafem.substrate import BondedLayer, HalfSpace, Substrate
+from metafem.substrate import BondedLayer, HalfSpace
 from metafem.surface import Surface
 
 if TYPE_CHECKING:
@@ -192,35 +192,29 @@ def interaction(design: Design, *, placements: int = 1000, rng: Any = 0) -> xr.D
     {'substrate': 1, 'rescaled_load': 100, 'placement': 5}
     """
     count, seed = check.integer("placements", placements, at_least=1), seed_of(rng)
-    surface, law = design.surface, design.law
-    substrates: dict[str, Substrate] = {"half-space": HalfSpace()}
-    if surface.block is not None:
-        substrates["layer"] = BondedLayer()
-    contact = contact_of(law.model)
-    alone = Independent(contact).curve(surface, law.rescaled_load)
+    surface, law, found = design.surface, design.law, compared(design, elements=False, wait=False)
+    substrates = {"half-space": HalfSpace(), "layer": BondedLayer()}
+    names = [name for name in substrates if name in found["model"]]
     few = slice(None, None, -max(1, len(law.rescaled_load) // RANDOM_LOADS))  # from the last load down
-    load, area = law.rescaled_load[few][::-1], alone.area[few][::-1]
+    load, area = law.rescaled_load[few][::-1], found["area"].values[0, few][::-1]
     # a random stream other than that of `design`: with the same seed, the first permutation of that stream
     # would undo the assignment of the design, and the heights would be sorted
-    random = generator_of(seed, 0)
-    orders = [random.permutation(surface.count) for _ in range(count)]
-    placed = [surface.only(order, position=surface.position) for order in orders]
-
-    change, sinking, spread = [], [], []
-    for substrate in substrates.values():
-        model = Interacting(contact.largest_order, substrate, contact)
-        curve = model.curve(surface, law.rescaled_load)
-        change.append(curve.area / alone.area - 1.0)
-        sinking.append(curve.approach - alone.approach)
+    random, sites = generator_of(seed, 0), np.arange(surface.count)
+    placed = [surface.only(random.permutation(sites), position=surface.position) for _ in range(count)]
+    spread, contact = [], contact_of(law.model)
+    for name in names:
+        model = Interacting(contact.largest_order, substrates[name], contact)
         moved = [model.areas(part, load, part.height[None])[0] for part in each("assignment", placed)]
         if not np.isfinite(moved).all():
             raise NotConverged("the model has no solution for an assignment of the heights to the sites")
         spread.append(np.sqrt(((moved / area - 1.0) ** 2).mean(axis=1)))
+    coupled = found.sel(model=names)
     variables: Variables = {
-        "area_change": (("substrate", "rescaled_load"), change),
-        "sinking": (("substrate", "rescaled_load"), sinking),
+        "area_change": (("substrate", "rescaled_load"), coupled["area_change"].values),
+        "sinking": (("substrate", "rescaled_load"), coupled["sinking"].values),
         "placement_rms": (("substrate", "placement"), spread),
     }
     loads = {"rescaled_load": law.rescaled_load, "load": ("rescaled_load", law.load)}
-    coordinates = {"substrate": list(substrates), **loads}
-    return dataset("interaction", variables, coordinates, [], seed=str(seed), draws=count)
+    coordinates = {"substrate": names, **loads}
+    notes = [note for note in from_lines(found.attrs["notes"]) if "true block" not in note.text]
+    return dataset("interaction", variables, coordinates, notes, seed=str(seed), draws=count)
