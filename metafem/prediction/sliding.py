@@ -76,8 +76,12 @@ class Onset(Value):
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw the friction force against the displacement, and mark where contacts start to slide."""
         ax = drawing.axes(ax)
-        x = MICROMETRES * np.append(self.displacement, 1.1 * self.displacement[-1])
-        drawing.onset(ax, x, np.append(self.friction_force, self.friction_force[-1]))
+        x, force = MICROMETRES * self.displacement, self.friction_force
+        ax.plot([0.0, *x, 1.1 * x[-1]], [0.0, *force, force[-1]], color=drawing.ACHIEVED, lw=1.8)
+        ax.plot(x, force, ".", color=drawing.TARGET, ms=4)
+        ax.set(xlabel="tangential displacement  x [µm]", ylabel="friction force  F [N]")
+        ax.set_xlim(left=0.0)
+        ax.set_ylim(bottom=0.0)
         return ax
 
 

@@ -104,13 +104,6 @@ def test_marks_and_grids_are_drawn_to_scale(ax):
     assert (place.left, place.right, place.bottom, place.top) == pytest.approx((0.1, 0.8, 0.1, 0.7))
 
 
-def test_onsets_are_drawn():
-    left = drawing.new_figure(9.0, 4.0).subplots()
-    drawing.onset(left, X, 0.1 * X)
-    assert points(left.lines[0]) == [[0.0, 0.0], [1.0, 0.1], [2.0, 0.2], [4.0, 0.4]]
-    assert points(left.lines[1]) == [[1.0, 0.1], [2.0, 0.2]]
-
-
 def test_an_image_lies_in_its_frame():
     for rows, columns in ((40, 60), (2001, 3500)):
         image = np.zeros((rows, columns))
