@@ -104,10 +104,10 @@ def law(ax: Axes, load: FloatArray, friction: FloatArray, *, forces: bool, **sty
 
 def name_law(ax: Axes, *, forces: bool) -> None:
     """Label the axes of a friction law, and let them begin at zero."""
-    ax.set_xlabel("load  P [N]" if forces else "rescaled load  P/E* [mm²]")
-    ax.set_ylabel("friction force  F [N]" if forces else "rescaled friction  F/(σB) [mm²]")
-    ax.set_xlim(left=0.0)
-    ax.set_ylim(bottom=0.0)
+    ax.set(xlabel="rescaled load  P/E* [mm²]", ylabel="rescaled friction  F/(σB) [mm²]")
+    if forces:
+        ax.set(xlabel="load  P [N]", ylabel="friction force  F [N]")
+    ax.set(xlim=(0.0, None), ylim=(0.0, None))
 
 
 def summits(ax: Axes, position: FloatArray, height: FloatArray, radius: FloatArray) -> None:
@@ -204,5 +204,4 @@ def plan(ax: Axes) -> None:
     ax.set_aspect("equal")
     ax.autoscale_view()
     ax.margins(0.08)
-    ax.set_xlabel("x [mm]")
-    ax.set_ylabel("y [mm]")
+    ax.set(xlabel="x [mm]", ylabel="y [mm]")

@@ -80,8 +80,7 @@ class Onset(Value):
         ax.plot([0.0, *x, 1.1 * x[-1]], [0.0, *force, force[-1]], color=drawing.ACHIEVED, lw=1.8)
         ax.plot(x, force, ".", color=drawing.TARGET, ms=4)
         ax.set(xlabel="tangential displacement  x [µm]", ylabel="friction force  F [N]")
-        ax.set_xlim(left=0.0)
-        ax.set_ylim(bottom=0.0)
+        ax.set(xlim=(0.0, None), ylim=(0.0, None))
         return ax
 
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import wraps
 from itertools import cycle
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -30,6 +32,18 @@ VIEWED_LOADS = (0.1, 0.4, 1.0)
 # Diameter of the rings that mark open summits, and smallest drawn diameter of contacts, over the distance
 # between summits. Smaller circles would be invisible.
 RING, LEAST_DOT = 0.3, 0.1
+
+
+def beside_text(draw: Callable[..., None]) -> Callable[..., Figure]:
+    """Return the function that draws on the axes of a new figure, which stands beside a table or words."""
+
+    @wraps(draw)
+    def drawn(*given: Any) -> Figure:
+        figure = new_figure(*BESIDE_TEXT, MARGINS)
+        draw(figure.add_subplot(), *given)
+        return finished(figure)
+
+    return drawn
 
 
 def law_figure(design: Design) -> Figure:
@@ -69,12 +83,11 @@ def _force_axes(design: Design, ax: Axes) -> None:
         right.set_ylabel("friction F [N]")
 
 
-def coefficient_figure(design: Design, friction: Friction) -> Figure:
+@beside_text
+def coefficient_figure(ax: Axes, design: Design, friction: Friction) -> None:
     """Draw the friction coefficient F/P against the load [N], with the target."""
     law, target = design.law, design.target_law
     ratio = friction.stress / law.material.composite_modulus
-    figure = new_figure(*BESIDE_TEXT, MARGINS)
-    ax = figure.add_subplot()
     ax.plot(law.load, law.friction_coefficient, color=ACHIEVED, lw=1.8, label="achieved")
     load = target.load * law.material.composite_modulus
     if design.density is None:
@@ -84,30 +97,23 @@ def coefficient_figure(design: Design, friction: Friction) -> Figure:
             ends = law.material.composite_modulus * np.array(branch.load_range)
             label = None if i else "target slope dF/dP"
             ax.plot(ends, np.full(2, ratio * branch.slope), color=TARGET, label=label)
-    ax.set(xlabel="load  P [N]", ylabel="friction coefficient  μ = F/P")
-    ax.set_xlim(left=0.0)
-    ax.set_ylim(bottom=0.0)
-    return finished(figure)
+    ax.set(xlabel="load  P [N]", ylabel="friction coefficient  μ = F/P", xlim=(0.0, None), ylim=(0.0, None))
 
 
-def onset_figure(sliding: Onset) -> Figure:
+@beside_text
+def onset_figure(ax: Axes, sliding: Onset) -> None:
     """Draw the friction force against the tangential displacement."""
-    figure = new_figure(*BESIDE_TEXT, MARGINS)
-    sliding.plot(figure.add_subplot())
-    return finished(figure)
+    sliding.plot(ax)
 
 
-def interaction_figure(models: Dataset) -> Figure:
+@beside_text
+def interaction_figure(ax: Axes, models: Dataset) -> None:
     """Draw the change of A0 from that of independent asperities, in percent, against the load."""
-    figure = new_figure(*BESIDE_TEXT, MARGINS)
-    ax = figure.add_subplot()
     ax.axhline(0.0, color=QUIET, lw=0.8)
     changes = 100.0 * models["area_change"].values[1:]
     for name, change, style in zip(models["model"].values[1:], changes, cycle(("-", "--", ":", "-."))):
         ax.plot(models["rescaled_load"], change, style, color=ACHIEVED, label=str(name))
-    ax.set(xlabel="rescaled load  P/E* [mm²]", ylabel="change of A0 [%]")
-    ax.set_xlim(left=0.0)
-    return finished(figure)
+    ax.set(xlabel="rescaled load  P/E* [mm²]", ylabel="change of A0 [%]", xlim=(0.0, None))
 
 
 def height_figure(design: Design) -> Figure:

@@ -9,15 +9,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from metafem._values import MICROMETRES
-from metafem.drawing import ACHIEVED, MARGINS, MEASURED, MEASURED_BESIDE, QUIET, TARGET, finished, new_figure
+from metafem.drawing import ACHIEVED, MEASURED, MEASURED_BESIDE, QUIET, TARGET, finished, new_figure
 from metafem.drawing.calibration import measured, residuals
 from metafem.drawing.inline import drawn
 from metafem.inversion import Design
-from metafem.report.figures import BESIDE_TEXT
+from metafem.report.figures import BESIDE_TEXT, beside_text
 from metafem.studies.measured import features
 from metafem.studies.summary import in_words, main_quantity, shares, summary
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from xarray import Dataset
 
@@ -43,10 +44,9 @@ COLOURS = (ACHIEVED, TARGET)
 ROOM = 1.08
 
 
-def manufacturing_figure(studies: Labelled) -> Figure:
+@beside_text
+def manufacturing_figure(ax: Axes, studies: Labelled) -> None:
     """Draw mean slope over nominal slope against the SD of the heights, with bars of ± SD, as in Fig. S3."""
-    figure = new_figure(*BESIDE_TEXT, MARGINS)
-    ax = figure.add_subplot()
     ax.axhline(1.0, color=QUIET, lw=0.8)
     for (label, study), colour in zip(studies.items(), cycle(COLOURS), strict=False):
         nominal, study = float(study["nominal_slope"]), study.sortby("height_sd")
@@ -57,13 +57,11 @@ def manufacturing_figure(studies: Labelled) -> Figure:
             fmt="o-", ms=3, lw=1.2, capsize=2, color=colour, label=label or None,
         )  # fmt: skip
     ax.set(xlabel="standard deviation of the heights  SD(dh) [µm]", ylabel="slope over nominal, ± SD")
-    return finished(figure)
 
 
-def misalignment_figure(studies: Labelled) -> Figure:
+@beside_text
+def misalignment_figure(ax: Axes, studies: Labelled) -> None:
     """Draw the SD of the slope over the nominal slope against the largest angle, as in Fig. S2."""
-    figure = new_figure(*BESIDE_TEXT, MARGINS)
-    ax = figure.add_subplot()
     for (label, study), colour in zip(studies.items(), cycle(COLOURS), strict=False):
         angle = np.append(0.0, np.degrees(study["angle"].values))
         scatter = 100.0 * study["slope_sd"].values / float(study["nominal_slope"])
@@ -72,10 +70,7 @@ def misalignment_figure(studies: Labelled) -> Figure:
         for i, each in enumerate(shuffled[:MOST_SHUFFLES]):
             name = f"{label} shuffled".strip() if i == 0 else None
             ax.plot(angle, each, "--", color=colour, lw=0.6, alpha=0.6, label=name)
-    ax.set(xlabel="largest angle  |φ| [°]", ylabel="SD of the slope [%]")
-    ax.set_xlim(left=0.0)
-    ax.set_ylim(bottom=0.0)
-    return finished(figure)
+    ax.set(xlabel="largest angle  |φ| [°]", ylabel="SD of the slope [%]", xlim=(0.0, None), ylim=(0.0, None))
 
 
 def uncertainty_figure(study: Dataset) -> Figure:
@@ -90,8 +85,7 @@ def uncertainty_figure(study: Dataset) -> Figure:
     ax.barh(labels, 100.0 * shares(study, name, "first_order"), height=0.5, color=ACHIEVED, label="alone")
     ax.set_ylim(max(len(labels), FEW_BARS) - 0.5, -0.5)
     ax.legend(**LEGEND_ABOVE)
-    ax.set_xlabel("share of the variance [%]")
-    ax.set_xlim(left=0.0)
+    ax.set(xlabel="share of the variance [%]", xlim=(0.0, None))
     return finished(figure)
 
 
