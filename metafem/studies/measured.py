@@ -181,16 +181,14 @@ def answers(study: xr.Dataset) -> list[str]:
     found = []
     for i in range(study.sizes["law"]):
         one = study.isel(law=i)
-        label, freedom = str(one["law"].item()), int(one["freedom"])
+        label = str(one["law"].item())
         points = study.isel(point=np.flatnonzero(study["of_law"].values == label))
         ratio = (points["deviation"] / points["predicted"]).values[points["predicted"].values > 0.0]
         rms = percent(float(np.sqrt((ratio**2).mean()))) if ratio.size else "unknown"
         agrees, rejected = ("agrees", "not rejected") if int(one["fits"]) else ("does not agree", "rejected")
         found.append(
             f"The {label} law {agrees} with the design within its error bars ({rejected} at {LIMIT}): "
-            f"rms deviation {rms}, "
-            f"chi² = {chi(float(one['chi_square']))} with {freedom} degree{'s' * (freedom != 1)} of freedom "
-            f"(p = {float(one['probability']):.2g})."
+            f"rms deviation {rms}, {one['verdict'].item()}."
         )
     return found
 
