@@ -254,14 +254,12 @@ def with_calibration(
     import numpy as np
     from scipy.linalg import block_diag
 
-    found, friction = mf.files.read_parameters(path), surface.friction
+    from metafem.studies.uncertainty import nominal_values
+
+    found = mf.files.read_parameters(path)
     twice = ", ".join(name for name in found.parameters if name in deviations)
     refuse_if(twice, f"--sd {twice} and --calibration both give the error of {twice}; keep one")
-    designed = {
-        "radius": surface.radius.mean(),
-        "composite_modulus": surface.material.composite_modulus,
-        **({} if friction is None else vars(friction)),
-    }
+    designed = nominal_values(surface)
     used = [i for i, name in enumerate(found.parameters) if name in designed]
     names = [found.parameters[i] for i in used]
     for name, sd, value in zip(names, found.sd[used], found.value[used], strict=True):

@@ -7,20 +7,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from metafem import _validate as check
-from metafem._validate import FloatArray
-from metafem.contact import Contact
-from metafem.errors import InvalidInput, NotConverged
+from metafem.errors import InvalidInput, NotConverged, refuse_if
 from metafem.inversion import Design
-from metafem.models import Independent, Interacting, Model
+from metafem.models import Independent, Interacting
 from metafem.models.model import contact_of, has_paraboloids
-from metafem.notes import Note, from_lines, information
-from metafem.prediction import FrictionLaw, friction_law
+from metafem.notes import from_lines, information
+from metafem.prediction import friction_law
 from metafem.progress import doing, each
 from metafem.studies.caps import caps_of, law_of_caps
 from metafem.studies.dataset import Variables, dataset
 from metafem.studies.draws import generator_of, seed_of
 from metafem.substrate import BondedLayer, HalfSpace
-from metafem.surface import Surface
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -45,39 +42,6 @@ NOT_KEPT = (
     "its influence between these sites has not been computed. This takes about a minute; `metafem study "
     "fidelity` computes and stores it"
 )
-
-
-def laws_on_substrates(
-    surface: Surface, load: FloatArray, contact: Contact, *, wait: bool
-) -> tuple[dict[str, FrictionLaw], list[Note]]:
-    """Return the law of independent asperities, the laws on three substrates, and notes on what is left out.
-
-    The substrates are the half-space, the bonded layer and the true block. All models have the contact law
-    `contact` with its largest order of interaction. The keys are the names of the models on the command line,
-    "independent" first. load: (k,) [N]. Left out are the layer and the true block if the surface has no
-    block, the true block if its influence is not on disk and `wait` is False, and models without a solution.
-    """
-    order, notes, laws = contact.largest_order, [], {}
-    substrates: dict[str, Any] = {"half-space": HalfSpace()}
-    if surface.block is None:
-        notes.append(information("the layer and the true block are left out: the surface has no block"))
-    else:
-        from metafem.fe import Block3D  # imports scikit-fem; no other model needs it
-
-        substrates |= {"layer": BondedLayer(), "true block": Block3D()}
-    models: dict[str, Model] = {name: Interacting(order, each, contact) for name, each in substrates.items()}
-    for name, model in each("law", [("independent", Independent(contact)), *models.items()]):
-        try:
-            if name == "true block" and not (wait or substrates[name].is_kept(surface)):
-                raise InvalidInput(NOT_KEPT)
-            laws[name.removeprefix("true ")] = friction_law(surface, model, load=load)
-        except (InvalidInput, NotConverged) as reason:
-            if not model.couples:
-                raise
-            unsolved = f"order {order} has no solution up to {load[-1]:.4g} N ({reason})"
-            why = unsolved if isinstance(reason, NotConverged) else str(reason)
-            notes.append(information(f"the {name} is left out: {why}"))
-    return laws, notes
 
 
 @doing("comparing the models")
@@ -124,12 +88,36 @@ def fidelity(design: Design, *, elements: bool = True) -> xr.Dataset:
 
 
 def compared(design: Design, *, elements: bool, wait: bool) -> xr.Dataset:
-    """Return the dataset of `fidelity`; unless `wait`, the true block only if its influence is stored."""
-    surface, law, error = design.surface, design.law, float("nan")
-    laws, notes = laws_on_substrates(surface, law.load, contact_of(law.model), wait=wait)
-    if law.model not in [each.model for each in laws.values()]:
+    """Return the dataset of `fidelity`, and notes on what is left out.
+
+    All models have the contact law of the design with its largest order of interaction. Left out are the
+    layer and the true block if the surface has no block, the true block if its influence is not on disk and
+    `wait` is False, and models without a solution.
+    """
+    surface, law, error, notes = design.surface, design.law, float("nan"), []
+    contact = contact_of(law.model)
+    substrates: dict[str, Any] = {"half-space": HalfSpace()}
+    if surface.block is None:
+        notes.append(information("the layer and the true block are left out: the surface has no block"))
+    else:
+        from metafem.fe import Block3D  # imports scikit-fem; no other model needs it
+
+        substrates |= {"layer": BondedLayer(), "true block": Block3D()}
+    order = contact.largest_order
+    laws = {"independent": friction_law(surface, Independent(contact), load=law.load)}
+    for name, substrate in each("law", list(substrates.items())):
+        try:
+            refuse_if(name == "true block" and not (wait or substrate.is_kept(surface)), NOT_KEPT)
+            model = Interacting(order, substrate, contact)
+            laws[name.removeprefix("true ")] = friction_law(surface, model, load=law.load)
+        except InvalidInput as reason:
+            notes.append(information(f"the {name} is left out: {reason}"))
+        except NotConverged as reason:
+            why = f"order {order} has no solution up to {law.load[-1]:.4g} N ({reason})"
+            notes.append(information(f"the {name} is left out: {why}"))
+    if law.model not in [found.model for found in laws.values()]:
         laws[law.model.name] = law
-    curves = {name: (each.area, each.separation) for name, each in laws.items()}
+    curves = {name: (found.area, found.separation) for name, found in laws.items()}
     if elements and not has_paraboloids(law.model):
         notes.append(information("fe is left out: its caps are spherical, to be compared with paraboloids"))
     elif elements:
