@@ -14,10 +14,9 @@ from numpy.typing import ArrayLike
 from metafem import _validate as check
 from metafem import drawing
 from metafem._validate import FloatArray
-from metafem._values import MICROMETRES, Value, span
+from metafem._values import Value, span
 from metafem.caps import SPHERE, Cap
 from metafem.caps.shapes import caps_of
-from metafem.drawing import card
 from metafem.errors import InvalidInput, refuse_if
 from metafem.material import Block, Friction, Material, PeriodicCell
 
@@ -164,13 +163,6 @@ class Surface(Value):
     def __repr__(self) -> str:
         count, *rest = self._facts().items()
         return f"<Surface: {count[1]} asperities, {', '.join(f'{name} {words}' for name, words in rest)}>"
-
-    def _repr_html_(self) -> str:
-        """Return the HTML representation for notebooks."""
-        if self.count <= 4000:  # more are not seen individually
-            return card.card("Surface", self._facts(), self.plot)
-        heights = MICROMETRES * self.height, "summit height [µm]"
-        return card.card("Surface", self._facts(), lambda ax: card.distribution(ax, *heights))
 
     def _facts(self) -> dict[str, str]:
         """Return the quantities for the printed summary."""

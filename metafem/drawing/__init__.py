@@ -102,22 +102,12 @@ def law(ax: Axes, load: FloatArray, friction: FloatArray, *, forces: bool, **sty
     name_law(ax, forces=forces)
 
 
-def onset(ax: Axes, displacement: FloatArray, force: FloatArray) -> None:
-    """Draw forces [N] against tangential displacements [um] from the origin; mark all but the last."""
-    ax.plot(np.append(0.0, displacement), np.append(0.0, force), color=ACHIEVED, lw=1.8)
-    ax.plot(displacement[:-1], force[:-1], ".", color=TARGET, ms=4)
-    ax.set_xlabel("tangential displacement  x [µm]")
-    ax.set_ylabel("friction force  F [N]")
-    ax.set_xlim(left=0.0)
-    ax.set_ylim(bottom=0.0)
-
-
 def name_law(ax: Axes, *, forces: bool) -> None:
     """Label the axes of a friction law, and let them begin at zero."""
-    ax.set_xlabel("load  P [N]" if forces else "rescaled load  P/E* [mm²]")
-    ax.set_ylabel("friction force  F [N]" if forces else "rescaled friction  F/(σB) [mm²]")
-    ax.set_xlim(left=0.0)
-    ax.set_ylim(bottom=0.0)
+    ax.set(xlabel="rescaled load  P/E* [mm²]", ylabel="rescaled friction  F/(σB) [mm²]")
+    if forces:
+        ax.set(xlabel="load  P [N]", ylabel="friction force  F [N]")
+    ax.set(xlim=(0.0, None), ylim=(0.0, None))
 
 
 def summits(ax: Axes, position: FloatArray, height: FloatArray, radius: FloatArray) -> None:
@@ -214,5 +204,4 @@ def plan(ax: Axes) -> None:
     ax.set_aspect("equal")
     ax.autoscale_view()
     ax.margins(0.08)
-    ax.set_xlabel("x [mm]")
-    ax.set_ylabel("y [mm]")
+    ax.set(xlabel="x [mm]", ylabel="y [mm]")

@@ -43,8 +43,7 @@ def proportional(
     measured(ax, x, y, x_sd, y_sd)
     ends = np.array([0.0, 1.05 * float(np.nanmax(x))])
     fitted(ax, ends, factor * ends)
-    ax.set_xlim(left=0.0)
-    ax.set_ylim(bottom=0.0)
+    ax.set(xlim=(0.0, None), ylim=(0.0, None))
 
 
 def residuals(ax: Axes, x: FloatArray, residual: FloatArray, colour: str = ACHIEVED) -> None:

@@ -15,7 +15,6 @@ from metafem import drawing
 from metafem._validate import FloatArray, IntArray
 from metafem._values import Value, percent, span
 from metafem.drawing import TARGET
-from metafem.drawing.card import card
 from metafem.errors import refuse_if
 from metafem.inversion.density import ExponentialDensity
 from metafem.inversion.from_density import law_of
@@ -166,10 +165,6 @@ class Design(Value):
     def __repr__(self) -> str:
         lines = [f"  {name:<11} {words}" for name, words in self._facts().items()]
         return "\n".join([f"Design: {self.target.title}", *lines])
-
-    def _repr_html_(self) -> str:
-        """Return the HTML representation for notebooks."""
-        return card("Design: " + self.target.title, self._facts(), partial(draw_laws, self))
 
     def _facts(self) -> dict[str, str]:
         """Return the quantities for the printed summary."""

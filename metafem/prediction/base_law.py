@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from abc import abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -42,14 +41,37 @@ QUANTITIES = {
     "residual": ("1", "relative error of the equations"),
 }
 
-# Suffix that marks the name of a standard deviation.
-DEVIATION = "_sd"
+# Statistics in words, by the suffix of a name.
+STATISTICS = {
+    "mean": "mean",
+    "sd": "standard deviation",
+    "quantile": "quantile",
+    "first_order": "share of the variance that the parameter explains alone",
+    "total": "share of the variance that remains if all other parameters are known",
+    "error": "standard sampling error",
+}
 
 
-def described(name: str) -> tuple[str, str]:
-    """Return unit and meaning of a quantity, or of its standard deviation."""
-    unit, words = QUANTITIES[name.removesuffix(DEVIATION)]
-    return unit, f"{words}, standard deviation" if name.endswith(DEVIATION) else words
+def described(name: str, known: Mapping[str, tuple[str, str]] = QUANTITIES) -> dict[str, str]:
+    """Return units and long name of a quantity or its statistic, such as ``area_sd_error``; {} if unknown.
+
+    Examples
+    --------
+    >>> described("area_mean_error")
+    {'units': 'mm2', 'long_name': 'real contact area A0, mean, standard sampling error'}
+    """
+    words, share, base = ["without errors"] * name.startswith("nominal_"), False, name
+    if name not in known:
+        base = name.removeprefix("nominal_")
+    while base not in known:
+        end = next((end for end in STATISTICS if base.endswith(f"_{end}")), None)
+        if end is None:
+            return {}
+        # a share of the variance has no unit, whatever the quantity
+        base, share = base.removesuffix(f"_{end}"), share or end in ("first_order", "total")
+        words.insert(0, STATISTICS[end])
+    unit, quantity = known[base]
+    return {"units": "1" if share else unit, "long_name": ", ".join([quantity, *words])}
 
 
 @dataclass(frozen=True)
@@ -108,24 +130,13 @@ def fit_branch(
     enough = count >= 3 and np.ptp(load[chosen]) > 0.0
     least = "a fit needs at least 3 points, at different loads"
     refuse_if(not enough, f"{words} {load.min():g} to {load.max():g} mm^2; {least}")
-    x, y = load[chosen], area[chosen]
-    centre, spread = x.mean(), ((x - x.mean()) ** 2).sum()
-    slope = float(((x - centre) * (y - y.mean())).sum() / spread)
-    intercept = float(y.mean() - slope * centre)
-    scatter = math.sqrt(float(((y - intercept - slope * x) ** 2).sum()) / (count - 2))
-    error = float(stdtrit(count - 2, UPPER)) * scatter
-    slope_error = error / math.sqrt(spread)
-    intercept_error = error * math.sqrt(1.0 / count + centre**2 / spread)
-    return BranchFit(
-        slope,
-        intercept,
-        (slope - slope_error, slope + slope_error),
-        (intercept - intercept_error, intercept + intercept_error),
-        (low, high),
-        count,
-        None if friction is None else friction.stress / material.composite_modulus * slope,
-        None if friction is None else friction.stress * intercept,
-    )
+    line, covariance = np.polyfit(load[chosen], area[chosen], 1, cov=True)
+    error = stdtrit(count - 2, UPPER) * np.sqrt(np.diag(covariance))
+    (slope, intercept), low_end, high_end = line.tolist(), (line - error).tolist(), (line + error).tolist()
+    intervals = (low_end[0], high_end[0]), (low_end[1], high_end[1])
+    ratio = None if friction is None else friction.stress / material.composite_modulus * slope
+    force = None if friction is None else friction.stress * intercept
+    return BranchFit(slope, intercept, *intervals, (low, high), count, ratio, force)
 
 
 class BaseLaw(Value):
@@ -220,7 +231,7 @@ class BaseLaw(Value):
 
     def columns(self) -> dict[str, FloatArray]:
         """Return the arrays (k,) by column name, which includes the unit: ``load_N``, ``area_mm2``."""
-        units = {name: described(name)[0].replace("/", "_per_") for name in self.quantities()}
+        units = {name: described(name)["units"].replace("/", "_per_") for name in self.quantities()}
         return {
             name if units[name] == "1" else f"{name}_{units[name]}": values
             for name, values in self.quantities().items()
@@ -274,10 +285,10 @@ class BaseLaw(Value):
         """
         from xarray import Dataset
 
-        variables = {}
-        for name, values in self.quantities().items():
-            unit, words = described(name)
-            variables[name] = ("rescaled_load", values.copy(), {"units": unit, "long_name": words})
+        variables = {
+            name: ("rescaled_load", values.copy(), described(name))
+            for name, values in self.quantities().items()
+        }
         coordinate = {"rescaled_load": variables.pop("rescaled_load")}
         return Dataset(variables, coordinate, dict(self._about()))
 

@@ -12,7 +12,6 @@ from metafem import _validate as check
 from metafem import drawing
 from metafem._validate import FloatArray
 from metafem._values import span
-from metafem.drawing import card
 from metafem.errors import InvalidInput, NotConverged, refuse_if
 from metafem.models import Curve, Independent, Model, Status
 from metafem.models.curve import ModelError
@@ -27,12 +26,6 @@ if TYPE_CHECKING:
 
 # Arrays of a law, with one entry for each load.
 ARRAYS = ("rescaled_load", "area", "separation", "approach", "rescaled_stiffness", "residual")
-
-# Additional quantities of a law whose surface has a Friction.
-FORCES = ("friction_force", "friction_coefficient", "nominal_shear_stress")
-
-# Additional quantities of a law whose surface has a periodic cell.
-NOMINAL = ("nominal_pressure", "nominal_shear_stress")
 
 # Quantities that may be negative; the load is negative only when adhesive contacts are pulled apart.
 SIGNED = ("rescaled_load", "separation", "approach")
@@ -129,25 +122,11 @@ class FrictionLaw(BaseLaw):
         refuse_if(fall, "the loads of a law must not decrease")
 
     def __repr__(self) -> str:
-        *facts, (_, notes) = self._facts().items()
-        return f"<FrictionLaw: {', '.join(f'{name} {fact}' for name, fact in facts)}, {notes}>"
-
-    def _repr_html_(self) -> str:
-        """Return the HTML representation for notebooks."""
-        forces = self.friction is not None
-        arrays = (self.load, self.friction_force) if forces else (self.rescaled_load, self.rescaled_friction)
-        x, y = card.thinned(*arrays)
-        return card.card("Friction law", self._facts(), lambda ax: drawing.law(ax, x, y, forces=forces))
-
-    def _facts(self) -> dict[str, str]:
-        """Return the quantities for the printed summary."""
-        ends = self.material.composite_modulus * self.rescaled_load[[0, -1]]
-        facts = {f"{len(self.area):,} loads": span(ends, "N"), "area": span(self.area, "mm^2")}
-        if self.friction is not None:
-            ends = np.array([self.rescaled_friction.min(), self.rescaled_friction.max()])
-            facts["friction force"] = span(self.friction.stress * ends, "N")
-        facts |= {"model": repr(self.model), "status": self.status.name.lower(), "notes": printed_count(self)}
-        return facts
+        force = "" if self.friction is None else f"friction force {span(self.friction_force, 'N')}, "
+        return (
+            f"<FrictionLaw: {len(self.area):,} loads {span(self.load, 'N')}, area {span(self.area, 'mm^2')}, "
+            f"{force}model {self.model!r}, status {self.status.name.lower()}, {printed_count(self)}>"
+        )
 
     @property
     def load(self) -> FloatArray:
@@ -172,29 +151,20 @@ class FrictionLaw(BaseLaw):
             raise InvalidInput(f"{words} friction=metafem.Friction(shear_strength, area_ratio)")
         return self.friction.stress * self.rescaled_friction
 
-    @property
-    def nominal_pressure(self) -> FloatArray:
-        """Load per area of the periodic cell, P/A [MPa], (k,); raises InvalidInput without a cell."""
-        return np.asarray(self.load / self._nominal_area())
-
-    @property
-    def nominal_shear_stress(self) -> FloatArray:
-        """Friction force per area of the periodic cell, F/A [MPa], (k,), if both are known."""
-        return np.asarray(self.friction_force / self._nominal_area())
-
-    def _nominal_area(self) -> float:
-        if self.cell is None:
-            words = "loads per area need a periodic surface; create it with"
-            raise InvalidInput(f"{words} cell=metafem.PeriodicCell(...)")
-        return self.cell.area
-
     def _force(self) -> FloatArray:
         return self.friction_force
 
     def quantities(self) -> dict[str, FloatArray]:
         """Return the arrays (k,) of the law by name, in the order of the columns of its tables."""
-        unknown = (*(FORCES if self.friction is None else ()), *(NOMINAL if self.cell is None else ()))
-        return {name: getattr(self, name) for name in QUANTITIES if name not in unknown}
+        found = {name: getattr(self, name) for name in (*ARRAYS, "load", "rescaled_friction", "stiffness")}
+        if self.friction is not None:
+            found["friction_force"] = self.friction_force
+            found["friction_coefficient"] = self.friction_coefficient
+        if self.cell is not None:
+            found["nominal_pressure"] = self.load / self.cell.area
+        if self.friction is not None and self.cell is not None:
+            found["nominal_shear_stress"] = self.friction_force / self.cell.area
+        return {name: found[name] for name in QUANTITIES if name in found}
 
     def _about(self) -> dict[str, str]:
         about = {"model": repr(self.model), "status": self.status.name.lower(), "notes": to_lines(self.notes)}

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from metafem import _validate as check
 from metafem import drawing
@@ -74,25 +73,14 @@ class Onset(Value):
         """Displacement from which all contacts slide [mm]."""
         return float(self.displacement[-1])
 
-    def force(self, displacement: ArrayLike) -> FloatArray:
-        """Return the friction force [N] at displacements of at least 0 [mm], for arrays of any shape.
-
-        Raises
-        ------
-        InvalidInput
-            If a displacement is negative or not finite.
-        """
-        x = np.asarray(displacement, dtype=np.float64)
-        check.refuse_entries("displacement", x, ~(x >= 0.0) | np.isinf(x), "must be finite and at least 0")
-        # linear between the points at which a contact starts to slide
-        points = np.append(0.0, self.displacement), np.append(0.0, self.friction_force)
-        return np.asarray(np.interp(x, *points))
-
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw the friction force against the displacement, and mark where contacts start to slide."""
         ax = drawing.axes(ax)
-        x = MICROMETRES * np.append(self.displacement, 1.1 * self.displacement[-1])
-        drawing.onset(ax, x, np.append(self.friction_force, self.friction_force[-1]))
+        x, force = MICROMETRES * self.displacement, self.friction_force
+        ax.plot([0.0, *x, 1.1 * x[-1]], [0.0, *force, force[-1]], color=drawing.ACHIEVED, lw=1.8)
+        ax.plot(x, force, ".", color=drawing.TARGET, ms=4)
+        ax.set(xlabel="tangential displacement  x [µm]", ylabel="friction force  F [N]")
+        ax.set(xlim=(0.0, None), ylim=(0.0, None))
         return ax
 
 
@@ -142,8 +130,8 @@ def onset(surface: Surface, model: Model | None = None, *, load: float) -> Onset
     ...     0.1, (2, 2), radius=0.526, material=mf.Material(1.36), friction=mf.Friction(0.404)
     ... )
     >>> found = onset(surface, load=0.2)
-    >>> round(found.sliding_displacement, 4), round(float(found.force(0.05)), 4)
-    (0.1707, 0.0884)
+    >>> round(found.sliding_displacement, 4), found.friction_force[-1].round(4)
+    (0.1707, np.float64(0.3019))
     """
     check.instance("surface", surface, Surface, "a metafem.Surface")
     friction = surface.friction

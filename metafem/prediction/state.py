@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem._values import Value
-from metafem.drawing import card
 from metafem.errors import InvalidInput, NotConverged, refuse_if
 from metafem.models import ContactField, Independent, Model, Status
 from metafem.models.curve import ModelError
@@ -18,12 +16,6 @@ from metafem.models.model import checked_model
 from metafem.notes import Note, late, printed_count, when_read
 from metafem.prediction.validity import NOT_ESTIMATED, REMEDY, Validity
 from metafem.surface import Surface
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-# Millinewtons per newton.
-MILLINEWTONS = 1e3
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -106,34 +98,13 @@ class ContactState(Value):
         return self._field
 
     def __repr__(self) -> str:
-        *facts, (_, notes) = self._facts().items()
-        return f"<ContactState: {', '.join(f'{name} {fact}' for name, fact in facts)}, {notes}>"
-
-    def _repr_html_(self) -> str:
-        """Return the HTML representation for notebooks."""
-        loads = self.asperity_load[self.asperity_area > 0.0]
-
-        def distribution(ax: Axes) -> None:
-            card.distribution(ax, MILLINEWTONS * loads, "load of an asperity in contact [mN]")
-
-        draw = self._field.plot if self._field is not None else distribution
-        shown = self._field is not None or len(loads) >= card.FEWEST
-        return card.card("Contact state", self._facts(), draw if shown else None)
-
-    def _facts(self) -> dict[str, str]:
-        """Return the quantities for the printed summary."""
-        closed = int(np.count_nonzero(self.asperity_area > 0.0))
-        return {
-            "load": f"{self.load:.4g} N",
-            "area": f"{self.area:.4g} mm^2",
-            "separation": f"{self.separation:.4g} mm",
-            "stiffness": f"{self.stiffness:.4g} N/mm",
-            "in contact": f"{closed:,} of {len(self.asperity_area):,}",
-            "model": repr(self.model),
-            "status": self.status.name.lower(),
-            "residual": f"{self.residual:.1e}",
-            "notes": printed_count(self),
-        }
+        closed = f"{np.count_nonzero(self.asperity_area > 0.0):,} of {len(self.asperity_area):,}"
+        return (
+            f"<ContactState: load {self.load:.4g} N, area {self.area:.4g} mm^2, "
+            f"separation {self.separation:.4g} mm, stiffness {self.stiffness:.4g} N/mm, in contact {closed}, "
+            f"model {self.model!r}, status {self.status.name.lower()}, residual {self.residual:.1e}, "
+            f"{printed_count(self)}>"
+        )
 
 
 def equilibrium(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +9,7 @@ import numpy as np
 from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.errors import refuse_if
+from metafem.models import Model
 from metafem.surface import STEEPEST, Surface
 
 # Smallest allowed ratio of a radius to its standard deviation, so that all perturbed radii are positive: a
@@ -95,27 +95,13 @@ class Tolerances:
             height = height + slope[:, 0] * x + slope[:, 1] * y
         return height, radius, position
 
-    def linear_covariance(self, surface: Surface, gradient: FloatArray) -> FloatArray:
-        """Return the covariance (k, k) of linear functions of the heights, due to errors of heights and tilt.
 
-        The covariance is ``g C g'`` with the gradients g and the covariance C of the heights. C has
-        height_sd^2 on its diagonal; the tilt adds ``t x_i.x_j``, where ``t = tan(angle)/angle - 1`` is the
-        variance of the tangent of a tilt angle. The mean change of every linear function is zero.
+def scatter(
+    surface: Surface, model: Model, load: FloatArray, height_sd: float
+) -> tuple[FloatArray, FloatArray]:
+    """Return A0 at rescaled loads (k,) [mm^2], and its standard deviation by small errors of the heights.
 
-        Parameters
-        ----------
-        surface : Surface
-            The nominal surface.
-        gradient : ndarray, (k, n)
-            Derivatives of k functions with respect to the heights, such as those of A0 at k loads [mm].
-
-        Returns
-        -------
-        ndarray, (k, k)
-        """
-        if self.angle > 0.0:
-            surface.refuse_tilt()
-        tilt = math.tan(self.angle) / self.angle - 1.0 if self.angle > 0.0 else 0.0
-        moment = gradient @ surface.position
-        alone = self.height_sd**2 + 2.0 * tilt * self.position_sd**2
-        return np.asarray(alone * (gradient @ gradient.T) + tilt * (moment @ moment.T))
+    To first order, ``var(A0) = height_sd^2 sum_i (dA0/dh_i)^2``, with the derivatives at fixed load.
+    """
+    found = model.gradient_model.sensitivity(surface, load)
+    return found.curve.checked().area, height_sd * np.linalg.norm(found.gradient, axis=1)

@@ -180,19 +180,16 @@ def _change_notes(
     if rms < STATED:
         return
     most = int(np.abs(change).argmax())
+    what, who = "thickness of the block", "a half-space"
     if not model.couples:
-        what, cause = (
-            "elastic interaction",
-            "the elastic interaction of the asperities, which this model leaves out,",
-        )
+        what, who = "elastic interaction of the asperities", "this model"
     elif model.reference == reference:
-        what, cause = "size of the contacts", "the size of the contacts, which point loads leave out,"
-    else:
-        what, cause = "thickness of the block", "the block's thickness, which a half-space leaves out,"
+        what, who = "size of the contacts", "a point load"
     spread = f"by {percent(rms)} rms and " if load.size > 1 else ""
     text = (
-        f"{cause} changes A0 at a given load {spread}by up to {percent(change[most], '+.2g')}, at "
-        f"{surface.material.composite_modulus * load[most]:.4g} N ({rung_name(reference)})"
+        f"the {what}, which {who} leaves out, changes A0 at a given load {spread}by up to "
+        f"{percent(change[most], '+.2g')}, at {surface.material.composite_modulus * load[most]:.4g} N "
+        f"({rung_name(reference)})"
     )
     if rms > BOUND:
         better = "half-space" if reference.substrate == HalfSpace() else "layer"

@@ -1,4 +1,5 @@
 from .page import page as page
+from .page import write as write
 from .words import all_notes as all_notes
 from .words import error_data as error_data
 from .words import error_words as error_words

@@ -2,26 +2,29 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from functools import wraps
+from itertools import cycle
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from metafem import drawing
 from metafem._values import three_digits
 from metafem.drawing import ACHIEVED, LARGEST_DOT, MARGINS, QUIET, TARGET, finished, new_figure, scaling
-from metafem.inversion import Design, feasible_region
+from metafem.inversion import Design
 from metafem.inversion.result import draw_target, few
-from metafem.models.model import contact_of
 from metafem.prediction import Onset, equilibrium
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from xarray import Dataset
 
     from metafem.surface import Friction
 
-# Approximate number of loads at which sensitivities are drawn; a law usually has a hundred loads.
-SENSITIVITY_LOADS = 33
+# Width and height of a figure that stands beside a table or words [inch].
+BESIDE_TEXT = 5.2, 2.7
 
 # The three loads of the contact views, as fractions of the largest load of the law.
 VIEWED_LOADS = (0.1, 0.4, 1.0)
@@ -31,11 +34,22 @@ VIEWED_LOADS = (0.1, 0.4, 1.0)
 RING, LEAST_DOT = 0.3, 0.1
 
 
+def beside_text(draw: Callable[..., None]) -> Callable[..., Figure]:
+    """Return the function that draws on the axes of a new figure, which stands beside a table or words."""
+
+    @wraps(draw)
+    def drawn(*given: Any) -> Figure:
+        figure = new_figure(*BESIDE_TEXT, MARGINS)
+        draw(figure.add_subplot(), *given)
+        return finished(figure)
+
+    return drawn
+
+
 def law_figure(design: Design) -> Figure:
     """Draw target and achieved law, and below them the relative difference that defines the misfit."""
-    figure = new_figure(7.0, 5.6, (0.9, 0.8, 0.6, 0.6))
+    figure = new_figure(5.6, 4.7, (0.7, 0.8, 0.6, 0.6))
     ax, below = figure.subplots(2, 1, sharex=True, height_ratios=[3, 1], gridspec_kw={"hspace": 0.08})
-    _draw_reach(design, ax)
     design.plot(ax)
     _draw_difference(design, below)
     for branch, _ in design.fits:
@@ -59,23 +73,6 @@ def _draw_difference(design: Design, ax: Axes) -> None:
         ax.annotate("all points are met to 1e-9", (0.02, 0.75), xycoords="axes fraction", color=QUIET)
 
 
-def _draw_reach(design: Design, ax: Axes) -> None:
-    """Draw the region of laws that independent asperities can reach, if the target is a curve."""
-    target = design.target_law
-    if design.density is not None or few(target):
-        return
-    bounds = np.linspace(0.0, float(target.load[-1]), 200)[1:]
-    low, high = feasible_region(
-        design.template, bounds, design.limits, design.tools, contact_of(design.law.model)
-    )
-    if np.isinf(high).any():  # no bound is proven
-        return
-    ax.fill_between(
-        bounds, low, high, color=QUIET, alpha=0.12, lw=0, label="achievable with independent asperities"
-    )
-    ax.set_ylim(top=1.5 * float(design.law.rescaled_friction[-1]))
-
-
 def _force_axes(design: Design, ax: Axes) -> None:
     """Add axes with the load [N] at the top and, with a Friction, the friction force [N] on the right."""
     friction, modulus = design.surface.friction, design.surface.material.composite_modulus
@@ -86,12 +83,11 @@ def _force_axes(design: Design, ax: Axes) -> None:
         right.set_ylabel("friction F [N]")
 
 
-def coefficient_figure(design: Design, friction: Friction) -> Figure:
+@beside_text
+def coefficient_figure(ax: Axes, design: Design, friction: Friction) -> None:
     """Draw the friction coefficient F/P against the load [N], with the target."""
     law, target = design.law, design.target_law
     ratio = friction.stress / law.material.composite_modulus
-    figure = new_figure(7.0, 3.0, MARGINS)
-    ax = figure.add_subplot()
     ax.plot(law.load, law.friction_coefficient, color=ACHIEVED, lw=1.8, label="achieved")
     load = target.load * law.material.composite_modulus
     if design.density is None:
@@ -101,39 +97,28 @@ def coefficient_figure(design: Design, friction: Friction) -> Figure:
             ends = law.material.composite_modulus * np.array(branch.load_range)
             label = None if i else "target slope dF/dP"
             ax.plot(ends, np.full(2, ratio * branch.slope), color=TARGET, label=label)
-    ax.set(xlabel="load  P [N]", ylabel="friction coefficient  μ = F/P")
-    ax.set_xlim(left=0.0)
-    ax.set_ylim(bottom=0.0)
-    return finished(figure)
+    ax.set(xlabel="load  P [N]", ylabel="friction coefficient  μ = F/P", xlim=(0.0, None), ylim=(0.0, None))
 
 
-def onset_figure(sliding: Onset) -> Figure:
+@beside_text
+def onset_figure(ax: Axes, sliding: Onset) -> None:
     """Draw the friction force against the tangential displacement."""
-    figure = new_figure(7.0, 3.0, MARGINS)
-    sliding.plot(figure.add_subplot())
-    return finished(figure)
+    sliding.plot(ax)
 
 
-def sensitivity_figure(design: Design) -> Figure:
-    """Draw the derivative of the friction, dA0/dh, of each asperity, the tallest first, against the load."""
-    model = design.law.model.gradient_model
-    load = design.law.rescaled_load[:: max(1, len(design.law.load) // SENSITIVITY_LOADS)]
-    gradient = model.sensitivity(design.surface, load).gradient[:, np.argsort(-design.surface.height)]
-    largest = float(np.abs(gradient).max())
-    figure = new_figure(7.0, 3.2, MARGINS)
-    ax = figure.add_subplot()
-    picture = ax.pcolormesh(
-        np.arange(design.surface.count) + 1, load, gradient, cmap="RdBu_r", vmin=-largest, vmax=largest,
-        rasterized=True, shading="nearest",
-    )  # fmt: skip
-    figure.colorbar(picture, label="dA0/dh [mm]")
-    ax.set(xlabel="asperity, the tallest first", ylabel="rescaled load  P/E* [mm²]")
-    return figure
+@beside_text
+def interaction_figure(ax: Axes, models: Dataset) -> None:
+    """Draw the change of A0 from that of independent asperities, in percent, against the load."""
+    ax.axhline(0.0, color=QUIET, lw=0.8)
+    changes = 100.0 * models["area_change"].values[1:]
+    for name, change, style in zip(models["model"].values[1:], changes, cycle(("-", "--", ":", "-."))):
+        ax.plot(models["rescaled_load"], change, style, color=ACHIEVED, label=str(name))
+    ax.set(xlabel="rescaled load  P/E* [mm²]", ylabel="change of A0 [%]", xlim=(0.0, None))
 
 
 def height_figure(design: Design) -> Figure:
     """Draw the heights at their sites, with diameters proportional to the radii; empty sites as rings."""
-    figure = new_figure(5.0, 4.2, (0.7, 0.4, 0.8, 0.3))
+    figure = new_figure(4.8, 3.2, (0.7, 0.4, 0.6, 0.3))
     ax = figure.add_subplot()
     sites = design.template.position
     empty = np.setdiff1d(np.arange(len(sites)), design.sites)
@@ -146,7 +131,7 @@ def height_figure(design: Design) -> Figure:
 
 def contact_figure(design: Design) -> Figure:
     """Draw top views at three loads: contacts as discs to scale, summits that are not in contact as rings."""
-    figure = new_figure(9.6, 4.0, (0.7, 0.1, 0.6, 0.6))
+    figure = new_figure(9.6, 3.7, (0.7, 0.1, 0.6, 0.6))
     axes = figure.subplots(1, len(VIEWED_LOADS), sharex=True, sharey=True, gridspec_kw={"wspace": 0.05})
     position = design.surface.position
     distance = drawing.spacing(position)

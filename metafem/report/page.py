@@ -3,29 +3,41 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from metafem._values import MICROMETRES, three_digits
+from metafem._values import MICROMETRES, percent, three_digits
 from metafem.drawing.inline import drawn
 from metafem.errors import MetafemError
 from metafem.inversion import Design
 from metafem.inversion.result import empty_sites_words
-from metafem.prediction import onset
+from metafem.prediction import Onset, onset
+from metafem.prediction.tolerances import scatter
 from metafem.prediction.validity import BASE, base_contact_load
 from metafem.progress import doing
 from metafem.report import figures, words
 from metafem.report.html import render
-from metafem.report.interaction import MOST_COMPARED, compared, interaction_figure, interaction_rows
 from metafem.report.studies import study_sections
 from metafem.report.words import Row
+from metafem.studies.models import compared
+from metafem.studies.summary import summary
 
 if TYPE_CHECKING:
     from xarray import Dataset
 
+    from metafem.studies import Summary
+
 # Largest number of summits in the table; heights.csv lists all.
 MOST_LISTED = 200
+
+# Largest number of asperities for which coupled laws are computed; they take a second or two.
+MOST_COMPARED = 1500
+
+# Standard deviation of the heights if the specification states none [mm]: the precision of the moulds of the
+# source paper, doi:10.1126/science.adk4234.
+HEIGHT_SD = 0.0009
 
 
 @doing("drawing the report")
@@ -57,51 +69,89 @@ def page(
     >>> text[:15], "http" in text.replace("http://www.w3.org", "")
     ('<!doctype html>', False)
     """
-    surface, friction = design.surface, design.surface.friction
-    laws, left_out = compared(design)
+    surface, friction, studies = design.surface, design.surface.friction, studies or {}
     parts: dict[str, Any] = {
         "law": drawn(figures.law_figure(design), "Target and achieved friction law"),
         "heights": drawn(figures.height_figure(design), "Summit heights at their sites"),
         "contacts": drawn(figures.contact_figure(design), "Real contacts at three loads"),
-        **study_sections(design, studies or {}),
+        **study_sections(design, studies),
     }
+    sliding = None
     if friction is not None:
         sliding = onset(surface, design.law.model, load=float(design.law.load[-1]))
         parts["coefficient"] = drawn(figures.coefficient_figure(design, friction), "Friction coefficient")
         parts["sliding"] = drawn(figures.onset_figure(sliding), "Onset of sliding")
-        parts["sliding_words"] = words.onset_words(sliding)
-    if surface.count <= MOST_COMPARED:
-        parts["sensitivities"] = drawn(figures.sensitivity_figure(design), "Sensitivity of A0 to each height")
-    if laws:
-        parts["interaction"] = drawn(interaction_figure(laws), "Change by elastic interaction")
-        parts["interactions"] = interaction_rows(laws)
+    if surface.count <= MOST_COMPARED or "fidelity" in studies:
+        models = studies.get("fidelity")
+        models = compared(design, elements=False, wait=False) if models is None else models
+        parts["interaction"] = drawn(figures.interaction_figure(models), "Change by elastic interaction")
+        parts["models"] = summary(models)
     return render(
         "page.html",
         design=design,
-        tiles=_tiles(design),
+        numbers=_numbers(design),
         notes=words.all_notes(design, hardness),
         hardness=hardness,
-        left_out=left_out,
         fits=words.fit_table(design),
         parameters=words.parameter_rows(design),
         inputs=_inputs(design),
         summits=_summits(design),
         model_error=words.error_words(design.law.model_error),
+        gists=_gists(design, sliding, parts.get("models")),
         **parts,
     )
 
 
-def _tiles(design: Design) -> list[tuple[str, str]]:
-    heights = design.surface.height * MICROMETRES
+def write(design: Design, path: Path | str, **options: Any) -> None:
+    """Write the report of a design, the text that `page` returns with these options, into a file."""
+    Path(path).write_text(page(design, **options), "utf-8")
+
+
+def _numbers(design: Design) -> list[tuple[str, str]]:
+    """Return the three numbers by which a design is judged, each with what it means."""
+    misfit, value = words.misfit_words(design)
+    error, _, source = words.error_words(design.law.model_error).partition(": ")[2].partition(", ")
+    scattered, errors = _scatter(design)
     return [
-        words.misfit_words(design),
-        (
-            "sites with an asperity",
-            f"{design.surface.count} of {design.template.count}{empty_sites_words(design)}",
-        ),
-        ("heights", f"{heights.min():.1f} – {heights.max():.1f} µm"),
-        ("largest load shown", f"{three_digits(design.law.load[-1])} N"),
+        (value, misfit),
+        (error, f"error of the model: estimated error of A0(P), {source}"),
+        (scattered, f"scatter when made: {errors}"),
     ]
+
+
+def _scatter(design: Design) -> tuple[str, str]:
+    """Return the relative scatter of A0 by errors of the heights, and its meaning."""
+    model, target, sd = design.law.model, design.target_law, design.limits.height_sd
+    assumed = ", the precision of the source paper's moulds" if sd is None else ""
+    sd = HEIGHT_SD if sd is None else sd
+    if model.couples and design.surface.count > MOST_COMPARED:
+        return "unknown", f"it is not estimated for more than {MOST_COMPARED:,} asperities"
+    try:
+        area, deviation = scatter(design.surface, model, target.load, sd)
+    except MetafemError as reason:
+        return "unknown", f"because {reason}"
+    ratio = deviation / area
+    value = ratio.max() if target.pointwise else np.sqrt((ratio**2).mean())
+    of = "largest" if target.pointwise else "rms"
+    errors = f"errors of {MICROMETRES * sd:.3g} µm (SD){assumed}"
+    return percent(value), f"SD of A0, {of} over the loads of the target, if the heights have {errors}"
+
+
+def _gists(design: Design, sliding: Onset | None, models: Summary | None) -> dict[str, str]:
+    """Return what the folded parts of the page hold, in a line each."""
+    surface, law, heights = design.surface, design.law, MICROMETRES * design.surface.height
+    columns, rows = words.fit_table(design)
+    friction = [f"{columns[1].capitalize()} {row[1]}, fitted {row[2]}" for row in rows]
+    if sliding is not None:
+        friction.append(f"μ = {law.friction_coefficient[-1]:.3g} at {three_digits(law.load[-1])} N")
+        friction.append(words.onset_words(sliding))
+    sites = f"{surface.count} of {design.template.count} sites{empty_sites_words(design)}"
+    changes = [f"{row[0]} {row[1]} % rms" for row in models.rows[1:]] if models else []
+    return {
+        "friction": ". ".join([*friction, ""]),
+        "heights": f"{heights.min():.1f} – {heights.max():.1f} µm on {sites}.",
+        "interaction": f"Change of A0: {', '.join(changes)}." if changes else "",
+    }
 
 
 def _summits(design: Design) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:

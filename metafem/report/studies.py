@@ -4,20 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from itertools import cycle
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from metafem import drawing
 from metafem._values import MICROMETRES
-from metafem.drawing import ACHIEVED, MARGINS, MEASURED, MEASURED_BESIDE, QUIET, TARGET, finished, new_figure
+from metafem.drawing import ACHIEVED, MEASURED, MEASURED_BESIDE, QUIET, TARGET, finished, new_figure
 from metafem.drawing.calibration import measured, residuals
 from metafem.drawing.inline import drawn
 from metafem.inversion import Design
+from metafem.report.figures import BESIDE_TEXT, beside_text
 from metafem.studies.measured import features
 from metafem.studies.summary import in_words, main_quantity, shares, summary
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from xarray import Dataset
 
@@ -37,26 +38,15 @@ Labelled = Mapping[str, "Dataset"]
 # distinguished.
 MOST_SHUFFLES = 20
 
-# Approximate number of error bars on a law.
-BARS = 12
-
 COLOURS = (ACHIEVED, TARGET)
 
 # The axes of the measured law end at this multiple of the largest value that is shown.
 ROOM = 1.08
 
-# Figs. S2 and S3 of the source paper (doi:10.1126/science.adk4234) show slopes, but the paper does not state
-# the loads of the fits.
-SOURCE = (
-    "The default, 25 to 100 % of the load at which the plane reaches the lowest asperity, is the choice of "
-    "metafem; the source paper does not print its range."
-)
 
-
-def manufacturing_figure(studies: Labelled) -> Figure:
+@beside_text
+def manufacturing_figure(ax: Axes, studies: Labelled) -> None:
     """Draw mean slope over nominal slope against the SD of the heights, with bars of ± SD, as in Fig. S3."""
-    figure = new_figure(7.0, 3.2, MARGINS)
-    ax = figure.add_subplot()
     ax.axhline(1.0, color=QUIET, lw=0.8)
     for (label, study), colour in zip(studies.items(), cycle(COLOURS), strict=False):
         nominal, study = float(study["nominal_slope"]), study.sortby("height_sd")
@@ -66,14 +56,12 @@ def manufacturing_figure(studies: Labelled) -> Figure:
             study["slope_sd"].values / nominal,
             fmt="o-", ms=3, lw=1.2, capsize=2, color=colour, label=label or None,
         )  # fmt: skip
-    ax.set(xlabel="standard deviation of the heights  SD(dh) [µm]", ylabel="mean slope over nominal, ± SD")
-    return finished(figure)
+    ax.set(xlabel="standard deviation of the heights  SD(dh) [µm]", ylabel="slope over nominal, ± SD")
 
 
-def misalignment_figure(studies: Labelled) -> Figure:
+@beside_text
+def misalignment_figure(ax: Axes, studies: Labelled) -> None:
     """Draw the SD of the slope over the nominal slope against the largest angle, as in Fig. S2."""
-    figure = new_figure(7.0, 3.2, MARGINS)
-    ax = figure.add_subplot()
     for (label, study), colour in zip(studies.items(), cycle(COLOURS), strict=False):
         angle = np.append(0.0, np.degrees(study["angle"].values))
         scatter = 100.0 * study["slope_sd"].values / float(study["nominal_slope"])
@@ -82,94 +70,62 @@ def misalignment_figure(studies: Labelled) -> Figure:
         for i, each in enumerate(shuffled[:MOST_SHUFFLES]):
             name = f"{label} shuffled".strip() if i == 0 else None
             ax.plot(angle, each, "--", color=colour, lw=0.6, alpha=0.6, label=name)
-    ax.set(xlabel="largest angle  |φ| [°]", ylabel="SD of the slope over nominal [%]")
-    ax.set_xlim(left=0.0)
-    ax.set_ylim(bottom=0.0)
-    return finished(figure)
+    ax.set(xlabel="largest angle  |φ| [°]", ylabel="SD of the slope [%]", xlim=(0.0, None), ylim=(0.0, None))
 
 
 def uncertainty_figure(study: Dataset) -> Figure:
-    """Draw the law with its error bars, and the share of each input in the variance."""
-    figure = new_figure(9.0, 3.3, ABOVE)
-    left, right = figure.subplots(1, 2, gridspec_kw={"wspace": 0.55})
-    name = main_quantity(study)
-    shown = "area" if name == "deviation" else name
-    load, mean, sd = (study[each].values for each in ("rescaled_load", f"{shown}_mean", f"{shown}_sd"))
-    drawing.law(left, load, mean, forces=False)
-    if shown == "friction_force":
-        left.set_ylabel("friction force  F [N]")
-    some = slice(None, None, -max(1, len(load) // BARS))
-    left.errorbar(load[some], mean[some], sd[some], fmt="none", capsize=2, lw=1.2, color=ACHIEVED)
-    if "deviation_sd" in study:
-        moments = [f"rescaled_{name}_{moment}" for name in ("load", "friction") for moment in ("mean", "sd")]
-        x, dx, y, dy = (study[each].values for each in moments)
-        left.errorbar(x, y, dy, dx, fmt="o", ms=3, lw=1.2, color=TARGET, label="measured")
-    total, first = shares(study, name, "total"), shares(study, name, "first_order")
-    names = [in_words(str(label)).removeprefix("the ") for label in study["parameter"].values]
-    labels = [name.replace(" and ", "\nand ") for name in names]  # correlated inputs are one bar
-    right.barh(labels, 100.0 * total, color=QUIET, label="with others")
-    right.barh(labels, 100.0 * first, height=0.5, color=ACHIEVED, label="alone")
-    right.set_ylim(max(len(labels), FEW_BARS) - 0.5, -0.5)
-    right.legend(**LEGEND_ABOVE)
-    right.set_xlabel("share of the variance [%]")
-    right.set_xlim(left=0.0)
+    """Draw the share of each input in the variance."""
+    figure = new_figure(*BESIDE_TEXT, (1.8, 0.2, 0.6, 0.4))
+    ax, name = figure.add_subplot(), main_quantity(study)
+    labels = [
+        in_words(str(label)).removeprefix("the ").replace(" and ", "\nand ")  # correlated inputs are one bar
+        for label in study["parameter"].values
+    ]
+    ax.barh(labels, 100.0 * shares(study, name, "total"), color=QUIET, label="with others")
+    ax.barh(labels, 100.0 * shares(study, name, "first_order"), height=0.5, color=ACHIEVED, label="alone")
+    ax.set_ylim(max(len(labels), FEW_BARS) - 0.5, -0.5)
+    ax.legend(**LEGEND_ABOVE)
+    ax.set(xlabel="share of the variance [%]", xlim=(0.0, None))
     return finished(figure)
 
 
-class Question(NamedTuple):
-    """A question, the command of the study that answers it, and the study's figure with its caption."""
-
-    text: str
-    command: str
-    figure: Callable[[Dataset], Figure]
-    caption: str
-
-
-QUESTIONS: Mapping[str, Question] = {
-    "manufacturing": Question(
+# Of each study: its question, the command that answers it, the figure and its caption.
+QUESTIONS: Mapping[str, tuple[str, str, Callable[[Dataset], Figure], str]] = {
+    "manufacturing": (
         "How accurate must the heights be?",
         "metafem study manufacturing DIR",
         lambda study: manufacturing_figure({"": study}),
         "Mean slope over the nominal one, with bars of one standard deviation, against errors of heights.",
     ),
-    "misalignment": Question(
+    "misalignment": (
         "How level must the plane be?",
         "metafem study misalignment DIR",
         lambda study: misalignment_figure({"": study}),
         "Standard deviation of the slope over the nominal slope against the largest angle of the plane.",
     ),
-    "uncertainty": Question(
+    "uncertainty": (
         "Which input matters most?",
         "metafem study uncertainty DIR --sd composite_modulus=0.04MPa --sd radius=2um",
         uncertainty_figure,
-        "Left: the law with bars of one standard deviation. Right: the share of each input in the variance.",
+        "Share of each input in the variance.",
     ),
 }
 
 
 def study_sections(design: Design, studies: Mapping[str, Dataset]) -> dict[str, Any]:
-    """Return the sections on the accuracy of the part, the measured laws and what explains them, by name."""
-    sections: dict[str, Any] = {"exactness": exactness_section(studies)}
+    """Return the parts of the page on the accuracy of the part, the measured laws and what explains them."""
+    sections: dict[str, Any] = {"answers": [], "missing": []}
+    for name, (question, command, draw, caption) in QUESTIONS.items():
+        if name in studies:
+            picture = drawn(draw(studies[name]), question, caption)
+            sections["answers"].append((name, picture, summary(studies[name])))
+        else:
+            sections["missing"].append((question, command))
     if "measured" in studies:
         sections["measured"] = measured_section(design, studies["measured"])
     if "explained" in studies:
         sections["explanation"] = summary(studies["explained"])
     return sections
-
-
-def exactness_section(studies: Mapping[str, Dataset]) -> dict[str, Any]:
-    """Return questions, figures and summaries of the studies, the questions not studied, and a sentence."""
-    answers = [
-        (asked.text, drawn(asked.figure(studies[name]), asked.text, asked.caption), summary(studies[name]))
-        for name, asked in QUESTIONS.items()
-        if name in studies
-    ]
-    missing = [(asked.text, asked.command) for name, asked in QUESTIONS.items() if name not in studies]
-    # studies that compare models have no slope, and their range is empty
-    ranges = {tuple(study.attrs.get("load_range", ())) for study in studies.values()} - {()}
-    words = " and ".join("{:.4g} to {:.4g} mm²".format(*each) for each in sorted(ranges))
-    fitted = f"Slopes are fitted over the rescaled loads P/E* = {words}. {SOURCE}" if words else ""
-    return {"answers": answers, "missing": missing, "fitted": fitted}
 
 
 def measured_section(design: Design, study: Dataset) -> dict[str, Any]:
@@ -187,7 +143,7 @@ def measured_section(design: Design, study: Dataset) -> dict[str, Any]:
 
 def measured_figure(design: Design, study: Dataset) -> Figure:
     """Draw the design's law with the measured points, and below it the deviations over their SD."""
-    figure = new_figure(7.0, 5.6, ABOVE)
+    figure = new_figure(6.2, 4.9, ABOVE)
     ax, below = figure.subplots(2, 1, sharex=True, height_ratios=[3, 1], gridspec_kw={"hspace": 0.08})
     design.law.plot(ax, label="design")
     for label, colour in zip(map(str, study["law"].values), (MEASURED, MEASURED_BESIDE), strict=False):

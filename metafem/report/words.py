@@ -171,25 +171,24 @@ def fit_table(design: Design) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     if wording.composite_modulus and wording.shear_stress:  # the target was given in newtons
         modulus, stress = wording.composite_modulus, wording.shear_stress
         load, area, both = "loads [N]", "N", False
-    columns = (
-        load, f"target {wording.name()}", "fitted (68 %)", "deviation", f"fitted intercept [{area}]",
-        f"target intercept [{area}]", *(("friction coefficient dF/dP", "intercept [N]") if both else ()),
-    )  # fmt: skip
-    rows = []
+    rows, slope = [], stress / modulus
     for branch, fit in design.fits:
         low, high = fit.slope_interval
-        row = [
-            " – ".join(f"{modulus * end:.4g}" for end in fit.load_range),
-            f"{stress / modulus * branch.slope:.4g}",
-            f"{stress / modulus * fit.slope:.4g} ± {0.5 * stress / modulus * (high - low):.1g}",
-            percent(fit.slope / branch.slope - 1.0, "+.2f"),
-            f"{stress * fit.intercept:.4f}",
-            "–" if branch.intercept is None else f"{stress * branch.intercept:.4f}",
-        ]
+        row = {
+            load: " – ".join(f"{modulus * end:.4g}" for end in fit.load_range),
+            f"target {wording.name()}": f"{slope * branch.slope:.4g}",
+            "fitted (68 %)": f"{slope * fit.slope:.4g} ± {0.5 * slope * (high - low):.1g}",
+            "deviation": percent(fit.slope / branch.slope - 1.0, "+.2f"),
+            f"fitted intercept [{area}]": f"{stress * fit.intercept:.4f}",
+            f"target intercept [{area}]": (
+                "–" if branch.intercept is None else f"{stress * branch.intercept:.4f}"
+            ),
+        }
         if both:
-            row += [f"{fit.friction_coefficient:.4g}", f"{fit.intercept_force:.4f}"]
-        rows.append(tuple(row))
-    return columns, rows
+            row["friction coefficient dF/dP"] = f"{fit.friction_coefficient:.4g}"
+            row["intercept [N]"] = f"{fit.intercept_force:.4f}"
+        rows.append(row)
+    return tuple(rows[0] if rows else ()), [tuple(row.values()) for row in rows]
 
 
 def onset_words(sliding: Onset) -> str:

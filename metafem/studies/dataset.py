@@ -6,19 +6,17 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from metafem.notes import Note, from_lines, to_lines
-from metafem.prediction.base_law import QUANTITIES
+from metafem.prediction.base_law import QUANTITIES, described
 
 if TYPE_CHECKING:
     import xarray as xr
 
 # Probabilities of the quantiles in the results.
-QUANTILES = (0.05, 0.5, 0.95)
+QUANTILES = [0.05, 0.5, 0.95]
 
-# Units and long names of the variables and coordinates that are not quantities of a law.
-STUDIED: Mapping[str, tuple[str, str]] = {
+# Units and long names of the variables and coordinates.
+STUDIED: Mapping[str, tuple[str, str]] = QUANTITIES | {
     "slope": ("1", "slope of the law"),
     "area_change": ("1", "change of the real contact area from independent asperities"),
     "placement_rms": ("1", "root mean square change of the area of a random assignment"),
@@ -37,44 +35,11 @@ STUDIED: Mapping[str, tuple[str, str]] = {
     "quantile": ("1", "probability below the quantile"),
 }
 
-# Statistics in words, by the suffix of the variable's name.
-STATISTICS: Mapping[str, str] = {
-    "mean": "mean",
-    "sd": "standard deviation",
-    "quantile": "quantile",
-    "first_order": "share of the variance that the parameter explains alone",
-    "total": "share of the variance that remains if all other parameters are known",
-    "error": "standard sampling error",
-}
-
-# Statistics that are shares of the variance; they have no unit, whatever the quantity.
-SHARES = ("first_order", "total")
-
 # Attributes of every dataset: a study of several models has no model, and one without draws no seed.
 PROVENANCE: Mapping[str, Any] = {"model": "", "load_range": [], "seed": "", "draws": 0}
 
 # Variables by name, each with its dimensions and values.
 Variables = dict[str, tuple[tuple[str, ...], Any]]
-
-
-def described(name: str) -> dict[str, str]:
-    """Return the units and the long name of a variable, such as ``area_sd_error`` or ``nominal_slope``.
-
-    Examples
-    --------
-    >>> described("area_mean_error")
-    {'units': 'mm2', 'long_name': 'real contact area A0, mean, standard sampling error'}
-    """
-    known, words = {**QUANTITIES, **STUDIED}, ["without errors"] * name.startswith("nominal_")
-    base, share = name.removeprefix("nominal_"), False
-    while base not in known:
-        end = next((end for end in STATISTICS if base.endswith(f"_{end}")), None)
-        if end is None:
-            return {}
-        base, share = base.removesuffix(f"_{end}"), share or end in SHARES
-        words.insert(0, STATISTICS[end])
-    unit, quantity = known[base]
-    return {"units": "1" if share else unit, "long_name": ", ".join([quantity, *words])}
 
 
 def dataset(
@@ -87,10 +52,11 @@ def dataset(
     """Return the dataset of a study, with `PROVENANCE` as far as it is known."""
     import xarray as xr
 
-    filled = {name: (axes, np.asarray(values), described(name)) for name, (axes, values) in variables.items()}
-    axes = {name: (name, np.asarray(values), described(name)) for name, values in coordinates.items()}
     attributes = {"study": study, "notes": to_lines(notes), **PROVENANCE, **provenance}
-    return xr.Dataset(filled, axes, attributes)
+    found = xr.Dataset(variables, coordinates, attributes)
+    for name, variable in found.variables.items():
+        variable.attrs.update(described(str(name), STUDIED))
+    return found
 
 
 @dataclass(frozen=True)

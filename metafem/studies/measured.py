@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -143,37 +143,37 @@ def explained(found: Explanation) -> xr.Dataset:
 
 def measured_summary(study: xr.Dataset) -> Summary:
     """Return the table of the deviations of all points, and a sentence on each law."""
-    found, predicted = study["rescaled_friction"].values, study["predicted"].values
     # the numbers have the units of the table: friction forces, or areas
     stress = study["stress"].values if "stress" in study else np.zeros(1)
-    factor, what = (stress, "F [N]") if (stress > 0.0).all() else (1.0, "area [mm²]")
-    columns = {
-        "law": study["of_law"].values,
-        "P [N]": texts(".4g", study["load"].values),
-        f"measured {what}": texts(".4g", factor * found),
-        "±": texts(".2g", factor * study["rescaled_friction_sd"].values),
-        f"design {what}": texts(".4g", factor * predicted),
-        "deviation": _relative(found, predicted),
-        "in s.d.": texts("+.1f", (study["deviation"] / study["deviation_sd"]).values),
-    }
+    factor, what = (stress, " F [N]") if (stress > 0.0).all() else (1.0, " area [mm²]")
+    names = ("rescaled_friction", "rescaled_friction_sd", "predicted")
+    value, sd, design = (factor * study[name].values for name in names)
+    deviation = (study["deviation"] / study["deviation_sd"]).values
+    columns: dict[str, Any] = {"law": study["of_law"].values, "P [N]": texts(".4g", study["load"].values)}
+    columns |= _deviations(value, sd, design, deviation, what)
     return Summary.of(study, "Measured law and design", columns, " ".join(answers(study)))
 
 
 def features(study: xr.Dataset) -> Summary:
     """Return the table of slopes, with deviations from design and target."""
     value, sd, design, target = (study[name].values for name in OF_FEATURE)
-    columns = {
-        "law": study["of_law_feature"].values,
-        "feature": study["feature"].values,
-        "measured": texts(".4g", value),
-        "±": texts(".2g", sd),
-        "design": texts(".4g", design),
-        "deviation": _relative(value, design),
-        "in s.d.": texts("+.1f", (value - design) / sd),
-        "target": texts(".4g", target),
-        "from target": _relative(value, target),
-    }
+    columns: dict[str, Any] = {"law": study["of_law_feature"].values, "feature": study["feature"].values}
+    columns |= _deviations(value, sd, design, (value - design) / sd)
+    columns |= {"target": texts(".4g", target), "from target": _relative(value, target)}
     return Summary.of(study, "Features of the target", columns)
+
+
+def _deviations(
+    value: FloatArray, sd: FloatArray, design: FloatArray, deviation: FloatArray, what: str = ""
+) -> dict[str, list[str]]:
+    """Return the columns that compare measured values with those of a design, by their headings."""
+    return {
+        f"measured{what}": texts(".4g", value),
+        "±": texts(".2g", sd),
+        f"design{what}": texts(".4g", design),
+        "deviation": _relative(value, design),
+        "in s.d.": texts("+.1f", deviation),
+    }
 
 
 def answers(study: xr.Dataset) -> list[str]:
@@ -181,16 +181,14 @@ def answers(study: xr.Dataset) -> list[str]:
     found = []
     for i in range(study.sizes["law"]):
         one = study.isel(law=i)
-        label, freedom = str(one["law"].item()), int(one["freedom"])
+        label = str(one["law"].item())
         points = study.isel(point=np.flatnonzero(study["of_law"].values == label))
         ratio = (points["deviation"] / points["predicted"]).values[points["predicted"].values > 0.0]
         rms = percent(float(np.sqrt((ratio**2).mean()))) if ratio.size else "unknown"
         agrees, rejected = ("agrees", "not rejected") if int(one["fits"]) else ("does not agree", "rejected")
         found.append(
             f"The {label} law {agrees} with the design within its error bars ({rejected} at {LIMIT}): "
-            f"rms deviation {rms}, "
-            f"chi² = {chi(float(one['chi_square']))} with {freedom} degree{'s' * (freedom != 1)} of freedom "
-            f"(p = {float(one['probability']):.2g})."
+            f"rms deviation {rms}, {one['verdict'].item()}."
         )
     return found
 
@@ -204,10 +202,8 @@ def _relative(value: FloatArray, reference: FloatArray) -> list[str]:
 def explained_summary(study: xr.Dataset) -> Summary:
     """Return the table of the errors that explain a law, and a sentence on the misfit."""
     values = (study[name].values.tolist() for name in ("cause", "mean", "sd", "expected"))
-    rows = [row(*each) for each in zip(*values, strict=True)]
-    columns = {
-        name: [each[i] for each in rows] for i, name in enumerate(("cause", "found (68 %)", "expected"))
-    }
+    rows = zip(*(row(*each) for each in zip(*values, strict=True)), strict=True)
+    columns = dict(zip(("cause", "found (68 %)", "expected"), rows, strict=True))
     misfit, count = float(study["misfit"]), float(study["values"])
     explains = "agrees" if int(study["fits"]) else "does not agree"
     answer = (

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from metafem import _validate as check
 from metafem._validate import FloatArray, IntArray
-from metafem.errors import NotConverged, refuse_if
+from metafem.errors import NotConverged
 from metafem.models import Independent, Model
 from metafem.models.model import checked_model, contact_of
 from metafem.notes import Note
@@ -26,9 +26,6 @@ if TYPE_CHECKING:
 # Number of equal steps up to the largest angle. As in the source paper, both signs and 0 give 2,001 angles.
 STEPS = 1000
 
-# Slopes of the tilt along x and along y, divided by the tangent of the angle.
-DIRECTIONS = {"both": (1.0, 1.0), "x": (1.0, 0.0), "y": (0.0, 1.0)}
-
 
 @doing("tilting the surface")
 def misalignment(
@@ -36,16 +33,15 @@ def misalignment(
     angle: ArrayLike,
     *,
     model: Model | None = None,
-    axes: Literal["both", "x", "y"] = "both",
     shuffles: int = 0,
     load_range: tuple[float, float] | None = None,
     rng: Any = 0,
 ) -> xr.Dataset:
     """Return mean and scatter of the friction law if the plane is not parallel to the surface.
 
-    A tilt changes the heights to ``h_i + x_i tan(angle_x) + y_i tan(angle_y)``, see `Surface.tilted`. For
-    each angle, mean and standard deviation are taken over all tilts from minus this angle to this angle, as
-    in Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234, Fig. S2 and supplementary text
+    A tilt by one angle along x and along y changes the heights to ``h_i + (x_i + y_i) tan(angle)``. For each
+    angle, mean and standard deviation are taken over all tilts from minus this angle to this angle, as in
+    Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234, Fig. S2 and supplementary text
     "Effect of a misalignment on the friction law". The law is linear between neighbouring angles. The
     placements are computed as `joblib.parallel_config` says.
 
@@ -57,9 +53,6 @@ def misalignment(
         pi/4. All angles are used with both signs, together with the angle 0.
     model : Model, optional
         Default: `Independent()`.
-    axes : "both", "x" or "y"
-        Direction of the tilt: along x and along y by the same angle, as in the source; only along x
-        (`angle_x` of `Surface.tilted`); or only along y. Default: "both".
     shuffles : int
         Number of random assignments of the asperities to the sites that are also studied; default: 0.
     load_range : (float, float), optional
@@ -95,14 +88,12 @@ def misalignment(
     ({'placement': 4, 'angle': 2}, array([0.025, 0.065]))
     """
     surface.refuse_tilt()
-    words = f"must be one of {', '.join(map(repr, DIRECTIONS))}"
-    refuse_if(axes not in DIRECTIONS, words, key="axes", value=repr(axes))
     angles = _angles(angle)
     used = checked_model(Independent() if model is None else model)
     slope, seed = Slope.of(surface, load_range, used), seed_of(rng)
     count, sites = check.integer("shuffles", shuffles, at_least=0), np.arange(surface.count)
     orders = [sites, *(generator_of(seed, k).permutation(sites) for k in range(count))]
-    tilt = np.outer(np.tan(np.concatenate([-angles[::-1], [0.0], angles])), DIRECTIONS[axes])
+    tilt = np.outer(np.tan(np.concatenate([-angles[::-1], [0.0], angles])), [1.0, 1.0])
 
     laws = computed(partial(_areas, surface, used, tilt, slope.load), orders)
     made = next(laws)

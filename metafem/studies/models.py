@@ -7,20 +7,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from metafem import _validate as check
-from metafem._validate import FloatArray
-from metafem.contact import Contact
-from metafem.errors import InvalidInput, NotConverged
+from metafem.errors import InvalidInput, NotConverged, refuse_if
 from metafem.inversion import Design
-from metafem.models import Independent, Interacting, Model
+from metafem.models import Independent, Interacting
 from metafem.models.model import contact_of, has_paraboloids
-from metafem.notes import Note, information
-from metafem.prediction import FrictionLaw, friction_law
+from metafem.notes import from_lines, information
+from metafem.prediction import friction_law
 from metafem.progress import doing, each
 from metafem.studies.caps import caps_of, law_of_caps
-from metafem.studies.dataset import Variables, dataset, described
+from metafem.studies.dataset import Variables, dataset
 from metafem.studies.draws import generator_of, seed_of
-from metafem.substrate import BondedLayer, HalfSpace, Substrate
-from metafem.surface import Surface
+from metafem.substrate import BondedLayer, HalfSpace
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -47,46 +44,13 @@ NOT_KEPT = (
 )
 
 
-def laws_on_substrates(
-    surface: Surface, load: FloatArray, contact: Contact, *, wait: bool
-) -> tuple[dict[str, FrictionLaw], list[Note]]:
-    """Return the law of independent asperities, the laws on three substrates, and notes on what is left out.
-
-    The substrates are the half-space, the bonded layer and the true block. All models have the contact law
-    `contact` with its largest order of interaction. The keys are the names of the models on the command line,
-    "independent" first. load: (k,) [N]. Left out are the layer and the true block if the surface has no
-    block, the true block if its influence is not on disk and `wait` is False, and models without a solution.
-    """
-    order, notes, laws = contact.largest_order, [], {}
-    substrates: dict[str, Any] = {"half-space": HalfSpace()}
-    if surface.block is None:
-        notes.append(information("the layer and the true block are left out: the surface has no block"))
-    else:
-        from metafem.fe import Block3D  # imports scikit-fem; no other model needs it
-
-        substrates |= {"layer": BondedLayer(), "true block": Block3D()}
-    models: dict[str, Model] = {name: Interacting(order, each, contact) for name, each in substrates.items()}
-    for name, model in each("law", [("independent", Independent(contact)), *models.items()]):
-        try:
-            if name == "true block" and not (wait or substrates[name].is_kept(surface)):
-                raise InvalidInput(NOT_KEPT)
-            laws[name.removeprefix("true ")] = friction_law(surface, model, load=load)
-        except (InvalidInput, NotConverged) as reason:
-            if not model.couples:
-                raise
-            unsolved = f"order {order} has no solution up to {load[-1]:.4g} N ({reason})"
-            why = unsolved if isinstance(reason, NotConverged) else str(reason)
-            notes.append(information(f"the {name} is left out: {why}"))
-    return laws, notes
-
-
 @doing("comparing the models")
 def fidelity(design: Design, *, elements: bool = True) -> xr.Dataset:
     """Return A0(P) and delta(P) of a design under all models.
 
-    The models are "independent", order 3 on the "half-space", the bonded "layer" and the true "block",
-    and "fe". The influence of the true block is computed once (half a minute for 64 asperities) and stored
-    on disk.
+    The models are "independent", order 3 on the "half-space", the bonded "layer" and the true "block", that
+    of the design if it is another one, and "fe". The influence of the true block is computed once (half a
+    minute for 64 asperities) and stored on disk.
 
     "fe" denotes independent asperities with the contact law of the true spherical cap on the bonded block
     instead of Hertz's law: ``sum_i P_fe(a_i, h_i) = P`` with ``d_fe(a_i, h_i) = h_i - delta``. The contact
@@ -100,8 +64,8 @@ def fidelity(design: Design, *, elements: bool = True) -> xr.Dataset:
     ----------
     design : Design
     elements : bool
-        Whether to compute "fe", which takes about half a minute for each radius of the summits. With more
-        than four radii, "fe" is left out. Default: True.
+        Whether to compute "fe", which takes about half a minute. With summits of several radii, "fe" is left
+        out. Default: True.
 
     Returns
     -------
@@ -120,16 +84,47 @@ def fidelity(design: Design, *, elements: bool = True) -> xr.Dataset:
     >>> fidelity(design, elements=False).model.values.tolist()
     ['independent', 'half-space']
     """
-    surface, law, error = design.surface, design.law, float("nan")
-    laws, notes = laws_on_substrates(surface, law.load, contact_of(law.model), wait=True)
-    curves = {name: (each.area, each.separation) for name, each in laws.items()}
+    return compared(design, elements=elements, wait=True)
+
+
+def compared(design: Design, *, elements: bool, wait: bool) -> xr.Dataset:
+    """Return the dataset of `fidelity`, and notes on what is left out.
+
+    All models have the contact law of the design with its largest order of interaction. Left out are the
+    layer and the true block if the surface has no block, the true block if its influence is not on disk and
+    `wait` is False, and models without a solution.
+    """
+    surface, law, error, notes = design.surface, design.law, float("nan"), []
+    contact = contact_of(law.model)
+    substrates: dict[str, Any] = {"half-space": HalfSpace()}
+    if surface.block is None:
+        notes.append(information("the layer and the true block are left out: the surface has no block"))
+    else:
+        from metafem.fe import Block3D  # imports scikit-fem; no other model needs it
+
+        substrates |= {"layer": BondedLayer(), "true block": Block3D()}
+    order = contact.largest_order
+    laws = {"independent": friction_law(surface, Independent(contact), load=law.load)}
+    for name, substrate in each("law", list(substrates.items())):
+        try:
+            refuse_if(name == "true block" and not (wait or substrate.is_kept(surface)), NOT_KEPT)
+            model = Interacting(order, substrate, contact)
+            laws[name.removeprefix("true ")] = friction_law(surface, model, load=law.load)
+        except InvalidInput as reason:
+            notes.append(information(f"the {name} is left out: {reason}"))
+        except NotConverged as reason:
+            why = f"order {order} has no solution up to {law.load[-1]:.4g} N ({reason})"
+            notes.append(information(f"the {name} is left out: {why}"))
+    if law.model not in [found.model for found in laws.values()]:
+        laws[law.model.name] = law
+    curves = {name: (found.area, found.separation) for name, found in laws.items()}
     if elements and not has_paraboloids(law.model):
         notes.append(information("fe is left out: its caps are spherical, to be compared with paraboloids"))
     elif elements:
         try:
             caps = caps_of(surface, DEEPER * (surface.height - laws["independent"].separation[-1]))
             curves["fe"] = law_of_caps(surface, caps, law.rescaled_load)
-            error = max(table.error for table in caps.values())
+            error = caps.error
             notes.append(information(ELEMENTS))
         except InvalidInput as reason:
             notes.append(information(f"fe is left out: {reason}"))
@@ -142,9 +137,8 @@ def fidelity(design: Design, *, elements: bool = True) -> xr.Dataset:
         "sinking": (axes, separation[0] - separation),
         "elements_error": ((), error),
     }
-    coordinates = {"model": list(curves), "rescaled_load": law.rescaled_load}
-    found = dataset("fidelity", variables, coordinates, notes)
-    return found.assign_coords(load=("rescaled_load", law.load, described("load")))
+    loads = {"rescaled_load": law.rescaled_load, "load": ("rescaled_load", law.load)}
+    return dataset("fidelity", variables, {"model": list(curves), **loads}, notes)
 
 
 @doing("comparing assignments of heights to sites")
@@ -186,35 +180,29 @@ def interaction(design: Design, *, placements: int = 1000, rng: Any = 0) -> xr.D
     {'substrate': 1, 'rescaled_load': 100, 'placement': 5}
     """
     count, seed = check.integer("placements", placements, at_least=1), seed_of(rng)
-    surface, law = design.surface, design.law
-    substrates: dict[str, Substrate] = {"half-space": HalfSpace()}
-    if surface.block is not None:
-        substrates["layer"] = BondedLayer()
-    contact = contact_of(law.model)
-    alone = Independent(contact).curve(surface, law.rescaled_load)
+    surface, law, found = design.surface, design.law, compared(design, elements=False, wait=False)
+    substrates = {"half-space": HalfSpace(), "layer": BondedLayer()}
+    names = [name for name in substrates if name in found["model"]]
     few = slice(None, None, -max(1, len(law.rescaled_load) // RANDOM_LOADS))  # from the last load down
-    load, area = law.rescaled_load[few][::-1], alone.area[few][::-1]
+    load, area = law.rescaled_load[few][::-1], found["area"].values[0, few][::-1]
     # a random stream other than that of `design`: with the same seed, the first permutation of that stream
     # would undo the assignment of the design, and the heights would be sorted
-    random = generator_of(seed, 0)
-    orders = [random.permutation(surface.count) for _ in range(count)]
-    placed = [surface.only(order, position=surface.position) for order in orders]
-
-    change, sinking, spread = [], [], []
-    for substrate in substrates.values():
-        model = Interacting(contact.largest_order, substrate, contact)
-        curve = model.curve(surface, law.rescaled_load)
-        change.append(curve.area / alone.area - 1.0)
-        sinking.append(curve.approach - alone.approach)
+    random, sites = generator_of(seed, 0), np.arange(surface.count)
+    placed = [surface.only(random.permutation(sites), position=surface.position) for _ in range(count)]
+    spread, contact = [], contact_of(law.model)
+    for name in names:
+        model = Interacting(contact.largest_order, substrates[name], contact)
         moved = [model.areas(part, load, part.height[None])[0] for part in each("assignment", placed)]
         if not np.isfinite(moved).all():
             raise NotConverged("the model has no solution for an assignment of the heights to the sites")
         spread.append(np.sqrt(((moved / area - 1.0) ** 2).mean(axis=1)))
+    coupled = found.sel(model=names)
     variables: Variables = {
-        "area_change": (("substrate", "rescaled_load"), change),
-        "sinking": (("substrate", "rescaled_load"), sinking),
+        "area_change": (("substrate", "rescaled_load"), coupled["area_change"].values),
+        "sinking": (("substrate", "rescaled_load"), coupled["sinking"].values),
         "placement_rms": (("substrate", "placement"), spread),
     }
-    coordinates = {"substrate": list(substrates), "rescaled_load": law.rescaled_load}
-    found = dataset("interaction", variables, coordinates, [], seed=str(seed), draws=count)
-    return found.assign_coords(load=("rescaled_load", law.load, described("load")))
+    loads = {"rescaled_load": law.rescaled_load, "load": ("rescaled_load", law.load)}
+    coordinates = {"substrate": names, **loads}
+    notes = [note for note in from_lines(found.attrs["notes"]) if "true block" not in note.text]
+    return dataset("interaction", variables, coordinates, notes, seed=str(seed), draws=count)

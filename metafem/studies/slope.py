@@ -59,6 +59,7 @@ class Slope:
 
     @property
     def note(self) -> Note:
-        """The range of loads in words."""
+        """The range of loads in words; the source paper's Figs. S2 and S3 do not state theirs."""
         low, high = self.load_range
-        return information(f"the slope is fitted over P/E* = {low:.4g} to {high:.4g} mm^2")
+        words = f"the slope is fitted over P/E* = {low:.4g} to {high:.4g} mm^2"
+        return information(f"{words}; the source paper does not print the range of its figures")

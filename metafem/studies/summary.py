@@ -26,7 +26,7 @@ MOST_ROWS = 12
 SHOWN_LOADS = (0.1, 0.4, 1.0)
 
 # Meaning of the last columns of the interaction table.
-RANDOM = "random: the asperities assigned to the sites at random, at every fifth load"
+RANDOM = "asperities assigned to the sites at random, at every fifth load"
 
 # Words for a study of one tolerance: errors up to a value, errors at a value, the value, its unit in mm or
 # rad, and its kind.
@@ -76,55 +76,37 @@ def summary(study: Dataset) -> Summary:
     >>> template = mf.Surface.square_lattice(0.12, (2, 2), radius=0.526, material=mf.Material(1.36))
     >>> design = mf.design(mf.OperatingPoints([0.01], [0.1]), template)
     >>> summary(mf.studies.interaction(design, placements=5)).columns[:3]
-    ('substrate', 'rms [%]', 'max. [%]')
+    ('model', 'rms [%]', 'largest [%]')
     """
     name = str(study.attrs.get("study", ""))
     refuse_if(name not in SUMMARIES, f"there is no summary of a study {name!r}")
     return SUMMARIES[name](study)
 
 
-def _fidelity(study: Dataset) -> Summary:
-    """Return the table of the changes of A0 and of the separation under each model."""
+def _changes(study: Dataset) -> Summary:
+    """Return the table of the changes of A0 and of the separation under each model, or by coupling.
+
+    A study of other assignments of heights to sites has their rms changes too.
+    """
+    (names,) = (study[name].values for name in ("model", "substrate") if name in study.dims)
     load, change, last = study["load"].values, study["area_change"].values, study.isel(rescaled_load=-1)
-    shown = [int(np.abs(load - fraction * load[-1]).argmin()) for fraction in SHOWN_LOADS]
     columns = {
-        "model": study["model"].values,
-        "rms [%]": texts(".2f", 100.0 * _rms(change)),
-        "largest [%]": texts("+.2f", 100.0 * _largest(change)),
-        **{f"at {load[i]:.3g} N [%]": texts("+.2f", 100.0 * change[:, i]) for i in shown},
-        "A0 [mm²]": texts(".5g", last["area"].values),
-        "separation [µm]": texts(".2f", MICROMETRES * last["separation"].values),
-        "plane lower by [µm]": texts("+.2f", MICROMETRES * last["sinking"].values),
+        "model": names,
+        "rms [%]": texts(".2f", 100.0 * np.sqrt((change**2).mean(axis=1))),
+        "largest [%]": texts("+.2f", 100.0 * change[np.arange(len(names)), np.abs(change).argmax(axis=1)]),
     }
-    title = f"Change of A0 from independent asperities; A0 and separation at {load[-1]:.3g} N"
-    return Summary.of(study, title, columns)
-
-
-def _interaction(study: Dataset) -> Summary:
-    """Return the table of the changes of A0 by coupling, also for other assignments of heights to sites."""
-    change, placed = study["area_change"].values, study["placement_rms"].values
-    columns = {
-        "substrate": study["substrate"].values,
-        "rms [%]": texts(".2f", 100.0 * _rms(change)),
-        "max. [%]": texts("+.2f", 100.0 * _largest(change)),
-        "plane lower by [µm]": texts(".2f", MICROMETRES * study["sinking"].values[:, -1]),
-        "random: median rms [%]": texts(".2f", 100.0 * np.median(placed, axis=1)),
-        "max. rms [%]": texts(".2f", 100.0 * placed.max(axis=1)),
-    }
-    last = float(study["load"][-1])
-    title = f"Change of A0 by interaction; decrease of the separation at {last:.3g} N ({RANDOM})"
-    return Summary.of(study, title, columns)
-
-
-def _rms(change: FloatArray) -> FloatArray:
-    """Return the root mean square over the loads, the last axis."""
-    return np.asarray(np.sqrt((change**2).mean(axis=-1)))
-
-
-def _largest(change: FloatArray) -> FloatArray:
-    """Return the change of largest magnitude over the loads, the last axis, with its sign."""
-    place = np.abs(change).argmax(axis=-1, keepdims=True)
-    return np.asarray(np.take_along_axis(change, place, axis=-1)[..., 0])
+    for i in (int(np.abs(load - fraction * load[-1]).argmin()) for fraction in SHOWN_LOADS):
+        columns[f"at {load[i]:.3g} N [%]"] = texts("+.2f", 100.0 * change[:, i])
+    if "area" in study:
+        columns["A0 [mm²]"] = texts(".5g", last["area"].values)
+        columns["separation [µm]"] = texts(".2f", MICROMETRES * last["separation"].values)
+    columns["plane lower by [µm]"] = texts("+.2f", MICROMETRES * last["sinking"].values)
+    if "placement_rms" in study:
+        placed = 100.0 * study["placement_rms"].values
+        columns["random: median rms [%]"] = texts(".2f", np.median(placed, axis=1))
+        columns["random: largest rms [%]"] = texts(".2f", placed.max(axis=1))
+    title = f"Change of A0 from independent asperities; the last columns at {load[-1]:.3g} N"
+    return Summary.of(study, title if "area" in study else f"{title}, or of {RANDOM}", columns)
 
 
 def _manufacturing(study: Dataset) -> Summary:
@@ -251,8 +233,8 @@ def in_words(label: str) -> str:
 
 SUMMARIES: Mapping[str, Callable[[Dataset], Summary]] = {
     "explained": explained_summary,
-    "fidelity": _fidelity,
-    "interaction": _interaction,
+    "fidelity": _changes,
+    "interaction": _changes,
     "manufacturing": _manufacturing,
     "measured": measured_summary,
     "misalignment": _misalignment,

@@ -119,7 +119,8 @@ def uncertainty(
     used = checked_model(Independent() if model is None else model)
     number, seed = check.integer("draws", draws, at_least=2), seed_of(rng)
     loads, force = _loads(surface, used, load)
-    inputs = Inputs.of(parameters, _means(surface, loads, force))
+    means = nominal_values(surface) | {"load": loads} | ({} if force is None else {"friction_force": force})
+    inputs = Inputs.of(parameters, means)
     law = contact_of(used)
     refuse_if(
         "composite_modulus" in inputs.names and law.scales_with_stress,
@@ -129,7 +130,8 @@ def uncertainty(
     )
     notes, slope = [information("no slope: all summits have one height, and no load_range is given")], None
     if load_range is not None or np.ptp(surface.height) > 0.0:
-        notes, slope = [], Slope.of(surface, load_range, used)
+        slope = Slope.of(surface, load_range, used)
+        notes = [slope.note]
     modulus, last = surface.material.composite_modulus, float(loads.max())
     if slope is not None:
         last = max(last, modulus * slope.load_range[1])
@@ -171,16 +173,11 @@ def _loads(surface: Surface, model: Model, load: ArrayLike | None) -> tuple[Floa
     return loads, force
 
 
-def _means(surface: Surface, load: FloatArray, force: FloatArray | None) -> dict[str, float | FloatArray]:
-    """Return the nominal values of all parameters that can have an error."""
-    modulus, friction = surface.material.composite_modulus, surface.friction
-    return {
-        "radius": float(surface.radius.mean()),
-        "composite_modulus": modulus,
-        "load": load,
-        **({} if friction is None else vars(friction)),
-        **({} if force is None else {"friction_force": force}),
-    }
+def nominal_values(surface: Surface) -> dict[str, Any]:
+    """Return the nominal values of the parameters of a surface."""
+    friction = {} if surface.friction is None else vars(surface.friction)
+    modulus = surface.material.composite_modulus
+    return {"radius": float(surface.radius.mean()), "composite_modulus": modulus, **friction}
 
 
 @dataclass(frozen=True, eq=False)

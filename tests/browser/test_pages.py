@@ -4,6 +4,7 @@ import re
 
 import pytest
 
+import metafem as mf
 from validation.page import write_report
 from validation.results import collected
 from validation.scenes.browser import problems
@@ -36,6 +37,25 @@ def test_the_pages_of_the_validation_are_in_order_and_name_no_machine(look, vali
 
 def test_a_report_with_studies_is_in_order(look, full_report):
     look(full_report)
+
+
+def test_the_first_screen_of_a_report_says_what_matters(browser, demo_results):
+    """The law with its target, the verdict and three numbers; the rest folds, and opens to 3,500 pixels."""
+    folder, _ = demo_results("linear")
+    page = browser.new_page(viewport={"width": 1200, "height": 800})
+    try:
+        page.goto((folder / "linear" / "report.html").as_uri())
+        shown = (".verdict", ".law svg", ".numbers b >> nth=0", ".numbers b >> nth=2", ".before")
+        boxes = [page.locator(each).bounding_box() for each in shown]
+        assert max(box["y"] + box["height"] for box in boxes) < 800.0
+        assert page.locator(".verdict").inner_text() == mf.load(folder / "linear").verdict
+        assert page.locator(".numbers b").count() == 3
+        tall = "document.documentElement.scrollHeight"
+        assert page.evaluate(tall) < 1300
+        page.evaluate("document.querySelectorAll('main details').forEach(each => each.open = true)")
+        assert page.evaluate(tall) <= 3500
+    finally:
+        page.close()
 
 
 @pytest.mark.nightly

@@ -7,14 +7,13 @@ from __future__ import annotations
 
 from weakref import finalize
 
-import numpy as np
-
 from metafem._validate import FloatArray
 from metafem._values import MICROMETRES
 from metafem.errors import MetafemError
 from metafem.explorer.answer import Answer
 from metafem.inversion import Design
 from metafem.prediction import Tolerances
+from metafem.prediction.tolerances import scatter
 
 # A band, or a further law beside it, is computed at every n-th load of the law: at 34 of 100 loads. Straight
 # lines are drawn between them.
@@ -76,15 +75,12 @@ def band_words(answer: Answer) -> str:
 
 
 def _linear(design: Design, tolerances: Tolerances) -> Band | None:
-    model, surface = design.law.model.gradient_model, design.surface
+    model, surface = design.law.model, design.surface
     if surface.count > (MOST_COUPLED if model.couples else MOST_ALONE):
         return None
     load = design.law.rescaled_load[::-EVERY][::-1]
     try:
-        found = model.sensitivity(surface, load)
-        mean = found.curve.checked().area
-        variance = np.diagonal(tolerances.linear_covariance(surface, found.gradient))
+        mean, sd = scatter(surface, model, load, tolerances.height_sd)
     except MetafemError:  # the model has no solution at these loads
         return None
-    sd = np.sqrt(np.maximum(variance, 0.0))  # rounding can make a variance negative
     return load, mean - sd, mean + sd

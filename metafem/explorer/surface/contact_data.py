@@ -16,10 +16,12 @@ from metafem.inversion import Design
 from metafem.models.curve import Curve
 from metafem.models.model import contact_of
 from metafem.prediction import ContactState, equilibrium
-from metafem.prediction.state import MILLINEWTONS
 from metafem.progress import each
 
 PERCENT = 100.0
+
+# Millinewtons per newton.
+MILLINEWTONS = 1e3
 
 # Decimals of contact radii [mm], pressures [MPa], loads [mN] and sensitivities [% per um].
 RADIUS_DECIMALS, PRESSURE_DECIMALS, LOAD_DECIMALS, SENSITIVITY_DECIMALS = 4, 5, 3, 5

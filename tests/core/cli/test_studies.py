@@ -9,7 +9,6 @@ import xarray as xr
 
 import metafem as mf
 from metafem.files import demo_text, stored_studies
-from metafem.report.studies import exactness_section
 
 
 @pytest.mark.usefixtures("plain_reports")
@@ -29,7 +28,7 @@ def test_study_prints_its_table_and_keeps_its_file(run):
 
 STUDIES = {
     "manufacturing": ("--height-sd", "1um,3um,5um", "--angle", "0.01deg", "--misfit", "--draws", 200),
-    "misalignment": ("--angle", "0.05deg,0.1deg", "--shuffles", 3),
+    "misalignment": ("--angle", "0.1deg", "--shuffles", 3),
     "uncertainty": ("--sd", "composite-modulus=0.04MPa", "--sd", "radius = 2 um", "--draws", 200),
 }
 ANSWERS = {
@@ -50,7 +49,7 @@ def test_the_report_holds_the_answers_of_all_studies(run, demo):
     assert run("report", "linear").exit_code == 0
     report = Path("linear/report.html").read_text("utf-8")
     assert all(answer in report for answer in answers)
-    assert "the choice of metafem; the source paper does not print its range" in report
+    assert "the source paper does not print the range" in report
     with xr.open_dataset("linear/manufacturing.nc", engine="h5netcdf") as kept:
         assert kept.height_sd.values.tolist() == [0.001, 0.003, 0.005]
         assert kept.attrs["draws"] >= 200
@@ -59,7 +58,7 @@ def test_the_report_holds_the_answers_of_all_studies(run, demo):
 @pytest.mark.slow
 def test_a_study_takes_model_and_loads(run, demo):
     demo("linear")
-    options = ("--model", "layer", "--load-range", "0.2N", "0.5N", "--angle", "0.1deg,0.2deg")
+    options = ("--model", "layer", "--load-range", "0.2N", "0.5N", "--angle", "0.2deg")
     data = run("study", "misalignment", "linear", *options, "--shuffles", 0, "--json").data
     assert data["model"].startswith("Interacting(")
     assert data["load_range"] == pytest.approx([0.2 / 1.36, 0.5 / 1.36])
@@ -76,20 +75,8 @@ def test_measured_pairs_are_compared_with_the_law(run, demo):
     assert "of the difference between measured and predicted friction" in told
     studies = stored_studies("linear")
     assert studies["uncertainty"].rescaled_friction_mean.values == pytest.approx([0.3615, 1.610], rel=0.005)
-    ((_, figure, _),) = exactness_section(studies)["answers"]
-    assert "measured" in figure.svg
     Path("measured.csv").write_text("rescaled_load_mm2,rescaled_friction_mm2\n0.1,0.9\n", "utf-8")
     assert "must hold forces" in run("study", "uncertainty", "linear", *options, "--force").refusal
-
-
-def test_the_error_of_youngs_modulus_is_that_of_e_star_with_the_poissons_ratio(run, demo):
-    demo("linear")
-    found = []
-    for deviation in ("young_modulus=30kPa", "composite_modulus=0.04MPa"):
-        options = ("--sd", "radius=2um", "--sd", deviation, "--draws", 100, "--force", "--json")
-        found.append(run("study", "uncertainty", "linear", *options).data["data"])
-    young, composite = (data["slope_sd"]["values"] for data in found)
-    assert young == pytest.approx(composite, rel=1e-12)  # nu = 0.5: E* = E/0.75
 
 
 def test_a_surface_of_one_height_needs_a_range_of_loads(run, demo):
@@ -100,15 +87,3 @@ def test_a_surface_of_one_height_needs_a_range_of_loads(run, demo):
     mf.save(replace(design, surface=flat, law=law), "flat")
     assert "--load-range must be given" in run("study", "manufacturing", "flat", "--draws", 8).refusal
     assert run("study", "manufacturing", "flat", "--draws", 8, "--load-range", "0.1N", "0.2N").exit_code == 0
-
-
-@pytest.mark.slow
-def test_several_angles_have_the_scatter_of_fine_steps(run, demo):
-    demo("linear")
-    scatter = []
-    for angles in ("0.1deg", "0.005deg,0.1deg"):
-        assert run("study", "misalignment", "linear", "--angle", angles, "--shuffles", 0, "--force").told
-        scatter.append(stored_studies(Path("linear"))["misalignment"].slope_sd[0])
-    fine, several = scatter
-    assert np.degrees(several.angle.values) == pytest.approx([0.005, 0.1])
-    assert several.values == pytest.approx(fine.values[[49, 999]], rel=1e-9)

@@ -1,14 +1,11 @@
-"""What figures show, and where: data on axes, pictures in pages, and cards of notebooks."""
-
-import re
-from xml.etree import ElementTree
+"""What figures show, and where: data on axes, and pictures in pages."""
 
 import numpy as np
 import pytest
 
 import metafem as mf
 from metafem import drawing
-from metafem.drawing import calibration, card, contacts
+from metafem.drawing import calibration, contacts
 from metafem.drawing.inline import drawn, themed
 
 X = np.array([1.0, 2.0, 4.0])
@@ -105,13 +102,6 @@ def test_marks_and_grids_are_drawn_to_scale(ax):
     assert (forth(0.5), back(2.0)) == (2.0, 0.5)
     place = drawing.new_figure(10.0, 5.0, (1.0, 2.0, 0.5, 1.5)).subplotpars
     assert (place.left, place.right, place.bottom, place.top) == pytest.approx((0.1, 0.8, 0.1, 0.7))
-
-
-def test_onsets_are_drawn():
-    left = drawing.new_figure(9.0, 4.0).subplots()
-    drawing.onset(left, X, 0.1 * X)
-    assert points(left.lines[0]) == [[0.0, 0.0], [1.0, 0.1], [2.0, 0.2], [4.0, 0.4]]
-    assert points(left.lines[1]) == [[1.0, 0.1], [2.0, 0.2]]
 
 
 def test_an_image_lies_in_its_frame():
@@ -214,31 +204,6 @@ def test_no_picture_hangs_on_the_last_digits_of_its_data():
         return themed(drawing.svg(ax.figure, "law"))
 
     assert {picture(1.0 + k * 1e-9) for k in range(6)} == {picture(1.0)}
-
-
-def test_results_show_their_facts_in_a_notebook(template):
-    pair = mf.Surface([[0.0, 0.0], [1.0, 0.0]], [0.1, 0.11], 0.526, mf.Material(1.36))
-    for value, pictured in (
-        (template, True), (mf.friction_law(pair), True), (mf.equilibrium(template, load=0.1), True),
-        (mf.equilibrium(pair, load=0.1), False),
-    ):  # fmt: skip
-        text = value._repr_html_()
-        root = ElementTree.fromstring(text)
-        words = " ".join(" ".join(root.itertext()).split())
-        for name, fact in value._facts().items():
-            assert f"{name} {' '.join(fact.split()).replace('mm^2', 'mm²')}" in words
-        elements = {element.tag.rpartition("}")[2] for element in root.iter()}
-        assert ("svg" in elements, "script" in elements) == (pictured, False)
-        assert not re.findall(r"(?:src|href)=\"(?!#|data:)", text)
-    assert "&lt;b&gt;" in card.card("<b>", {"a": "<b>"})
-    x = np.arange(12_345.0)
-    kept, same = card.thinned(x, 2.0 * x)
-    assert (kept[0], kept[-1], len(kept)) == (0.0, 12_344.0, 1000)
-    assert np.array_equal(same, 2.0 * kept)
-    assert len(card.thinned(x[:7])[0]) == 7
-    ax = drawing.new_figure(3.0, 2.0).add_subplot()
-    card.distribution(ax, x, "h")
-    assert (sum(bar.get_height() for bar in ax.patches), ax.get_xlabel()) == (12_345.0, "h")
 
 
 def test_without_axes_pyplot_shows_the_picture(template):

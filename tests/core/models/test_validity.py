@@ -62,7 +62,7 @@ def test_the_cause_is_named_by_the_model():
     """The others are in `WARNED`, and where point loads are compared."""
     for order in (1, 3):
         law = mf.friction_law(rough(0.45, 0.5), mf.Interacting(order=order), load=[0.1, 0.3])
-        assert "the block's thickness" in said(law)
+        assert "thickness of the block, which a half-space leaves out" in said(law)
 
 
 def test_the_error_of_order_3_on_a_thin_layer():

@@ -45,7 +45,6 @@ REFUSALS = [
     (lambda: mf.Interacting(contact=mf.KogutEtsion(0.05)), "order", "3"),
     (lambda: mf.onset(RUBBED, load=0.0), "load", "0"),
     (lambda: mf.onset(RING, load=0.1), "friction", "Friction"),
-    (lambda: mf.onset(RUBBED, load=0.1).force([-0.1]), "displacement", "-0.1"),
     (lambda: mf.Tolerances(height_sd=-0.001), "height_sd", "-0.001"),
     (lambda: mf.Tolerances(angle=0.8), "angle", "0.8"),
     (lambda: mf.Tolerances(radius_sd=0.06).perturbed(RING, 1, np.random.default_rng(0)), "radius_sd", "0.06"),

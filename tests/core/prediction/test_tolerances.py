@@ -6,9 +6,9 @@ import numpy as np
 from numpy.testing import assert_allclose, assert_array_equal
 
 import metafem as mf
+from metafem.prediction.tolerances import scatter
 
 SURFACE = mf.Surface([[0, 0], [1.5, 0], [0, 2.0]], [0.1, 0.12, 0.15], [0.5, 0.6, 0.7], mf.Material(1.36))
-EVERY = mf.Tolerances(height_sd=0.003, angle=0.4, radius_sd=0.01, position_sd=0.02)
 
 
 def drawn(tolerances, count=20_000):
@@ -57,10 +57,10 @@ def test_a_tilt_is_that_of_the_surface():
     )
 
 
-def test_the_covariance_of_linear_functions_is_that_of_draws():
-    gradient = np.random.default_rng(1).standard_normal((2, SURFACE.count))
-    for tolerances in (EVERY, mf.Tolerances(height_sd=0.003), mf.Tolerances(angle=0.5)):
-        values = (drawn(tolerances, 100_000)[0] - SURFACE.height) @ gradient.T
-        found = tolerances.linear_covariance(SURFACE, gradient)
-        scale = np.sqrt(np.outer(np.diag(found), np.diag(found)))
-        assert_allclose(np.cov(values.T) / scale, found / scale, atol=0.02)
+def test_the_scatter_of_small_errors_is_that_of_draws():
+    load, count = np.array([0.02, 0.1]), 20_000
+    height = mf.Tolerances(height_sd=1e-5).perturbed(SURFACE, count, np.random.default_rng(0))[0]
+    draws = mf.Independent().areas(SURFACE, load, height)
+    area, sd = scatter(SURFACE, mf.Independent(), load, 1e-5)
+    assert_allclose(area, draws.mean(axis=0), rtol=1e-4)
+    assert_allclose(sd, draws.std(axis=0), rtol=5 / math.sqrt(2 * count))

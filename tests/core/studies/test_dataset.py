@@ -1,7 +1,7 @@
 """Every variable of the studies of errors has a unit and a name."""
 
 import metafem as mf
-from metafem.studies.dataset import described
+from metafem.prediction.base_law import described
 
 
 def test_every_variable_is_described(surface):

@@ -55,7 +55,6 @@ REFUSALS = {
         (misalignment(0.8), "angle", "0.8"),
         (misalignment([-0.1, 0.1]), "angle[0]", "-0.1"),
         (misalignment([0.2, 0.1]), "angle[1]", "0.1"),
-        (misalignment(0.001, axes="z"), "axes", "z"),
         (misalignment(0.001, shuffles=-1), "shuffles", "-1"),
     ],
     "uncertainty": [
@@ -97,7 +96,7 @@ REFUSALS = {
         (inputs(["radius"], [[0.04]]), "parameters.radius", "0.2"),
     ],
     "finite elements": [
-        (lambda: caps_of(SIX, np.full(6, 0.01)), "6", "4 radii"),
+        (lambda: caps_of(SIX, np.full(6, 0.01)), "radii", "one radius"),
         (lambda: caps_of(POWERS, np.full(6, 0.01)), "cap", "4"),
     ],
 }
