@@ -21,7 +21,7 @@ Finding = tuple[str, str, bool]
 
 def examine() -> Iterator[Finding]:
     """Yield the results of the checks: versions, cache, kernels, a part, a report and a result folder."""
-    from metafem.files.result.folder import versions
+    from metafem.files.result import versions
 
     yield "metafem", f"imported from {Path(mf.__file__).parent}", True
     for name, found in versions().items():
@@ -64,7 +64,7 @@ def _contact() -> tuple[str, bool]:
 
 
 def _part() -> tuple[str, bool]:
-    from metafem.files.part.block import block_mesh
+    from metafem.files.mesh import block_mesh
 
     surface = mf.Surface([[0.0, 0.0]], [0.1], 0.5, mf.Material(1.0))
     mesh = block_mesh(surface, mf.Block(2.0, 2.0, 1.0), 2e-4)

@@ -22,7 +22,7 @@ import numpy as np
 from metafem._given import printable, shown
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput, refuse_if
-from metafem.files.reading import TABLE, file_label, read_bytes, text_of_table
+from metafem.files.disk import TABLE, file_label, read_bytes, text_of_table
 from metafem.files.units import NUMBER, UNITS, factor, plain_unit
 from metafem.progress import message
 
