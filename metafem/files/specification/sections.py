@@ -105,25 +105,26 @@ class ToolsSection(Section):
             refuse_if(alone, f"needs tools.{other}", key=name)
         given, radii, caps = self.given(), self.radii, self.caps
         if radii is None:
-            name, kind = (
-                ("radius_range", RadiusRange) if self.radius_range else ("exponent_range", PowerRange)
-            )
+            name = "exponent_range" if self.radius_range is None else "radius_range"
+            kind: Any = PowerRange if self.radius_range is None else RadiusRange
             ends = given.pop(name)
+            options = {key.removeprefix("exponent_"): each for key, each in given.items()}
             try:
-                return kind(*ends, **{key.removeprefix("exponent_"): value for key, value in given.items()})
+                found: RadiusRange | PowerRange = kind(*ends, **options)
+                return found
             except InvalidInput as error:
                 raise InvalidInput(f"cannot be used: {error}", key=name) from None
         if caps is None:
             return tuple(radii)
         words = f"has {len(caps)} caps for {len(radii)} radii; give one for each"
         refuse_if(len(caps) != len(radii), words, key="caps")
-        found = []
+        listed = []
         for i, (radius, text) in enumerate(zip(radii, caps, strict=True)):
             try:
-                found.append(Tool(radius, cap_named(text)))
+                listed.append(Tool(radius, cap_named(text)))
             except InvalidInput as error:
                 raise InvalidInput(f"is no cap: {error}", key=f"caps[{i}]", value=f'"{text}"') from None
-        return tuple(found)
+        return tuple(listed)
 
 
 class SitesSection(Section):

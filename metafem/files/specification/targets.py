@@ -56,13 +56,11 @@ def given_load(given: Any) -> GivenLoad:
             raise reason from None
 
 
-def rescaled_range(
-    given: Sequence[GivenLoad], material: Material, key: str = "load_range"
-) -> tuple[float, float]:
+def rescaled_range(given: Sequence[GivenLoad], material: Material) -> tuple[float, float]:
     """Return a range of rescaled loads [mm^2]; errors state the loads in the units that were written."""
     mixed = len({load.unit for load in given}) > 1
-    refuse_if(mixed, "mixes mm^2 and N; give both loads in one unit", key=key)
-    check.interval(key, [load.value for load in given])
+    refuse_if(mixed, "mixes mm^2 and N; give both loads in one unit", key="load_range")
+    check.interval("load_range", [load.value for load in given])
     low, high = (_rescaled(load, material) for load in given)
     return low, high
 
@@ -186,12 +184,8 @@ class LineSection(Section):
         if "crossover_load" in given:
             given["crossover_load"] = _rescaled(given["crossover_load"], material)
         if "crossover_loads" in given:
-            given["crossover_loads"] = [
-                rescaled_range(loads, material, f"crossover_loads[{i}]")
-                if len(loads) > 1
-                else _rescaled(loads[0], material)
-                for i, loads in enumerate(given["crossover_loads"])
-            ]
+            each = [[_rescaled(load, material) for load in loads] for loads in given["crossover_loads"]]
+            given["crossover_loads"] = [loads if len(loads) > 1 else loads[0] for loads in each]
         found: Target = self.law(**given, wording=wording)
         return found
 
