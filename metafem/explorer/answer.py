@@ -231,7 +231,7 @@ def _sentence(key: str, problem: InvalidInput) -> str:
         return f"{problem}."
     if place[1]:
         value = "" if problem.value is None else f" = {problem.value}"
-        words = f"entry {place[1]}{value} {words}"
+        words = f"entry {int(place[1]) + 1}{value} {words}"
     return f"{words[:1].upper()}{words[1:]}."
 
 

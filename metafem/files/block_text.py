@@ -31,52 +31,67 @@ def block_text(
     """
     lines = [FIRST, *(f"# Measured: {source}" for source in sources)]
     if contact is not None:
-        fits = "" if contact.verdict.fits else "; the law does not fit"
-        modulus, sd = contact.composite_modulus, math.sqrt(contact.root_covariance[0, 0])
-        comment = interval(contact.composite_modulus_interval, sd, "MPa")
-        if not contact.adhesive:
-            modulus, sd = contact.modulus_without_adhesion
-            comment = f"± {rounded(sd, sd)} MPa without adhesion"
-        lines += ["", "[material]", _line("composite_modulus", modulus, sd, "MPa", comment + fits)]
-        lines += [f"poisson_ratio = {contact.sample.poisson_ratio!r}", ""]
-        lines += _contact(contact, section_named((cap or "hertz").split()))
-    found: Any = strength or shear
-    if found is None:
-        return "\n".join(lines) + "\n"
-    verdict = found.verdict if strength else found.friction_verdict
-    remark = ", of a surface in full contact" if strength else ""
-    lines += ["", "[friction]", _parameter("shear_strength", found, -1, verdict, "MPa", remark)]
-    if shear is not None:
-        lines.append(_parameter("area_ratio", shear, 0, shear.area_verdict))
-    else:
-        lines.append(f"area_ratio = {found.area_ratio!r}  # that of the part")
+        lines += ["", *_material(contact), "", *_contact(contact, section_named((cap or "hertz").split()))]
+    if shear is not None or strength is not None:
+        lines += ["", *_friction(shear, strength)]
     return "\n".join(lines) + "\n"
+
+
+def _material(found: ContactCalibration) -> list[str]:
+    modulus, sd = found.composite_modulus, math.sqrt(found.root_covariance[0, 0])
+    comment = interval(found.composite_modulus_interval, sd, "MPa")
+    if not found.adhesive:
+        modulus, sd = found.modulus_without_adhesion
+        comment = f"± {rounded(sd, sd)} MPa without adhesion"
+    if not found.verdict.fits:
+        comment += "; the law does not fit"
+    return [
+        "[material]",
+        f'composite_modulus = "{rounded(modulus, sd, 3)} MPa"  # {comment}',
+        f"poisson_ratio = {found.sample.poisson_ratio!r}",
+    ]
 
 
 def _contact(found: ContactCalibration, cap: Mapping[str, Any]) -> list[str]:
     low, high = (end / ENERGY for end in found.adhesion_energy_interval)
-    sd = 0.5 * (high - low)
-    comment = interval((low, high), sd, "mJ/m^2")
-    # JSON strings and numbers are valid in TOML
-    keys = [f"{name} = {json.dumps(value, ensure_ascii=False)}" for name, value in cap.items()]
+    width = 0.5 * (high - low)
+    adhesion = f"{interval((low, high), width, 'mJ/m^2')}"
     if not found.adhesive or cap["kind"] == "tabulated":
-        return ["[contact]", *keys, f"# The adhesion energy is {comment}."]
-    energy = _line("adhesion_energy", found.adhesion_energy / ENERGY, sd, "mJ/m^2", comment)
-    inner = ["", "[contact.cap]", *keys] if cap["kind"] != "hertz" else []
-    return ["[contact]", 'kind = "jkr"', energy, *inner]
+        return ["[contact]", *_keys(cap), f"# The adhesion energy is {adhesion}."]
+    energy = rounded(found.adhesion_energy / ENERGY, width, 3)
+    lines = ["[contact]", 'kind = "jkr"', f'adhesion_energy = "{energy} mJ/m^2"  # {adhesion}']
+    if cap["kind"] != "hertz":
+        lines += ["", "[contact.cap]", *_keys(cap)]
+    return lines
 
 
-def _parameter(name: str, found: Any, i: int, verdict: Verdict, unit: str = "", remark: str = "") -> str:
-    """Return the line of a parameter, with its interval; `i` is its row in the covariance."""
-    sd = math.sqrt(found.covariance[i, i])
+def _friction(shear: ShearCalibration | None, full: StrengthFit | None) -> list[str]:
+    """Return the lines of ``[friction]``; the shear strength is that of full contact, if it was measured."""
+    lines = ["[friction]"]
+    if full is not None:
+        lines.append(_parameter("shear_strength", full, -1, full.verdict, ", of a surface in full contact"))
+    elif shear is not None:
+        lines.append(_parameter("shear_strength", shear, -1, shear.friction_verdict))
+    if shear is not None:
+        lines.append(_parameter("area_ratio", shear, 0, shear.area_verdict))
+    elif full is not None:
+        lines.append(f"area_ratio = {full.area_ratio!r}  # that of the part")
+    return lines
+
+
+def _parameter(name: str, found: Any, index: int, verdict: Verdict, remark: str = "") -> str:
+    """Return the line of a parameter, with its interval; `index` is its row in the covariance."""
+    unit = "MPa" if name == "shear_strength" else ""
+    sd = math.sqrt(found.covariance[index, index])
+    value = f"{rounded(getattr(found, name), sd, 3)} {unit}".rstrip()
     comment = interval(getattr(found, f"{name}_interval"), sd, unit) + remark
     fits = "" if verdict.fits else "; the line does not fit"
-    return _line(name, getattr(found, name), sd, unit, comment + fits)
+    return f"{name} = {json.dumps(value) if unit else value}  # {comment}{fits}"
 
 
-def _line(name: str, value: float, sd: float, unit: str, comment: str) -> str:
-    text = f"{rounded(value, sd, 3)} {unit}".rstrip()
-    return f"{name} = {json.dumps(text) if unit else text}  # {comment}"
+def _keys(section: Mapping[str, Any]) -> list[str]:
+    """Return the lines of a section's keys; JSON strings and numbers are valid in TOML."""
+    return [f"{name} = {json.dumps(value, ensure_ascii=False)}" for name, value in section.items()]
 
 
 def rounded(value: float, sd: float, digits: int = 2) -> str:

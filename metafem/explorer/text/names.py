@@ -80,7 +80,7 @@ def on_page(message: str) -> str:
     --------
     >>> on_page("the asperity at (1, 2) mm is too high; lower max_height or omit [block]")
     'the asperity at x = 1 mm, y = 2 mm is too high; lower “largest height” or omit “Block”'
-    >>> on_page('lattice.shape[1] is missing; write for example shape = [8, 8]')
+    >>> on_page('lattice.shape[0] is missing; write for example shape = [8, 8]')
     '“rows, columns”, entry 1 is missing; write for example 8, 8'
     """
     message = PLACE.sub(r"x = \1 mm, y = \2 mm", message)
@@ -103,7 +103,7 @@ def _named(found: re.Match[str]) -> str:
         return f"“{title_of(section)}”" if section in known else found[0]
     if name not in known or not (entry or re.search(r"[._]", name)):
         return found[0]
-    return f"“{known[name]}”" + (f", entry {entry}" if entry else "")
+    return f"“{known[name]}”" + (f", entry {int(entry) + 1}" if entry else "")
 
 
 @cache

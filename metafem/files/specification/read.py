@@ -45,9 +45,6 @@ NESTED = re.compile(r"""(?:(?:(?<![\w-])[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[
 # Separators in the path of a file on any operating system, and the longest name of a table [bytes].
 SEPARATORS, LONGEST = re.compile(r"[/\\:]"), 240
 
-# The entry of a list in a key or a text, counted from 0.
-ENTRY = re.compile(r"(?<=[\w\]])\[(\d{1,9})\]")
-
 # Largest number of sites, whose record can be read: that of a site has 250 bytes.
 SITES = RECORD // 250
 
@@ -153,7 +150,7 @@ def read_spec(path: str | Path) -> Specification:
     ------
     InvalidInput
         If the file cannot be read, if a section or key is unknown or missing, or if a value has the wrong
-        type, unit or range. The error has one line for each problem; entries of lists count from 1.
+        type, unit or range. The error has one line for each problem.
 
     Examples
     --------
@@ -387,7 +384,7 @@ def problem(detail: Any, table: Mapping[str, Any]) -> InvalidInput:
                 return _as_given(error.within(path), table)
             if error.example and own and isinstance(own.example, str):
                 error.example = as_toml(own.example)
-            return _from_one(error.at(path))
+            return error.at(path)
         case "missing":
             words = "is missing" if own else f"is missing; write a section [{path}]"
             return InvalidInput(words, key=path, example=example)
@@ -405,7 +402,7 @@ def problem(detail: Any, table: Mapping[str, Any]) -> InvalidInput:
             example, must = "", f"must be a section: write [{path}] on a line of its own"
         case _:
             must = re.sub(r"^\w+ should", "must", detail["msg"])
-    return _from_one(InvalidInput(must, key=path, value=as_written(value), example=example))
+    return InvalidInput(must, key=path, value=as_written(value), example=example)
 
 
 def _place(place: Iterable[Any], table: Any) -> tuple[list[Any], str, Any]:
@@ -431,15 +428,7 @@ def _as_given(error: InvalidInput, table: Mapping[str, Any]) -> InvalidInput:
     *_, value = _place([int(part) if part.isdecimal() else part for part in parts], table)
     if error.value is not None and value is not None:
         error.value = as_written(value)
-    return _from_one(error)
-
-
-def _from_one(error: InvalidInput) -> InvalidInput:
-    """Return an error whose key and text count the entries of lists from 1."""
-    key, words = (
-        ENTRY.sub(lambda found: f"[{int(found[1]) + 1}]", text) for text in (error.key, error.args[0])
-    )
-    return InvalidInput(words, key=key, value=error.value, example=error.example)
+    return error
 
 
 def _refused(name: str, *problems: InvalidInput | str) -> InvalidInput:
