@@ -1,12 +1,10 @@
-"""Closed meshes of the part, a block with caps, and of its mould, a plate with cavities, and binary STL."""
+"""Closed meshes of the part, a block with caps, and of its mould, a plate with cavities."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 
@@ -26,14 +24,6 @@ _CORNERS = 8
 # Least number of rings: with one ring a cap would be a pyramid.
 _FEWEST = 2
 
-# Number of faces that are processed at a time; they take about ten megabytes.
-_AT_A_TIME = 1 << 16
-
-
-# Layout of a triangle in a binary STL file: little-endian, without padding; and the length of its header.
-_TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
-_HEADER = 80
-
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
@@ -41,11 +31,6 @@ class Mesh:
 
     vertices: FloatArray  # (n, 3) [mm]
     faces: IntArray  # (m, 3), counterclockwise, seen from outside
-
-    def corners(self) -> Iterator[FloatArray]:
-        """Yield the corners of all faces [mm], in arrays (k, 3, 3) of k faces with 3 corners each."""
-        for start in range(0, len(self.faces), _AT_A_TIME):
-            yield self.vertices[self.faces[start : start + _AT_A_TIME]]
 
     @property
     def closed(self) -> bool:
@@ -190,23 +175,3 @@ def cap_faces(rings: int) -> IntArray:
     result = np.array(faces, dtype=np.int64)
     result.flags.writeable = False
     return result
-
-
-def write_stl(mesh: Mesh, path: Path, title: str) -> None:
-    """Write binary STL. Its header states the unit, for which the format has no field, and the title."""
-    with path.open("wb") as file:
-        # a file must not begin with "solid", because programs then read it as text
-        file.write(f"metafem {title}; units: mm".encode("ascii").ljust(_HEADER)[:_HEADER])
-        file.write(np.uint32(len(mesh.faces)).astype("<u4").tobytes())
-        for corners in mesh.corners():
-            normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-            length = np.linalg.norm(normal, axis=1, keepdims=True)
-            rows = np.zeros(len(corners), dtype=_TRIANGLE)
-            rows["normal"] = np.divide(normal, length, out=np.zeros_like(normal), where=length > 0.0)
-            rows["corners"] = corners
-            file.write(rows.tobytes())
-
-
-def stl_size(triangles: int) -> int:
-    """Return the size of a binary STL file [bytes]."""
-    return _HEADER + 4 + _TRIANGLE.itemsize * triangles

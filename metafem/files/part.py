@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -17,7 +16,7 @@ from metafem._validate import FloatArray
 from metafem._values import MICROMETRES
 from metafem.caps import SPHERE, Caps
 from metafem.errors import InvalidInput, refuse_if
-from metafem.files.mesh import block_mesh, mirrored, mould_mesh, stl_size, triangle_count, write_stl
+from metafem.files.mesh import block_mesh, mirrored, mould_mesh, triangle_count
 from metafem.files.summits import caps_column
 from metafem.inversion import Design
 from metafem.notes import Note, information
@@ -44,6 +43,9 @@ COARSER = 1.1
 # Least distance of the rims of two caps, and from the edge, in units of the last place of a coordinate in
 # single precision, which STL has: one for each of the two coordinates of both points.
 APART = 4.0
+
+# Factor of a proposed length, which then suffices also when it is rounded to three digits.
+LARGER = 1.0051
 
 # Decimals of a length in millimetres: a hundredth of a micrometre, a tenth of what machines position.
 DECIMALS = 5
@@ -116,18 +118,21 @@ class Part:
 
     def size(self) -> str:
         """Return a text with the size of the solids and their chord error."""
-        megabytes = stl_size(self.triangles) / 1e6
+        megabytes = (84 + 50 * self.triangles) / 1e6  # the head and the triangles of binary STL
         depth = f"at most {self.chord_error * MICROMETRES:.2g} um below the caps"
         return f"{self.triangles:,} triangles and {megabytes:.3g} MB each, {depth}"
 
     def write(self, folder: Path) -> None:
-        """Write the solids into a folder."""
+        """Write the solids into a folder as binary STL, in millimetres."""
+        import meshio
+
         message(f"{', '.join(FILES)}: {self.size()}")
         with doing("writing the part"):
             block = block_mesh(self.surface, self.block, self.chord_error)
             mould = mould_mesh(block, self.surface, self.block)
             for mesh, name in zip((block, mould), FILES, strict=True):
-                write_stl(mesh, folder / name, name.removesuffix(".stl"))
+                solid = meshio.Mesh(mesh.vertices, [("triangle", mesh.faces)])
+                solid.write(folder / name, file_format="stl", binary=True)
 
 
 def planned(surface: Surface, template: Surface, options: PartOptions) -> Part | None:
@@ -240,7 +245,7 @@ def refuse_impossible(surface: Surface, block: Block, asperities: int) -> None:
         raise refused([i], words, remedy, "limits.max_height")
     ends = np.abs(surface.position) + base[:, None] + apart
     for i in np.flatnonzero((ends >= room).any(axis=1))[:1]:
-        needed = " by ".join(f"{_rounded(2.0 * end, True):g}" for end in ends.max(axis=0))
+        needed = " by ".join(f"{LARGER * 2.0 * end:.3g}" for end in ends.max(axis=0))
         words = f"leaves the block of {2 * room[0]:g} by {2 * room[1]:g} mm with its base of {base[i]:.4g} mm"
         remedy = f"make the block at least {needed} mm, or the lattice smaller"
         raise refused([i], words, remedy, "block.width" if ends[i, 0] >= room[0] else "block.length")
@@ -250,16 +255,9 @@ def refuse_impossible(surface: Surface, block: Block, asperities: int) -> None:
         i, j = pairs[row].tolist()
         remedy = "increase the pitch or lower the summits"
         if R[i] == R[j] and (cap := surface.cap.one(i)) == surface.cap.one(j):
-            top = _rounded(float(cap.depth_at(0.5 * distance[row], float(R[i]))), False)
-            remedy += f": with this pitch and radius they can be {top:g} mm high above the base plane"
+            top = float(cap.depth_at(0.5 * distance[row], float(R[i]))) / LARGER
+            remedy += f": with this pitch and radius they can be {top:.3g} mm high above the base plane"
         raise refused([i, j], "overlap or touch", remedy, "limits.max_height")
-
-
-def _rounded(value: float, up: bool) -> float:
-    """Return the next length above or below `value` that has only three digits."""
-    step = 10.0 ** (math.floor(math.log10(value)) - 2)
-    count = math.floor(value / step) + 1 if up else math.ceil(value / step) - 1
-    return float(f"{step * count:.3g}")
 
 
 def mould_table(design: Design, part: Surface) -> str:

@@ -164,7 +164,6 @@ def read_spec(path: str | Path) -> Specification:
     (LinearLaw(slope=6.87, load_range=None), 0.12)
     """
     raw = read_bytes(path, SPECIFICATION, "no such file; `metafem demo linear` writes one to start from")
-    decoded(path, raw)  # raises an error with the line if the file is not UTF-8
     return _specification(file_label(path), raw, Path(path).parent)
 
 
@@ -200,18 +199,14 @@ def parsed(text: str, tables: Mapping[str, bytes] = NO_TABLES, name: str = "spec
     ...     print(*error.problems)
     lattice.pitch = 1.5 needs a unit; write for example "1.5 mm"
     """
-    try:
-        raw = text.encode("utf-8")
-    except UnicodeEncodeError as error:
-        line = text.count("\n", 0, error.start) + 1
-        raise _refused(name, f"line {line} has a character that UTF-8 does not know") from None
-    if len(raw) > SPECIFICATION:
-        raise _refused(name, f"is larger than {SPECIFICATION / 2**20:g} MiB, the limit for its kind of file")
-    return _specification(file_label(name), raw, tables)
+    return _specification(file_label(name), text.encode("utf-8", "surrogatepass"), tables)
 
 
 def _specification(name: str, raw: bytes, source: Source) -> Specification:
     """Return the specification in the UTF-8 text `raw`; errors call it `name`, `source` holds its tables."""
+    most = f"{SPECIFICATION / 2**20:g} MiB, the limit for its kind of file"
+    refuse_if(len(raw) > SPECIFICATION, f"{name}: is larger than {most}")
+    decoded(name, raw)  # raises an error with the line if the file is not UTF-8
     text = raw.decode("utf-8")
     table = toml_table(text, name)
     try:
