@@ -36,7 +36,13 @@ from metafem.inversion import Limits, PowerRange, RadiusRange, Tool
 from metafem.surface import Block, Friction, Material
 
 TWO, SOME = Field(min_length=2, max_length=2), Field(min_length=1)
+Radii = Annotated[list[PositiveLength], SOME]
+Caps = Annotated[list[Annotated[str, Field(strict=True)]], SOME]
+Ends = Annotated[list[PositiveLength], TWO]
+Powers = Annotated[list[Number], TWO]
+
 Site = Annotated[int, Field(strict=True, ge=0)]
+Sites = tuple[Site, ...]
 
 
 class MaterialSection(Section):
@@ -67,34 +73,19 @@ class LatticeSection(Section):
 
     shape: Annotated[list[Annotated[int, Field(strict=True)]], TWO] = key("rows, columns", [8, 8])
     pitch: Length = key("distance between neighbours", "1.5 mm")
-    radius: Length | None = optional(
-        "either: radius of curvature of the summits; or: radii in a section [tools]", "526 um"
-    )
+    radius: Length | None = optional("either: radius of curvature; or: radii in [tools]", "526 um")
 
 
 class ToolsSection(Section):
     """The section ``[tools]``."""
 
     choices = (("radii",), ("radius_range",), ("exponent_range",))
-    radii: Annotated[list[PositiveLength], SOME] | None = optional(
-        "either: radii of the available tools", ["300 um", "526 um"]
-    )
-    caps: Annotated[list[Annotated[str, Field(strict=True)]], SOME] | None = optional(
-        "with radii: sphere, paraboloid or power EXPONENT COEFFICIENT of each; default: section [cap]",
-        ["sphere", "power 4 0.5"],
-    )
-    radius_range: Annotated[list[PositiveLength], TWO] | None = optional(
-        "or: smallest and largest radius", ["200 um", "800 um"]
-    )
-    step: PositiveLength | None = optional(
-        "with radius_range: radii between are multiples of it; default: 10 um", "10 um"
-    )
-    exponent_range: Annotated[list[Number], TWO] | None = optional(
-        "or: smallest and largest exponent of power caps of lattice.radius", [1.2, 6.0]
-    )
-    exponent_step: Number | None = optional(
-        "with exponent_range: exponents between are multiples of it; default: 0.1", 0.1
-    )
+    radii: Radii | None = optional("either: radii of the available tools", ["300 um", "526 um"])
+    caps: Caps | None = optional("with radii: of each; default: section [cap]", ["sphere", "power 4 0.5"])
+    radius_range: Ends | None = optional("or: smallest and largest radius", ["200 um", "800 um"])
+    step: PositiveLength | None = optional("with radius_range: radii are its multiples", "10 um")
+    exponent_range: Powers | None = optional("or: exponents of power caps of lattice.radius", [1.2, 6.0])
+    exponent_step: Number | None = optional("with exponent_range: multiples; default: 0.1", 0.1)
     coefficient: Number | None = optional("with exponent_range: of the power caps; default: 0.5", 0.5)
 
     def value(self) -> RadiusRange | PowerRange | tuple[Tool | float, ...]:
@@ -130,13 +121,9 @@ class ToolsSection(Section):
 class SitesSection(Section):
     """The section ``[sites]``."""
 
-    empty: tuple[Site, ...] = key(
-        "sites without an asperity, from 0 along x, then row by row along y", [17], default=()
-    )
-    pinned: tuple[Site, ...] = key("sites whose heights are given", [9, 12], default=())
-    heights: tuple[Length, ...] = key(
-        "of the summits at these sites, above the base plane", ["84 um", "120 um"], default=()
-    )
+    empty: Sites = key("sites without an asperity, from 0 along x, then along y", [17], default=())
+    pinned: Sites = key("sites whose heights are given", [9, 12], default=())
+    heights: tuple[Length, ...] = key("of these, above the base plane", ["84 um", "120 um"], default=())
 
     def heights_by_site(self, count: int, limits: Limits, part: bool) -> dict[int, float | None]:
         """Return the height of each pinned site [mm], or None for a site that stays empty."""
@@ -186,9 +173,7 @@ class LimitsSection(Section):
     max_height: Length = key("of the summits, above the offset", "120 um")
     min_height: Length = key("of the summits, above the offset", "10 um", default=0.0)
     offset: Length = key("added to all heights", "84 um", default=0.0)
-    height_step: Length | None = optional(
-        "distance between levels, the middles of steps from the lowest height; default: any height", "6 um"
-    )
+    height_step: Length | None = optional("distance between levels; default: any height", "6 um")
     height_sd: Length | None = optional("standard deviation of the manufactured heights", "0.9 um")
 
 
@@ -218,12 +203,8 @@ class PartSection(Section):
     """The section ``[part]``."""
 
     makes = PartOptions
-    alignment_height: PositiveLength | None = optional(
-        "of four alignment asperities outside the corners; cut them off after use", "400 um"
-    )
-    chord_error: PositiveLength | None = optional(
-        "largest distance of the mesh from the caps; default: 4e-4 R, at most 2 million triangles", "1 um"
-    )
+    alignment_height: PositiveLength | None = optional("of four asperities to cut off after use", "400 um")
+    chord_error: PositiveLength | None = optional("of the mesh below the caps; default: 4e-4 R", "1 um")
     feed: Feed = key("of the plunge, in mould.gcode", "20 mm/min", default=FEED)
     spindle: Speed = key("in mould.gcode", "8000 1/min", default=SPINDLE)
     dwell: Time = key("at the bottom of each hole, in mould.gcode", "0.5 s", default=DWELL)
@@ -234,6 +215,9 @@ class ChecksSection(Section):
     """The section ``[checks]``."""
 
     hardness: PositiveStress | None = optional("H, which decides on a plastic law", "10 MPa")
+
+
+RHO, DEPTHS = ["0 um", "200 um", "400 um", "600 um"], ["0 um", "39 um", "184 um", "600 um"]
 
 
 class SphereCap(Section):
@@ -267,12 +251,8 @@ class ProfileCap(Section):
 
     kind: Literal["profile"]
     choices = (("rho", "f"), ("file",))
-    rho: list[Length] | None = optional(
-        "either: distances from the axis, from 0", ["0 um", "200 um", "400 um", "600 um"]
-    )
-    f: list[Length] | None = optional(
-        "with it: depths below the summit, from 0", ["0 um", "39 um", "184 um", "600 um"]
-    )
+    rho: list[Length] | None = optional("either: distances from the axis, from 0", RHO)
+    f: list[Length] | None = optional("with it: depths below the summit, from 0", DEPTHS)
     file: str | None = optional("or: a table with columns such as rho_mm,f_um", "cap.csv")
 
     def value(self) -> Cap:
@@ -296,6 +276,7 @@ class ElasticSection(Section):
 
 
 CapSection = HertzSection | ElasticSection
+Under = Annotated[CapSection, Field(discriminator="kind")]
 HERTZ = HertzSection(kind="hertz")
 
 
@@ -304,9 +285,7 @@ class JKRSection(Section):
 
     kind: Literal["jkr"]
     adhesion_energy: Energy = key("w, from 0", "9 mJ/m^2")
-    cap: Annotated[CapSection, Field(discriminator="kind")] = key(
-        "one of the kinds above", {"kind": "elastic"}, default=HERTZ
-    )
+    cap: Under = key("one of the kinds above", {"kind": "elastic"}, default=HERTZ)
 
     def value(self) -> Contact:
         """Return the contact law that the keys describe."""
@@ -341,9 +320,7 @@ class TabulatedSection(Section):
     indentation: list[Length] | None = optional("either: d, increasing", ["5 um", "20 um", "90 um"])
     load: list[Force] | None = optional("with it: P at these", ["0.46 mN", "3.7 mN", "35 mN"])
     area: list[Area] | None = optional("with it: A at these", ["0.0083 mm^2", "0.033 mm^2", "0.15 mm^2"])
-    file: str | None = optional(
-        "or: a table with columns such as indentation_um,load_mN,area_mm2", "contact.csv"
-    )
+    file: str | None = optional("or: a table such as indentation_um,load_mN,area_mm2", "contact.csv")
 
 
 ShapeSection = Annotated[SphereCap | ParaboloidCap | PowerLawCap | ProfileCap, Field(discriminator="kind")]
@@ -360,10 +337,8 @@ class Sections(Section):
     material: MaterialSection = key("the elastomer")
     friction: FrictionSection | None = optional("needed for friction forces in N")
     lattice: LatticeSection = key("sites of asperities")
-    sites: SitesSection = key("sites that stay empty, and sites with given heights", default=SitesSection())
-    tools: ToolsSection | None = optional(
-        "tools to choose from: their radii instead of lattice.radius, or exponents of power caps"
-    )
+    sites: SitesSection = key("empty sites, and sites with given heights", default=SitesSection())
+    tools: ToolsSection | None = optional("to choose from, instead of lattice.radius")
     block: BlockSection | None = optional("needed for the part files and the models layer and block")
     cell: CellSection | None = optional("period of an infinite surface; default: no repetition")
     limits: LimitsSection = key("manufacturing limits")

@@ -84,6 +84,8 @@ Crossover = Annotated[Any, BeforeValidator(_crossover), WithJsonSchema({"anyOf":
 
 LOADS, FRICTIONS = ["0.144 mm^2", "0.336 mm^2"], ["0.84 mm^2", "1.68 mm^2"]
 FORCES = {"load": ["0.2 N", "0.4 N"], "friction": ["0.26 N", "0.53 N"], "highest": ["0.32 N", "0.62 N"]}
+RANGE, BOTH = ["0.05 mm^2", "0.2 mm^2"], ["0.02 mm^2", "0.1 mm^2"]
+CROSSOVERS = ["0.07 mm^2", ["0.15 mm^2", "0.18 mm^2"]]
 TWO = Field(min_length=2, max_length=2)
 Range = Annotated[list[Load], TWO]
 Pair = Annotated[list[Number], TWO]
@@ -122,9 +124,7 @@ class PointsSection(CurveSection):
     rescaled_load: list[Area] | None = optional("either: P/E*, increasing", LOADS)
     rescaled_friction: list[Area] | None = optional("with it: F/(sigma B) at these loads", FRICTIONS)
     load: list[Force] | None = optional("or: P, increasing", FORCES["load"])
-    friction_force: list[Force] | None = optional(
-        "with it: F at these loads; needs [friction]", FORCES["friction"]
-    )
+    friction_force: list[Force] | None = optional("with it: F at these; needs [friction]", FORCES["friction"])
 
 
 class SampledSection(PointsSection):
@@ -137,13 +137,8 @@ class SampledSection(PointsSection):
     law = SampledLaw
     choices = (*PointsSection.choices, ("file",), ("load", "rescaled_friction"))
     weight: list[Number] | None = optional("of each sample; default: 1/relative_error², or equal", [1.0, 2.0])
-    relative_error: list[Number] | None = optional(
-        "standard deviation of each friction; the misfit may be 1 % plus their rms", [0.01, 0.02]
-    )
-    file: str | None = optional(
-        "or: a table as `metafem compare` reads it, such as load_N,friction_force_N with friction_force_sd_N",
-        "wanted.csv",
-    )
+    relative_error: list[Number] | None = optional("standard deviation of each friction", [0.01, 0.02])
+    file: str | None = optional("or: a table, such as load_N,friction_force_N with its errors", "wanted.csv")
 
 
 class BandSection(CurveSection):
@@ -156,9 +151,7 @@ class BandSection(CurveSection):
     lowest: list[Area] | None = optional("with it: smallest F/(sigma B) at these loads", FRICTIONS)
     highest: list[Area] | None = optional("with it: largest F/(sigma B)", ["1.04 mm^2", "1.98 mm^2"])
     load: list[Force] | None = optional("or: P, increasing", FORCES["load"])
-    lowest_force: list[Force] | None = optional(
-        "with it: smallest F at these loads; needs [friction]", FORCES["friction"]
-    )
+    lowest_force: list[Force] | None = optional("with it: smallest F; needs [friction]", FORCES["friction"])
     highest_force: list[Force] | None = optional("with it: largest F", FORCES["highest"])
 
 
@@ -198,10 +191,7 @@ class LinearSection(LineSection):
     choices = (("slope",), ("friction_coefficient",))
     slope: Number | None = optional("either: of F/(sigma B) over P/E*", 6.87)
     friction_coefficient: Number | None = optional("or: dF/dP; needs [friction]", 1.5)
-    load_range: Range | None = optional(
-        "P/E* or P, smallest and largest: the target is the line through the origin",
-        ["0.05 mm^2", "0.2 mm^2"],
-    )
+    load_range: Range | None = optional("P/E* or P, from and to: a line through the origin", RANGE)
 
 
 class BilinearSection(LineSection):
@@ -213,10 +203,7 @@ class BilinearSection(LineSection):
     slopes: Pair | None = optional("either: of F/(sigma B) over P/E*, below and above", [7.15, 12.52])
     friction_coefficients: Pair | None = optional("or: dF/dP, below and above; needs [friction]", [1.6, 2.7])
     crossover_load: Load = key("P/E* or P where they meet", "0.0380 mm^2")
-    load_range: Range | None = optional(
-        "P/E* or P, smallest and largest: the target is two lines, the first through the origin",
-        ["0.02 mm^2", "0.1 mm^2"],
-    )
+    load_range: Range | None = optional("P/E* or P, from and to: the first line through the origin", BOTH)
 
 
 class MultilinearSection(LineSection):
@@ -225,16 +212,9 @@ class MultilinearSection(LineSection):
     kind: Literal["multilinear"]
     law = MultilinearLaw
     choices = (("slopes",), ("friction_coefficients",))
-    slopes: list[Number] | None = optional(
-        "either: of F/(sigma B) over P/E*, one for each branch", [9.5, 8.0, 7.0]
-    )
-    friction_coefficients: list[Number] | None = optional(
-        "or: dF/dP, one for each branch; needs [friction]", [2.1, 1.8, 1.6]
-    )
-    crossover_loads: list[Crossover] = key(
-        "P/E* or P of each: one load, or a pair; between them the law is free",
-        ["0.07 mm^2", ["0.15 mm^2", "0.18 mm^2"]],
-    )
+    slopes: list[Number] | None = optional("either: of F/(sigma B) over P/E*, of each", [9.5, 8.0, 7.0])
+    friction_coefficients: list[Number] | None = optional("or: dF/dP; needs [friction]", [2.1, 1.8, 1.6])
+    crossover_loads: list[Crossover] = key("P/E* or P: one load each, or a pair, free between", CROSSOVERS)
     load_range: Range = key("P/E* or P, from and to", ["0.03 mm^2", "0.26 mm^2"])
 
 
