@@ -24,6 +24,7 @@ from metafem.files.specification.sections import Sections
 from metafem.files.tables import table_of
 from metafem.files.units import as_written
 from metafem.inversion import Design, Limits, PowerRange, RadiusRange, Target, Tool, arrange, design
+from metafem.inversion.limits import pinned_heights
 from metafem.inversion.problem import drafting
 from metafem.inversion.tools import Tools, default_contact, refuse_misfits
 from metafem.models import Model
@@ -313,8 +314,13 @@ def _members(given: Sections) -> dict[str, Any]:
             cap=cap or SPHERE,
             cell=cell,
         )
-    with _within("sites"):
-        pinned = given.sites.heights_by_site(template.count, limits, block is not None)
+    try:
+        pinned = pinned_heights(template, replace(limits, pinned=given.sites.value()))
+    except InvalidInput as error:
+        site = error.key.removeprefix("pinned[").rstrip("]")
+        if site.isdecimal():
+            raise error.at(f"sites.heights[{given.sites.pinned.index(int(site))}]") from None
+        raise InvalidInput(f"do not suit: {error}", key="sites") from None
     words = (
         f"and limits.offset = {limits.offset:g} mm together exceed the largest radius, {max(radii):g} mm: a "
         "cap cannot be higher than its radius; lower them, or omit [block] and with it the part files"

@@ -6,7 +6,6 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, field_validator
 
-from metafem import _validate as check
 from metafem._given import printable
 from metafem.caps import Cap, Paraboloid, Power, Profile, Sphere
 from metafem.contact import JKR, Contact, Elastic, Hertz, JacksonGreen, KogutEtsion, TabulatedContact
@@ -125,28 +124,16 @@ class SitesSection(Section):
     pinned: Sites = key("sites whose heights are given", [9, 12], default=())
     heights: tuple[Length, ...] = key("of these, above the base plane", ["84 um", "120 um"], default=())
 
-    def heights_by_site(self, count: int, limits: Limits, part: bool) -> dict[int, float | None]:
+    def value(self) -> dict[int, float | None]:
         """Return the height of each pinned site [mm], or None for a site that stays empty."""
         seen: set[int] = set()
-        for name, sites in (("empty", self.empty), ("pinned", self.pinned)):
-            for i, site in enumerate(sites):
-                place: Any = {"key": f"{name}[{i}]", "value": str(site)}
-                lattice = f"is not a site: the lattice has the sites 0 to {count - 1}"
-                refuse_if(site >= count, lattice, **place)
-                refuse_if(site in seen, "is given twice; keep one", **place)
-                seen.add(site)
-        words = f"holds all {count} sites; leave out at least one"
-        refuse_if(len(self.empty) == count, words, key="empty")
+        for i, site in enumerate((*self.empty, *self.pinned)):
+            key = "empty" if i < len(self.empty) else "pinned"
+            refuse_if(site in seen, f"gives site {site} twice; keep one", key=key)
+            seen.add(site)
         many = f"has {len(self.heights)} entries and sites.pinned {len(self.pinned)}"
         wrong = len(self.pinned) != len(self.heights)
         refuse_if(wrong, f"{many}; give one height for each pinned site", key="heights")
-        for i, height in enumerate(self.heights):
-            name = f"heights[{i}]"
-            check.number(name, height, at_least=0.0)
-            words = f"must be at most {limits.top:g} mm, limits.offset + limits.max_height"
-            refuse_if(height > limits.top, words, key=name, value=height)
-            words = "must be greater than 0 in a part; list a site without an asperity in sites.empty"
-            refuse_if(height == 0.0 and part, words, key=name, value=height)
         return {**dict.fromkeys(self.empty), **dict(zip(self.pinned, self.heights, strict=True))}
 
 
