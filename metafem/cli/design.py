@@ -21,6 +21,9 @@ from metafem.progress import doing
 if TYPE_CHECKING:
     from metafem.inversion import Design
 
+# Name of the schema's file, to which the specifications of the demonstrations refer.
+SCHEMA_FILE = "metafem.schema.json"
+
 # Members of a key's description that `metafem spec --json` prints.
 SHOWN = ("section", "kind", "name", "example", "meaning", "optional", "default")
 
@@ -45,8 +48,8 @@ def demo(name: str, **options: Any) -> None:
     refuse_if(path.exists() and not same, f"{path} exists and differs from the demo's; {remedy}")
     if not same:
         mf.files.write_text(path, text)
-    if (remark := mf.files.place_schema(path.parent)) is not None:
-        click.echo(f"note: {remark}", err=True)
+    if not Path(SCHEMA_FILE).exists():
+        mf.files.write_text(SCHEMA_FILE, mf.files.schema_text())
     click.get_current_context().invoke(design, spec=path, output=folder, **options)
 
 

@@ -73,7 +73,7 @@ def doctor(clear_cache: bool, as_json: bool) -> None:
         show(as_json, data, lines=[f"removed {freed / 1e6:.1f} MB from {folder}, left {left / 1e6:.1f} MB"])
         well = left == 0
     else:
-        from metafem.files.result.folder import versions
+        from metafem.files.result import versions
 
         findings: list[Finding] = [
             ("metafem", f"imported from {Path(mf.__file__).parent}", True),

@@ -20,7 +20,7 @@ from metafem.models.model import contact_of
 from metafem.surface import Surface
 
 if TYPE_CHECKING:
-    from metafem.files.part.plan import Part
+    from metafem.files.part import Part
 
 # Largest number of asperities whose interaction is computed while a handle is dragged. On two cores a draft
 # under "layer" takes 20 to 150 ms for 64 asperities and 130 to 1300 ms for 400; without interaction it takes
@@ -214,9 +214,8 @@ def _offers(error: InvalidInput) -> dict[str, str]:
 
 def _known(key: str) -> str:
     """Return the longest leading part of a key that a specification can have; "" if there is none."""
-    forms = section_forms()
-    known = {f"{form.name}.{key.name}" for form in forms for keys in form.keys.values() for key in keys}
-    known |= {name for form in forms for name in (form.name, f"{form.name}.kind")}
+    known = {name for form in section_forms() for name in (form, f"{form}.kind")}
+    known |= {f"{form.name}.{each.name}" for form in section_forms().values() for each in form.every}
     key = key.partition("[")[0]
     while key and key not in known:
         key = key.rpartition(".")[0]

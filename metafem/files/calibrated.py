@@ -19,7 +19,7 @@ from metafem.calibration import (
     joint_covariance,
 )
 from metafem.errors import InvalidInput, refuse_if
-from metafem.files.reading import RECORD, file_label, read_bytes, read_record
+from metafem.files.disk import RECORD, file_label, read_bytes, read_record
 
 # Value of the key "kind" in the file of a calibration.
 KIND = "metafem calibration"

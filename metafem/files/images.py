@@ -18,8 +18,7 @@ from numpy.typing import NDArray
 from metafem._extras import refuse_missing
 from metafem._given import printable, shown
 from metafem.errors import InvalidInput, refuse_if
-from metafem.files.figures import MARK
-from metafem.files.reading import file_label
+from metafem.files.disk import MARK, file_label
 from metafem.files.tables import Columns, Entries, Table
 from metafem.notes import Note
 from metafem.progress import message

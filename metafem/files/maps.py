@@ -14,7 +14,7 @@ from metafem._extras import refuse_missing
 from metafem._given import printable
 from metafem.calibration.topography import HeightMap
 from metafem.errors import InvalidInput, refuse_if
-from metafem.files.reading import file_label, refuse_unreadable
+from metafem.files.disk import file_label, refuse_unreadable
 from metafem.files.units import factor, quantity
 
 # Formats that are read: files of instruments and arrays of numpy.

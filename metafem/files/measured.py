@@ -17,7 +17,7 @@ from metafem.calibration import ContactTable, at_peak, over_plateau
 from metafem.calibration.contact_table import pressed_images, sheared_points
 from metafem.errors import InvalidInput, refuse_if
 from metafem.files.contacts import contacts_of
-from metafem.files.reading import file_label
+from metafem.files.disk import file_label
 from metafem.files.tables import NONE, SINGLE, Columns, Entries, is_of_contacts, read_table, row_of
 from metafem.notes import Note, information
 

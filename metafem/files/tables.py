@@ -22,7 +22,7 @@ import numpy as np
 from metafem._given import printable, shown
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput, refuse_if
-from metafem.files.reading import TABLE, file_label, read_bytes, text_of_table
+from metafem.files.disk import TABLE, file_label, read_bytes, text_of_table
 from metafem.files.units import NUMBER, UNITS, factor, plain_unit
 from metafem.progress import message
 
@@ -120,11 +120,11 @@ def table_of(name: str, content: bytes, columns: Mapping[str, str] = NONE, every
         raise InvalidInput(f"{name}, line {first + rows.line_num}: {error}") from None
     refuse_if(not found, f"{name} is empty; a line must name the columns, for example load_mN,area_mm2")
     header, found = [title.strip() for title in found[0][1]], found[1:]
-    ends = [row[-1].strip() for _, row in found if len(row) == len(header) + 1]
-    if found and len(ends) == len(found) and not any(ends):  # a separator at the end of each line
-        found = [(line, row[:-1]) for line, row in found]
-    elif header[-1] == "" and all(row[len(header) - 1 :] in ([""], []) for _, row in found):
-        header, found = header[:-1], [(line, row[: len(header) - 1]) for line, row in found]
+    # a separator at the end of each line, or of the header alone
+    for width in (len(header), len(header) - 1):
+        extra = [row[width:] for _, row in found]
+        if found and "".join(header[width:]) == "" and all(row in ([], [""]) for row in extra) and any(extra):
+            header, found = header[:width], [(line, row[:width]) for line, row in found]
     words = "name its columns, for example load_mN,area_mm2, separated by commas, semicolons or tabs"
     refuse_if(len(header) < ENOUGH, f"{name} has one column, {printable(''.join(header), 60)}; {words}")
     for line, row in found:
@@ -165,15 +165,12 @@ def bare(unit: str) -> str:
 def _header(lines: list[str], stated: str, columns: Mapping[str, str]) -> tuple[int, str]:
     """Return the index of the line that names the columns, and the sign that separates them."""
     best, first, sign = 0, 0, stated or ","
-    for i, line in reversed(list(enumerate(lines[:PREAMBLE]))):
-        if not line.strip():
-            continue
+    own = {*columns.values(), *(LABEL.sub(r"\1", title) for title in columns.values())}
+    for i, line in reversed([(i, line) for i, line in enumerate(lines[:PREAMBLE]) if line.strip()]):
         separator = stated or next((sign for sign in ";\t" if sign in line), ",")
-        titles = [title.strip(' "') for title in line.split(separator)]
-        titles[-1] = titles[-1].strip(' "\n')
+        titles = [title.strip(' "\n') for title in line.split(separator)]
         known = sum(base_of(named(title)[0]) in QUANTITIES or title in TEXTS for title in titles)
-        known += ENOUGH * len(set(titles) & {LABEL.sub(r"\1", title) for title in columns.values()})
-        known += ENOUGH * len(set(titles) & set(columns.values()))
+        known += ENOUGH * len(own & set(titles))
         if min(known, ENOUGH) >= best:
             best, first, sign = min(known, ENOUGH), i, separator
     return first, sign

@@ -9,14 +9,10 @@ from fractions import Fraction
 from typing import Any
 
 from metafem._given import printable, shown
-from metafem.errors import InvalidInput
+from metafem.errors import InvalidInput, refuse_if
 
-# Numbers that neither overflow nor underflow in any unit; the same ones above 0 hold a digit from 1 to 9.
-EXPONENT = r"([eE][+-]?[0-9]{1,2})?"
-NUMBER = rf"[+-]?([0-9]{{1,40}}\.?[0-9]{{0,40}}|\.[0-9]{{1,40}}){EXPONENT}"
-ABOVE_ZERO = (
-    r"[+]?([0-9]{0,19}[1-9][0-9]{0,20}\.?[0-9]{0,40}|[0-9]{0,40}\.[0-9]{0,19}[1-9][0-9]{0,20})" + EXPONENT
-)
+# Numbers that neither overflow nor underflow in any unit.
+NUMBER = r"[+-]?([0-9]{1,40}\.?[0-9]{0,40}|\.[0-9]{1,40})([eE][+-]?[0-9]{1,2})?"
 QUANTITY = re.compile(rf"\s*(?P<number>{NUMBER})\s*(?P<unit>.*?)\s*", re.DOTALL | re.ASCII)
 
 # Other spellings of a micrometre's sign and of a square, and the pattern of all spellings of a square.
@@ -83,24 +79,22 @@ def quantity(key: str, given: Any, unit: str, example: str | None = None) -> flo
 
 def converted(given: Any, unit: str, example: str | None = None) -> float:
     """Return the value of `given` in `unit`, as `quantity` does; errors do not name a key."""
-    valid = f'"{example or EXAMPLES[unit]}"'
+    valid: Any = {"value": as_written(given), "example": f'"{example or EXAMPLES[unit]}"'}
     if not isinstance(given, str):
-        cause = "needs a unit" if isinstance(given, (int, float)) else f"must be a text in {unit}"
-        raise InvalidInput(cause, value=as_written(given), example=valid)
-    text = f'"{printable(given, 60)}"'
+        words = "needs a unit" if isinstance(given, (int, float)) else f"must be a text in {unit}"
+        raise InvalidInput(words, **valid)
+    valid["value"] = f'"{printable(given, 60)}"'
     match = QUANTITY.fullmatch(given)
     if match is None:
-        raise InvalidInput("does not begin with a number", value=text, example=valid)
+        raise InvalidInput("does not begin with a number", **valid)
     number, name = match["number"], match["unit"]
     if not name and unit == "%":
-        both = f'"{number} %" or "{100.0 * float(number):.6g} %"'
-        raise InvalidInput(f"needs a unit; write {both}", value=text)
-    if not name and unit != "1":
-        raise InvalidInput("needs a unit", value=text, example=valid)
+        valid["example"] = f'"{number} %" or "{100.0 * float(number):.6g} %"'
+    refuse_if(not name and unit != "1", "needs a unit", **valid)
     try:
         return float(Fraction(number) * factor(name, unit))
     except InvalidInput as error:
-        raise InvalidInput(error.must, value=text, example=valid) from None
+        raise InvalidInput(error.must, **valid) from None
 
 
 def as_written(value: Any) -> str:
@@ -139,7 +133,7 @@ def plain_unit(name: str) -> str:
     return name
 
 
-def pattern(units: tuple[str, ...], positive: bool = False) -> str:
+def pattern(units: tuple[str, ...]) -> str:
     """Return the regular expression for a number with a usual unit of the dimensions of `units`.
 
     Examples
@@ -151,4 +145,4 @@ def pattern(units: tuple[str, ...], positive: bool = False) -> str:
     """
     usual = "|".join(name.replace("^2", SQUARE) for unit in units for name in UNITS[unit])
     names = re.sub(r"\bu(?=[mN])", "[uµμ]", usual)
-    return rf"^[ \t]*{ABOVE_ZERO if positive else NUMBER}[ \t]*({names})[ \t]*$"
+    return rf"^[ \t]*{NUMBER}[ \t]*({names})[ \t]*$"

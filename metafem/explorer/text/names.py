@@ -44,7 +44,7 @@ LABELS: Mapping[str, str] = {
 NAME = re.compile(r"\[([a-z]+(?:\.[a-z]+)?)\]|\b((?:[a-z]+\.){0,2}[a-z_]+)(?:\[(\d+)\])?(?![\w(])")
 
 # The place of an asperity, a list, and the example at the end of a message, in the notation of a file.
-PLACE = re.compile(r"\b(alignment )?asperity \d+ at \(([^,()]+), ([^()]+)\) mm")
+PLACE = re.compile(r"(?<= at )\(([^,()]+), ([^()]+)\) mm")
 LIST = re.compile(r"(?<= = )\[[^=\n]*\]|\[[^\[\]\n]*,[^\[\]\n]*\]")
 EXAMPLE = re.compile(r"(write for example )(?:\w+ = )?(.+)$", re.MULTILINE)
 
@@ -78,12 +78,12 @@ def on_page(message: str) -> str:
 
     Examples
     --------
-    >>> on_page("asperity 3 at (1, 2) mm is too high; lower max_height or omit [block]")
+    >>> on_page("the asperity at (1, 2) mm is too high; lower max_height or omit [block]")
     'the asperity at x = 1 mm, y = 2 mm is too high; lower “largest height” or omit “Block”'
     >>> on_page('lattice.shape[0] is missing; write for example shape = [8, 8]')
     '“rows, columns”, entry 1 is missing; write for example 8, 8'
     """
-    message = PLACE.sub(r"the \1asperity at x = \2 mm, y = \3 mm", message)
+    message = PLACE.sub(r"x = \1 mm, y = \2 mm", message)
     for notation, words in NOTATION.items():
         message = message.replace(notation, words)
     message = LIST.sub(lambda found: _plain(found[0]), message)
@@ -110,9 +110,9 @@ def _named(found: re.Match[str]) -> str:
 def _known() -> Mapping[str, str]:
     """Return the page's name of each section, of each key with its section, and of each key alone."""
     found: dict[str, str] = {}
-    for form in section_forms():
+    for form in section_forms().values():
         found[form.name] = title_of(form.name)
-        for name in dict.fromkeys(key.name for keys in form.keys.values() for key in keys):
+        for name in dict.fromkeys(key.name for key in form.every):
             label = label_of(f"{form.name}.{name}")
             found[f"{form.name}.{name}"] = label
             found.setdefault(name, label)
@@ -127,7 +127,7 @@ def form_of(section: str) -> SectionForm | None:
     >>> form_of("limits").optional
     False
     """
-    return next((form for form in section_forms() if form.name == section), None)
+    return section_forms().get(section)
 
 
 def keys_of(section: str, kind: object = None) -> tuple[KeyForm, ...]:
@@ -145,5 +145,5 @@ def order_of(section: str, kind: object = None) -> tuple[str, ...]:
     (('kind', 'hardness'), ('target', 'material'))
     """
     if not section:
-        return tuple(form.name for form in section_forms() if "." not in form.name)
+        return tuple(name for name in section_forms() if "." not in name)
     return ("kind", *(key.name for key in keys_of(section, kind)))

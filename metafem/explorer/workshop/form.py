@@ -13,14 +13,11 @@ from metafem.explorer.text.kinds import KINDS
 from metafem.explorer.text.names import form_of, label_of, order_of, title_of
 from metafem.files import KeyForm, SectionForm, section_forms
 
-# Sections of the form, in the order in which a designer needs them. The model is in the header of the page.
-SECTIONS = (
-    "target", "lattice", "limits", "friction", "material", "block", "contact", "contact.cap", "tools",
-    "sites", "layout", "part", "checks", "cell", "cap",
-)  # fmt: skip
+# First sections of the form, as a designer needs them; the model is in the header of the page.
+FIRST = ("target", "lattice", "limits", "friction", "material", "block", "contact", "contact.cap", "tools")
 
 # Sections that are open on a new page.
-OPEN = SECTIONS[:3]
+OPEN = FIRST[:3]
 
 # Further explanations of keys, for readers who do not know the terms of the short meaning.
 FURTHER = {
@@ -41,13 +38,13 @@ FURTHER = {
 
 def form() -> list[dict[str, Any]]:
     """Return the sections of the form with their fields, which the browser needs only once."""
-    forms = {each.name: each for each in section_forms()}
-    return [_section(forms[name]) for name in SECTIONS]
+    forms = section_forms()
+    return [_section(forms[name]) for name in dict.fromkeys((*FIRST, *forms)) if name != "model"]
 
 
 def _section(section: SectionForm) -> dict[str, Any]:
     name = section.name
-    bare = not section.kinds and not any(key.needed for keys in section.keys.values() for key in keys)
+    bare = not section.kinds and not any(key.needed for key in section.every)
     return vars(section) | {
         "title": title_of(name),
         "inner": _inner(name),
@@ -120,7 +117,7 @@ def contents(text: str, problems: Mapping[str, str]) -> dict[str, Any]:
         document = Document(text)
     except InvalidInput as error:
         return {"broken": "; ".join(map(str, error.problems)) or str(error), "problems": {}}
-    tables = {form.name: document.value(form.name) for form in section_forms()}
+    tables = {name: document.value(name) for name in section_forms()}
     present = [name for name, table in tables.items() if isinstance(table, dict)]
     values = {
         f"{section}.{name}": shown(value)

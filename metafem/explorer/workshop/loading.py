@@ -11,7 +11,7 @@ from metafem.errors import InvalidInput
 from metafem.explorer.control import Control
 from metafem.explorer.session import State
 from metafem.explorer.text.document import section_of
-from metafem.files import section_forms
+from metafem.explorer.text.names import order_of
 
 # Name of the specification in a result folder.
 KEPT = "spec.toml"
@@ -92,7 +92,7 @@ def _refuse_foreign(name: str, text: str) -> None:
 
     A specification with errors is accepted, because the user can correct it on the page.
     """
-    sections = "|".join(form.name for form in section_forms() if "." not in form.name)
+    sections = "|".join(order_of(""))
     if not re.search(rf"^[ \t]*(\[[ \t]*({sections})\b|({sections})[ \t]*[.=])", text, re.MULTILINE):
         raise InvalidInput(
             f"{name} is no specification: it has none of the sections, such as [target]. "

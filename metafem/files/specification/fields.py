@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from collections.abc import Callable
 from typing import Annotated, Any, ClassVar, Self
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, GetCoreSchemaHandler, GetJsonSchemaHandler, model_validator
-from pydantic_core.core_schema import CoreSchema, no_info_before_validator_function
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, GetJsonSchemaHandler, WithJsonSchema
+from pydantic import model_validator as validator
 
-from metafem.errors import InvalidInput
+from metafem.errors import refuse_if
 from metafem.files.units import UNITS, converted, pattern
 
 # Alternative sets of keys, of which one must be present.
@@ -20,81 +19,46 @@ Choices = tuple[tuple[str, ...], ...]
 class Section(BaseModel):
     """A section, which refuses unknown keys; `makes` is called with its keys to build its value.
 
-    Exactly one of the sets of keys in `choices` must be present, or one of those in `also`.
+    Exactly one of the sets of keys in `choices` must be present.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
     choices: ClassVar[Choices] = ()
-    also: ClassVar[Choices] = ()
-    makes: ClassVar[Callable[..., Any]]
+    makes: ClassVar[Callable[..., Any] | None] = None
 
-    @model_validator(mode="after")
+    @validator(mode="after")
     def _valid(self) -> Self:
-        keys = [key for choice in self.choices for key in choice]
-        given = [key for key in keys if getattr(self, key) is not None]
-        if self.choices and set(given) not in map(set, (*self.choices, *self.also)):
-            has = f"has {' and '.join(given)}; it " if given else ""
-            raise InvalidInput(f"{has}needs either {' or '.join(map(' and '.join, self.choices))}")
+        given = [key for key in dict.fromkeys(sum(self.choices, ())) if getattr(self, key) is not None]
+        has = f"has {' and '.join(given)}; it " if given else ""
+        needs = f"{has}needs either {' or '.join(map(' and '.join, self.choices))}"
+        refuse_if(self.choices and set(given) not in map(set, self.choices), needs)
         self.value()
         return self
 
     def value(self) -> Any:
         """Return the value that the section describes, or None if it describes none by itself."""
-        made = getattr(type(self), "makes", None)
-        return None if made is None else made(**self.model_dump(exclude={"kind", "file"}))
+        return None if self.makes is None else type(self).makes(**self.given())  # type: ignore[misc]
+
+    def given(self) -> dict[str, Any]:
+        """Return the keys that have a value, but those of the section itself."""
+        return {name: value for name, value in self if value is not None and name not in ("kind", "file")}
 
     @classmethod
     def __get_pydantic_json_schema__(cls, core: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
         """Return the JSON schema, to which the alternative sets are added."""
         found = handler.resolve_ref_schema(handler(core))
+        every = set(sum(cls.choices, ()))
         if cls.choices:
-            every = {key for choice in cls.choices for key in choice}
             found["oneOf"] = [
                 {"required": list(choice), "not": {"anyOf": [{"required": [key]} for key in rest]}}
-                for choice in (*cls.choices, *cls.also)
+                for choice in cls.choices
                 if (rest := sorted(every - set(choice)))
             ]
         return {**found, "x-choices": [list(choice) for choice in cls.choices]}
 
 
-@dataclass(frozen=True)
-class Quantity:
-    """A validator that reads a text with a unit; with `pairs` it also reads a list of two texts.
-
-    `units` holds the package's unit of each dimension that the text may have.
-    """
-
-    read: Callable[[Any], Any]
-    units: tuple[str, ...]
-    pairs: bool = False
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        """Return the schema by which pydantic reads the text and then validates the number."""
-        return no_info_before_validator_function(self._number, handler(source))
-
-    def _number(self, given: Any) -> Any:
-        """Return the number of a text; an entry of a table is already a number."""
-        return float(given) if isinstance(given, np.float64) else self.read(given)
-
-    def __get_pydantic_json_schema__(self, core: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
-        """Return the JSON schema of the text: its pattern and the usual units."""
-        words = pattern(self.units, positive="exclusiveMinimum" in handler(core))
-        shown = [unit for dimension in self.units for unit in UNITS[dimension] if unit != "°"]
-        text = {"type": "string", "pattern": words, "x-units": shown}
-        pair = {"type": "array", "items": text, "minItems": 2, "maxItems": 2}
-        return {"anyOf": [text, pair]} if self.pairs else text
-
-
-def measured(unit: str) -> Quantity:
-    """Return the validator of a text such as "120 um", whose result is a number in `unit`."""
-    return Quantity(lambda given: converted(given, unit), (unit,))
-
-
 def key(meaning: str, example: Any = None, *, default: Any = ...) -> Any:
-    """Return the field of a key; `metafem spec` prints its meaning and example.
-
-    A key without a default is required.
-    """
+    """Return the field of a key with its meaning and an example; it is required without a default."""
     return Field(default, description=meaning, examples=None if example is None else [example])
 
 
@@ -103,20 +67,24 @@ def optional(meaning: str, example: Any = None) -> Any:
     return key(meaning, example, default=None)
 
 
-def one_of(names: Iterable[str]) -> Any:
-    """Return a field whose JSON schema lists the allowed texts."""
-    return Field(json_schema_extra={"enum": list(names)})
+def text_schema(*units: str) -> dict[str, Any]:
+    """Return the JSON schema of a text that states a quantity in one of these dimensions."""
+    shown = [name for unit in units for name in UNITS[unit] if name != "°"]
+    return {"type": "string", "pattern": pattern(units), "x-units": shown}
 
 
-Length = Annotated[float, measured("mm")]
-Area = Annotated[float, measured("mm^2")]
-Force = Annotated[float, measured("N")]
-Stress = Annotated[float, measured("MPa")]
-Energy = Annotated[float, measured("N/mm")]
-Angle = Annotated[float, measured("rad")]
-PositiveLength = Annotated[float, Field(gt=0.0), measured("mm")]
-PositiveStress = Annotated[float, Field(gt=0.0), measured("MPa")]
-Feed = Annotated[float, Field(gt=0.0), measured("mm/min")]
-Speed = Annotated[float, Field(gt=0.0), measured("1/min")]
-Time = Annotated[float, Field(ge=0.0), measured("s")]
+def measured(unit: str, **bounds: Any) -> Any:
+    """Return the type of a text such as "120 um", whose value is a number in `unit` within the bounds."""
+
+    def number(given: Any) -> float:
+        """Return the number of a text; an entry of a table is one already."""
+        return float(given) if isinstance(given, np.float64) else converted(given, unit)
+
+    return Annotated[float, Field(**bounds), BeforeValidator(number), WithJsonSchema(text_schema(unit))]
+
+
+Length, Area, Force, Stress = map(measured, ("mm", "mm^2", "N", "MPa"))
+Energy, Angle = map(measured, ("N/mm", "rad"))
+PositiveLength, PositiveStress = measured("mm", gt=0.0), measured("MPa", gt=0.0)
+Feed, Speed, Time = measured("mm/min", gt=0.0), measured("1/min", gt=0.0), measured("s", ge=0.0)
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]

@@ -3,20 +3,14 @@
 from __future__ import annotations
 
 import json
-import os
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
-from pathlib import Path
 from typing import Any
 
-from metafem.errors import InvalidInput
-from metafem.files.atomic import write_text
-from metafem.files.specification.contents import Sections
+from metafem.files.specification.sections import Sections
 
 Schema = dict[str, Any]
-
-# Name of the schema's file, to which the specifications of the demonstrations refer.
-SCHEMA_FILE = "metafem.schema.json"
 
 # Column in which the comments of the manual begin; most examples are shorter.
 COLUMN = 48
@@ -45,21 +39,10 @@ PLAIN = {"number": "number", "integer": "integer", "boolean": "truth", "string":
 class KeyForm:
     """The description of a key and of its value.
 
-    Attributes
-    ----------
-    section, name : str
-    kind : str or None
-        The kind of section that has this key; None for a section without kinds.
-    meaning : str
-    example : object
-        A valid value, as tomllib reads it.
-    optional : bool
-    default : object
-        Default of an optional key; None for a key without a default.
-    schema : dict
-        JSON schema of the value; the usual units of a quantity are its "x-units".
-    choice : int or None
-        Number of the alternative set to which the key belongs; a section needs the keys of one set.
+    `value` is quantity, number, integer, truth, text or section, of the value or of a list's entries, which
+    with `pairs` can be lists of two; `units` are the usual ones, `names` the allowed texts. `kind` is that of
+    the section, or None. `choice` is the number of the alternative set to which the key belongs, or None; a
+    section needs the keys of one set.
     """
 
     section: str
@@ -69,70 +52,33 @@ class KeyForm:
     meaning: str
     optional: bool
     default: Any
-    schema: Schema
-    choice: int | None = None
+    choice: int | None
+    value: str
+    units: tuple[str, ...]
+    names: tuple[str, ...]
+    listed: bool
+    pairs: bool
 
     @property
     def needed(self) -> bool:
         """Whether the key is required, or belongs to the first alternative set of keys."""
         return not self.optional or self.choice == 0
 
-    @property
-    def listed(self) -> bool:
-        """Whether the value is a list."""
-        return self.schema.get("type") == "array"
-
-    @property
-    def pairs(self) -> bool:
-        """Whether an entry of the list can itself be a list of two values."""
-        return self.listed and "anyOf" in self._entry
-
-    @property
-    def value(self) -> str:
-        """Kind of the value or of a list's entries: quantity, number, integer, truth, text or section."""
-        if sections_of(self.schema):
-            return "section"
-        return "quantity" if self.units else PLAIN[self._single["type"]]
-
-    @property
-    def units(self) -> tuple[str, ...]:
-        """Usual units of a quantity; empty for other values."""
-        return tuple(self._single.get("x-units", ()))
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """The allowed texts; empty if all texts are allowed."""
-        return tuple(self._single.get("enum", ()))
-
-    @property
-    def _entry(self) -> Schema:
-        return self.schema["items"] if self.listed else self.schema
-
-    @property
-    def _single(self) -> Schema:
-        return self._entry["anyOf"][0] if "anyOf" in self._entry else self._entry
-
 
 @dataclass(frozen=True)
 class SectionForm:
-    """The description of a section.
-
-    Attributes
-    ----------
-    name : str
-    meaning : str
-    optional : bool
-    kinds : mapping of str to str
-        One sentence on each kind; empty for a section without kinds.
-    keys : mapping of str to tuple of KeyForm
-        Keys by kind, in the order of the manual; the kind is "" in a section without kinds.
-    """
+    """The description of a section: a sentence on each kind, if it has kinds, and its keys by kind or ""."""
 
     name: str
     meaning: str
     optional: bool
     kinds: dict[str, str]
     keys: dict[str, tuple[KeyForm, ...]]
+
+    @property
+    def every(self) -> tuple[KeyForm, ...]:
+        """The keys of all kinds."""
+        return tuple(key for keys in self.keys.values() for key in keys)
 
 
 @cache
@@ -153,67 +99,29 @@ def schema_text() -> str:
     return json.dumps(whole_schema(), indent=2, ensure_ascii=False) + "\n"
 
 
-def write_schema(path: Path, force: bool = False) -> None:
-    """Write the schema unless the file already contains it; `force` replaces another schema of metafem."""
-    if not path.is_file() or path.read_bytes() != schema_text().encode("utf-8"):
-        write_text(path, schema_text(), force=force)
-
-
-def place_schema(folder: Path) -> str | None:
-    """Write the schema next to a specification; return a remark if another file already has its name."""
-    path = folder / SCHEMA_FILE
-    try:
-        write_schema(path)
-    except InvalidInput:
-        if not os.path.lexists(path):
-            raise
-        renew = f"`metafem spec --schema > {path}` renews it"
-        return f"{path} exists and differs from the schema of this version; {renew}"
-    return None
-
-
 @cache
-def section_forms() -> tuple[SectionForm, ...]:
-    """Return the descriptions of all sections, in the order of the manual.
+def section_forms() -> dict[str, SectionForm]:
+    """Return the descriptions of all sections by name, in the order of the manual.
 
     If the value of a key is itself a section, such as ``contact.cap``, that section follows.
 
     Examples
     --------
-    >>> forms = {form.name: form for form in section_forms()}
-    >>> forms["limits"].keys[""][0].units[:3], forms["contact"].kinds["hertz"]
+    >>> section_forms()["limits"].keys[""][0].units[:3], section_forms()["contact"].kinds["hertz"]
     (('nm', 'um', 'mm'), 'Elastic paraboloids with the curvature of each summit.')
     """
-    whole, found = whole_schema(), list[SectionForm]()
-    for name, given in whole["properties"].items():
-        found += _forms(name, given, name not in whole["required"])
-    return tuple(found)
+    whole = whole_schema()
+    every = (
+        form
+        for name, given in whole["properties"].items()
+        for form in _forms(name, given, name not in whole["required"])
+    )
+    return {form.name: form for form in every}
 
 
 def all_keys() -> tuple[KeyForm, ...]:
     """Return the descriptions of all keys, except the keys of nested sections."""
-    forms = (form for form in section_forms() if "." not in form.name)
-    return tuple(key for form in forms for keys in form.keys.values() for key in keys)
-
-
-def sections_of(schema: Schema) -> dict[str, Schema]:
-    """Return the schemas of the sections that a value can be, by kind; empty if it is not a section.
-
-    A section without kinds has the kind "". `schema` may be that of an optional value, which allows null.
-    """
-    schema = not_null(schema)
-    kinds = {part: kind for kind, part in schema.get("discriminator", {}).get("mapping", {}).items()}
-    parts = [part["$ref"] for part in schema.get("oneOf", [schema]) if "$ref" in part]
-    return {kinds.get(part, ""): whole_schema()["$defs"][part.rpartition("/")[2]] for part in parts}
-
-
-def not_null(schema: Schema) -> Schema:
-    """Return the schema of a value, from which null is removed if it is allowed."""
-    null = {"type": "null"}
-    if null not in schema.get("anyOf", ()):
-        return schema
-    (value,) = (part for part in schema["anyOf"] if part != null)
-    return {**value, **{name: part for name, part in schema.items() if name != "anyOf"}}
+    return tuple(key for form in section_forms().values() if "." not in form.name for key in form.every)
 
 
 def as_toml(value: Any) -> str:
@@ -223,31 +131,51 @@ def as_toml(value: Any) -> str:
     return json.dumps(value)
 
 
-def _forms(name: str, schema: Schema, optional: bool) -> list[SectionForm]:
-    sections = sections_of(schema)
-    keys = {kind: tuple(_keys(name, kind, section)) for kind, section in sections.items()}
-    kinds = {kind: section["description"].splitlines()[0] for kind, section in sections.items() if kind}
-    found = [SectionForm(name, schema.get("description", ""), optional, kinds, keys)]
-    for key in (key for of_kind in keys.values() for key in of_kind if key.value == "section"):
-        found += _forms(f"{name}.{key.name}", {**key.schema, "description": key.meaning}, key.optional)
-    return found
+def _forms(name: str, given: Schema, optional: bool) -> Iterator[SectionForm]:
+    """Yield the form of a section with a schema, and those of the sections that its keys hold."""
+    value = _not_null(given)
+    kinds = {part: kind for kind, part in value.get("discriminator", {}).get("mapping", {}).items()}
+    places = [part["$ref"] for part in value.get("oneOf", [value])]
+    defined = {kinds.get(part, ""): whole_schema()["$defs"][part.rpartition("/")[2]] for part in places}
+    meanings = {kind: part["description"].splitlines()[0] for kind, part in defined.items() if kind}
+    keys = {kind: tuple(_keys(name, kind, part)) for kind, part in defined.items()}
+    yield SectionForm(name, given.get("description", ""), optional, meanings, keys)
+    for kind, part in defined.items():
+        for key in (key for key in keys[kind] if key.value == "section"):
+            yield from _forms(f"{name}.{key.name}", part["properties"][key.name], key.optional)
 
 
-def _keys(section: str, kind: str, schema: Schema) -> list[KeyForm]:
-    choices = {name: i for i, names in enumerate(schema["x-choices"]) for name in names}
-    found = []
+def _keys(section: str, kind: str, schema: Schema) -> Iterator[KeyForm]:
+    choices = {key: i for i, keys in reversed([*enumerate(schema["x-choices"])]) for key in keys}
     for name, given in schema["properties"].items():
         if kind and name == "kind":
             continue
-        optional, default = name not in schema.get("required", ()), given.get("default")
-        example = given.get("examples", [None])[0]
-        about = {"description", "examples", "default", "title"}
-        value = {word: part for word, part in not_null(given).items() if word not in about}
-        words = given.get("description", "")
-        default = None if default == [] else default
-        form = (section, kind or None, name, example, words, optional, default)
-        found.append(KeyForm(*form, value, choices.get(name)))
-    return found
+        value = _not_null(given)
+        listed = value.get("type") == "array"
+        entry = value["items"] if listed else value
+        single = (entry.get("anyOf") or [entry])[0]
+        units = tuple(single.get("x-units", ()))
+        yield KeyForm(
+            section,
+            kind or None,
+            name,
+            given.get("examples", [None])[0],
+            given.get("description", ""),
+            name not in schema.get("required", ()),
+            None if given.get("default") == [] else given.get("default"),
+            choices.get(name),
+            "quantity" if units else PLAIN.get(single.get("type", ""), "section"),
+            units,
+            tuple(single.get("enum", ())),
+            listed,
+            bool(listed and entry.get("anyOf")),
+        )
+
+
+def _not_null(schema: Schema) -> Schema:
+    """Return the schema of a value, without null if it allows null."""
+    values = [part for part in schema.get("anyOf", ()) if part != {"type": "null"}]
+    return {**schema, **values[0], "anyOf": []} if len(values) == 1 else schema
 
 
 def manual() -> str:
@@ -261,28 +189,21 @@ def manual() -> str:
     hardness = "10 MPa"                             # optional: H, which decides on a plastic law
     """
     lines = [HEAD]
-    for form in section_forms():
+    for form in section_forms().values():
         if "." in form.name:
             continue
-        lines.append(_line(f"[{form.name}]", form.meaning, form.optional, None))
+        lines.append(_line(f"[{form.name}]", form.meaning, form.optional))
         for kind, keys in form.keys.items():
-            if kind:
-                lines += ["", _line(f'kind = "{kind}"', form.kinds[kind], False, None)]
-            lines += [
-                _line(f"{key.name} = {as_toml(key.example)}", key.meaning, key.optional, key.default)
-                for key in keys
-            ]
+            lines += ["", _line(f'kind = "{kind}"', form.kinds[kind], False)] if kind else []
+            for key in keys:
+                start = f"{key.name} = {as_toml(key.example)}"
+                lines.append(_line(start, key.meaning, key.optional, key.default))
         lines.append("")
     return "\n".join(lines[:-1]) + "\n"
 
 
-def remark(meaning: str, optional: bool, default: Any) -> str:
-    """Return the meaning of a key or section, preceded by "optional" and the default where these apply."""
+def _line(start: str, meaning: str, optional: bool, default: Any = None) -> str:
     told = "optional: " if optional and not meaning.startswith(CHOICES) else ""
     if default is not None:
         told = f"optional, default {f'{default:g}' if isinstance(default, float) else as_toml(default)}: "
-    return f"{told}{meaning}"
-
-
-def _line(start: str, meaning: str, optional: bool, default: Any) -> str:
-    return f"{start:<{COLUMN - 1}} # {remark(meaning, optional, default)}"
+    return f"{start:<{COLUMN - 1}} # {told}{meaning}"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -26,11 +25,10 @@ def chosen_model(model: Model, name: str | None, contact: str | None, block: Blo
     return with_contact(model, law) if name is None else model_named(name, law, block)
 
 
-@cache
 def contacts() -> dict[str, tuple[KeyForm, ...]]:
     """Return the keys that ``--contact`` accepts, by kind of contact law: all keys but lists."""
-    form = next(form for form in section_forms() if form.name == "contact")
-    return {kind: tuple(key for key in keys if not key.listed) for kind, keys in form.keys.items()}
+    keys = section_forms()["contact"].keys
+    return {kind: tuple(key for key in keys[kind] if not key.listed) for kind in keys}
 
 
 def contact_named(text: str) -> Contact:
@@ -42,28 +40,20 @@ def contact_named(text: str) -> Contact:
     JKR(adhesion_energy=9e-06, cap=Elastic())
     """
     table = section_named(text.split())
-    kind = table["kind"]
     try:
         fill({"contact": table}, Path())
         law: Contact = TypeAdapter(ContactSection).validate_python(table).value()
         return law
     except ValidationError as error:
-        detail = error.errors(include_url=False)[0]
-        place = ("contact", *detail["loc"])  # as if it were in a specification
-        reason = problem({**detail, "loc": place}, {"contact": table})
+        detail = error.errors(include_url=False)[0]  # as if it were in a specification
+        reason = problem({**detail, "loc": ("contact", *detail["loc"])}, {"contact": table})
     except InvalidInput as error:
         reason = error
-    raise InvalidInput(f'contact law "{printable(text, 60)}": {reason} ({form(kind)})')
+    raise InvalidInput(f'contact law "{printable(text, 60)}": {reason} ({_form(table["kind"])})')
 
 
-def form(kind: str) -> str:
-    """Return how ``--contact`` states a kind of contact law; optional values are in brackets.
-
-    Examples
-    --------
-    >>> form("jkr")
-    'jkr ADHESION_ENERGY [CAP]'
-    """
+def _form(kind: str) -> str:
+    """Return how ``--contact`` states a kind of contact law, such as "jkr ADHESION_ENERGY [CAP]"."""
     names = (
         f"[{key.name.upper()}]" if key.optional and key.name != "file" else key.name.upper()
         for key in contacts()[kind]
@@ -80,23 +70,13 @@ def section_named(words: list[str]) -> dict[str, Any]:
     for key in contacts()[kind]:
         if not rest:
             break
-        name, shown = key.name, key.example
-        if isinstance(shown, float):
-            section[name] = _number(rest.pop(0))
-        elif isinstance(shown, dict):
-            section[name], rest = section_named(rest), []
-        elif name == "file":
-            section[name], rest = " ".join(rest), []
+        if key.value == "section":
+            section[key.name], rest = section_named(rest), []
+        elif key.value == "text":
+            section[key.name], rest = " ".join(rest), []
         else:  # a quantity, whose unit may be a separate word
-            apart = isinstance(_number(rest[0]), float)
-            section[name], rest = " ".join(rest[: 1 + apart]), rest[1 + apart :]
+            count = 1 if rest[0][-1].isalpha() or rest[0][-1] in "²2" else 2
+            section[key.name], rest = " ".join(rest[:count]), rest[count:]
     left = printable(" ".join(rest), 60)
-    refuse_if(rest, f'contact law "{kind}": {left} is not one of its values ({form(kind)})')
+    refuse_if(rest, f'contact law "{kind}": {left} is not one of its values ({_form(kind)})')
     return section
-
-
-def _number(word: str) -> float | str:
-    try:
-        return float(word)
-    except ValueError:
-        return word

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Iterable, Mapping
-from contextlib import nullcontext
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -13,30 +13,23 @@ from typing import Any
 from pydantic import ValidationError
 
 from metafem._given import printable, shown
+from metafem.caps import SPHERE
 from metafem.errors import InvalidInput, refuse_if
+from metafem.files.disk import RECORD, RESERVED, SPECIFICATION, TABLE, decoded, file_label, read_bytes
 from metafem.files.laws import COLUMNS, columns_of
-from metafem.files.part.plan import PartOptions
-from metafem.files.reading import SPECIFICATION, TABLE, decoded, file_label, read_bytes
-from metafem.files.result.names import RESERVED
-from metafem.files.specification.contents import Sections
+from metafem.files.part import PartOptions, planned
 from metafem.files.specification.forms import as_toml, section_forms
-from metafem.files.specification.models import suggestion
+from metafem.files.specification.models import model_named, suggestion
+from metafem.files.specification.sections import Sections
 from metafem.files.tables import table_of
 from metafem.files.units import as_written
-from metafem.inversion import (
-    Design,
-    Limits,
-    PowerRange,
-    RadiusRange,
-    Target,
-    Tool,
-    arrange,
-    design,
-)
+from metafem.inversion import Design, Limits, PowerRange, RadiusRange, Target, Tool, arrange, design
+from metafem.inversion.limits import pinned_heights
 from metafem.inversion.problem import drafting
+from metafem.inversion.tools import Tools, default_contact, refuse_misfits
 from metafem.models import Model
 from metafem.substrate import Substrate
-from metafem.surface import Surface
+from metafem.surface import PeriodicCell, Surface
 
 __all__ = ["Specification", "parsed", "read_spec", "toml_table"]
 
@@ -52,6 +45,9 @@ NESTED = re.compile(r"""(?:(?:(?<![\w-])[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[
 
 # Separators in the path of a file on any operating system, and the longest name of a table [bytes].
 SEPARATORS, LONGEST = re.compile(r"[/\\:]"), 240
+
+# Largest number of sites, whose record can be read: that of a site has 250 bytes.
+SITES = RECORD // 250
 
 # Where the tables that a specification names are: their contents by name, or a folder.
 Source = Mapping[str, bytes] | Path
@@ -157,7 +153,6 @@ def read_spec(path: str | Path) -> Specification:
     (LinearLaw(slope=6.87, load_range=None), 0.12)
     """
     raw = read_bytes(path, SPECIFICATION, "no such file; `metafem demo linear` writes one to start from")
-    decoded(path, raw)  # raises an error with the line if the file is not UTF-8
     return _specification(file_label(path), raw, Path(path).parent)
 
 
@@ -193,37 +188,46 @@ def parsed(text: str, tables: Mapping[str, bytes] = NO_TABLES, name: str = "spec
     ...     print(*error.problems)
     lattice.pitch = 1.5 needs a unit; write for example "1.5 mm"
     """
-    try:
-        raw = text.encode("utf-8")
-    except UnicodeEncodeError as error:
-        line = text.count("\n", 0, error.start) + 1
-        raise _refused(name, [f"line {line} has a character that UTF-8 does not know"]) from None
-    if len(raw) > SPECIFICATION:
-        larger = f"is larger than {SPECIFICATION / 2**20:g} MiB, the limit for its kind of file"
-        raise _refused(name, [larger])
-    return _specification(file_label(name), raw, tables)
+    return _specification(file_label(name), text.encode("utf-8", "surrogatepass"), tables)
 
 
 def _specification(name: str, raw: bytes, source: Source) -> Specification:
     """Return the specification in the UTF-8 text `raw`; errors call it `name`, `source` holds its tables."""
+    most = f"{SPECIFICATION / 2**20:g} MiB, the limit for its kind of file"
+    refuse_if(len(raw) > SPECIFICATION, f"{name}: is larger than {most}")
+    decoded(name, raw)  # raises an error with the line if the file is not UTF-8
     text = raw.decode("utf-8")
     table = toml_table(text, name)
     try:
         kept = fill(table, source)
-        sections = Sections.model_validate(table)
-        parts = sections.build()
+        members = _members(Sections.model_validate(table))
     except ValidationError as error:
-        raise _refused(name, [problem(detail, table) for detail in error.errors(include_url=False)]) from None
+        raise _refused(name, *(problem(each, table) for each in error.errors(include_url=False))) from None
     except InvalidInput as error:
-        raise _refused(name, [_as_given(error, table)]) from None
-    return Specification(
-        **parts,
-        seed=sections.layout.seed,
-        tilt=sections.layout.tilt,
-        hardness=sections.checks.hardness,
-        text=text,
-        files={"spec.toml": raw, **kept},
-    )
+        raise _refused(name, _as_given(error, table)) from None
+    return Specification(**members, text=text, files={"spec.toml": raw, **kept})
+
+
+def toml_table(text: str, name: str = "spec.toml") -> dict[str, Any]:
+    """Return the sections in the text of a specification, as tomllib reads them.
+
+    Examples
+    --------
+    >>> toml_table("[layout]\\nseed = 3")
+    {'layout': {'seed': 3}}
+    """
+    text = text.removeprefix("\ufeff")
+    deep = "nests its values too deeply to be a specification"
+    if NESTED.search(text):
+        raise _refused(name, deep)
+    try:
+        return tomllib.loads(text)
+    except RecursionError:
+        raise _refused(name, deep) from None
+    except ValueError as error:  # a number with thousands of digits is a ValueError too
+        end = f"at line {len(text.splitlines())}, the end of the file"
+        cause = printable(str(error).replace("at end of document", end))
+        raise _refused(name, f"not valid TOML: {cause}; {REMEDY}") from None
 
 
 def fill(table: dict[str, Any], source: Source) -> dict[str, bytes]:
@@ -268,36 +272,99 @@ def _content(name: str, last: str, source: Source) -> bytes:
     return found
 
 
-def toml_table(text: str, name: str = "spec.toml") -> dict[str, Any]:
-    """Return the sections in the text of a specification, as tomllib reads them.
-
-    Examples
-    --------
-    >>> toml_table("[layout]\\nseed = 3")
-    {'layout': {'seed': 3}}
-    """
-    text = text.removeprefix("\ufeff")
-    deep = "nests its values too deeply to be a specification"
-    if NESTED.search(text):
-        raise _refused(name, [deep])
+def _members(given: Sections) -> dict[str, Any]:
+    """Return the members of a `Specification`; raise InvalidInput for the first problem between sections."""
+    material, limits, part = given.material.value(), given.limits.value(), given.part.value()
+    parts: Any = (given.friction, given.block, given.tools, given.cap)
+    friction, block, tools, cap = (None if each is None else each.value() for each in parts)
+    contact = given.contact.value()
+    if "contact" not in given.model_fields_set and cap is None:
+        contact = default_contact(tools)
+    with _within("target"):
+        target = given.target.target(material, friction)
+    with _within("model"):
+        model = model_named(given.model.kind, contact, block)
+    with _within("lattice"):
+        radii = _radii(given)
+        (rows, columns), pitch, cell = given.lattice.shape, given.lattice.pitch, None
+        if given.cell is not None:
+            cell = PeriodicCell(given.cell.width or columns * pitch, given.cell.length or rows * pitch)
+        words = f"has {rows * columns:,} sites; at most {SITES:,} are allowed, so that the result can be read"
+        refuse_if(rows * columns > SITES, words, key="shape", value=f"[{rows}, {columns}]")
+        template = Surface.square_lattice(
+            limits.top,
+            (rows, columns),
+            pitch,
+            radius=min(radii),
+            material=material,
+            friction=friction,
+            block=block,
+            cap=cap or SPHERE,
+            cell=cell,
+        )
     try:
-        return tomllib.loads(text)
-    except RecursionError:
-        raise _refused(name, [deep]) from None
-    except ValueError as error:  # a number with thousands of digits is a ValueError too
-        end = f"at line {len(text.splitlines())}, the end of the file"
-        cause = printable(str(error).replace("at end of document", end))
-        raise _refused(name, [f"not valid TOML: {cause}; {REMEDY}"]) from None
+        pinned = pinned_heights(template, replace(limits, pinned=given.sites.value()))
+    except InvalidInput as error:
+        site = error.key.removeprefix("pinned[").rstrip("]")
+        if site.isdecimal():
+            raise error.at(f"sites.heights[{given.sites.pinned.index(int(site))}]") from None
+        raise InvalidInput(f"do not suit: {error}", key="sites") from None
+    words = (
+        f"and limits.offset = {limits.offset:g} mm together exceed the largest radius, {max(radii):g} mm: a "
+        "cap cannot be higher than its radius; lower them, or omit [block] and with it the part files"
+    )
+    high = block is not None and template.cap == SPHERE and limits.top > max(radii)
+    refuse_if(high, words, key="limits.max_height", value=limits.max_height)
+    if tools is None:
+        planned(template, template, part)
+    else:
+        try:
+            refuse_misfits(Tools.of(tools, template, contact), template, limits.top)
+        except InvalidInput as error:
+            raise InvalidInput(f"do not suit: {error}", key="tools") from None
+    return {
+        "target": target,
+        "template": template,
+        "limits": limits,
+        "model": model,
+        "seed": given.layout.seed,
+        "tilt": given.layout.tilt,
+        "tools": tools,
+        "pinned": pinned,
+        "part": part,
+        "hardness": given.checks.hardness,
+    }
+
+
+def _radii(given: Sections) -> Sequence[float]:
+    """Return the radii of the tools, their bounds, or the radius of the lattice [mm]."""
+    one, tools = given.lattice.radius, given.tools
+    if tools is None or tools.exponent_range is not None:
+        missing = "is missing" + ("" if tools else ", and there is no section [tools]")
+        refuse_if(one is None, missing, key="radius", example='radius = "526 um"')
+        return [one or 0.0]
+    refuse_if(one is not None, "and [tools] both give radii; keep one", key="radius")
+    return tools.radii or tools.radius_range or ()
+
+
+@contextmanager
+def _within(section: str) -> Iterator[None]:
+    """Make errors of the body concern keys of a section; the sides of a cell follow from the lattice."""
+    try:
+        yield
+    except InvalidInput as error:
+        raise error.within(
+            "cell" if error.key.partition("[")[0] in ("width", "length") else section
+        ) from None
 
 
 def problem(detail: Any, table: Mapping[str, Any]) -> InvalidInput:
     """Return the problem that an error of pydantic describes, with its key, value and an example."""
     keys, kind, value = _place(detail["loc"], table)
-    forms = {form.name: form for form in section_forms()}
-    path, name = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in keys)[1:], keys[-1]
-    form = forms.get(".".join(part for part in keys[:-1] if isinstance(part, str)))
+    name, path = keys[-1], "".join(f"[{each}]" if isinstance(each, int) else f".{each}" for each in keys)[1:]
+    form = section_forms().get(".".join(each for each in keys[:-1] if isinstance(each, str)))
     known = {key.name: key for key in form.keys.get(kind, ())} if form else {}
-    own = known.get(name) if isinstance(name, str) else None
+    own = known.get(name)
     example = f"{name} = {as_toml(own.example)}" if own else ""
     match detail["type"]:
         case "value_error":
@@ -308,14 +375,14 @@ def problem(detail: Any, table: Mapping[str, Any]) -> InvalidInput:
                 error.example = as_toml(own.example)
             return error.at(path)
         case "missing":
-            section = f"is missing; write a section [{path}]"
-            return InvalidInput("is missing" if own else section, key=path, example=example)
+            words = "is missing" if own else f"is missing; write a section [{path}]"
+            return InvalidInput(words, key=path, example=example)
         case "extra_forbidden":
             names = (*known, *(["kind"] if form and form.kinds else [])) or (*Sections.model_fields,)
             what = "key" if len(keys) > 1 else "section"
             return InvalidInput(f"is an unknown {what}{suggestion(str(name), names)}", key=printable(path))
         case "union_tag_not_found" | "union_tag_invalid":
-            kinds = tuple(forms[path].kinds)
+            kinds = tuple(section_forms()[path].kinds)
             given = value.get("kind") if isinstance(value, dict) else None
             words = "is missing" if given is None else f"is unknown{suggestion(str(given), kinds)}"
             given = None if given is None else f'"{printable(str(given), 60)}"'
@@ -353,6 +420,6 @@ def _as_given(error: InvalidInput, table: Mapping[str, Any]) -> InvalidInput:
     return error
 
 
-def _refused(name: str, problems: list[Any]) -> InvalidInput:
-    found = tuple(InvalidInput(each) if isinstance(each, str) else each for each in problems)
-    return InvalidInput(name, problems=found)
+def _refused(name: str, *problems: InvalidInput | str) -> InvalidInput:
+    found = (InvalidInput(each) if isinstance(each, str) else each for each in problems)
+    return InvalidInput(name, problems=tuple(found))

@@ -1,4 +1,4 @@
-"""Sections of a specification but [target], as pydantic models with the types and meanings of their keys."""
+"""All sections of a specification, as pydantic models with the types and meanings of their keys."""
 
 from __future__ import annotations
 
@@ -6,15 +6,11 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, field_validator
 
-from metafem import _validate as check
 from metafem._given import printable
 from metafem.caps import Cap, Paraboloid, Power, Profile, Sphere
-from metafem.caps.shapes import STEEPEST
 from metafem.contact import JKR, Contact, Elastic, Hertz, JacksonGreen, KogutEtsion, TabulatedContact
 from metafem.errors import InvalidInput, refuse_if
-from metafem.files.caps import cap_named
-from metafem.files.part.mould import DWELL, FEED, SAFE, SPINDLE
-from metafem.files.part.plan import PartOptions
+from metafem.files.part import DWELL, FEED, SAFE, SPINDLE, PartOptions
 from metafem.files.specification.fields import (
     Angle,
     Area,
@@ -30,32 +26,36 @@ from metafem.files.specification.fields import (
     Stress,
     Time,
     key,
-    one_of,
     optional,
 )
 from metafem.files.specification.models import AUTOMATIC, MODELS, suggestion
+from metafem.files.specification.targets import AnyTarget
+from metafem.files.summits import cap_named
 from metafem.inversion import Limits, PowerRange, RadiusRange, Tool
 from metafem.surface import Block, Friction, Material
 
-Integer = Annotated[int, Field(strict=True)]
+TWO, SOME = Field(min_length=2, max_length=2), Field(min_length=1)
+Radii = Annotated[list[PositiveLength], SOME]
+Caps = Annotated[list[Annotated[str, Field(strict=True)]], SOME]
+Ends = Annotated[list[PositiveLength], TWO]
+Powers = Annotated[list[Number], TWO]
+
 Site = Annotated[int, Field(strict=True, ge=0)]
-TWO = Field(min_length=2, max_length=2)
+Sites = tuple[Site, ...]
 
 
 class MaterialSection(Section):
     """The section ``[material]``."""
 
     choices = (("composite_modulus",), ("young_modulus",))
-
     composite_modulus: Stress | None = optional("either: E* = E/(1 - nu^2)", "1.36 MPa")
     young_modulus: Stress | None = optional("or: E, Young's modulus", "1.02 MPa")
     poisson_ratio: Number = key("nu, from 0 to 0.5", 0.5, default=0.5)
 
     def value(self) -> Material:
         """Return the material."""
-        if self.young_modulus is not None:
-            return Material.from_young(self.young_modulus, self.poisson_ratio)
-        assert self.composite_modulus is not None
+        if self.composite_modulus is None:
+            return Material.from_young(self.young_modulus or 0.0, self.poisson_ratio)
         return Material(self.composite_modulus, self.poisson_ratio)
 
 
@@ -70,108 +70,70 @@ class FrictionSection(Section):
 class LatticeSection(Section):
     """The section ``[lattice]``."""
 
-    shape: Annotated[list[Integer], TWO] = key("rows, columns", [8, 8])
+    shape: Annotated[list[Annotated[int, Field(strict=True)]], TWO] = key("rows, columns", [8, 8])
     pitch: Length = key("distance between neighbours", "1.5 mm")
-    radius: Length | None = optional(
-        "either: radius of curvature of the summits; or: radii in a section [tools]", "526 um"
-    )
+    radius: Length | None = optional("either: radius of curvature; or: radii in [tools]", "526 um")
 
 
 class ToolsSection(Section):
     """The section ``[tools]``."""
 
     choices = (("radii",), ("radius_range",), ("exponent_range",))
-
-    radii: Annotated[list[PositiveLength], Field(min_length=1)] | None = optional(
-        "either: radii of the available tools", ["300 um", "526 um"]
-    )
-    caps: Annotated[list[Annotated[str, Field(strict=True)]], Field(min_length=1)] | None = optional(
-        "with radii: sphere, paraboloid or power EXPONENT COEFFICIENT of each; default: section [cap]",
-        ["sphere", "power 4 0.5"],
-    )
-    radius_range: Annotated[list[PositiveLength], TWO] | None = optional(
-        "or: smallest and largest radius", ["200 um", "800 um"]
-    )
-    step: PositiveLength | None = optional(
-        "with radius_range: radii between are multiples of it; default: 10 um", "10 um"
-    )
-    exponent_range: Annotated[list[Number], TWO] | None = optional(
-        "or: smallest and largest exponent of power caps of lattice.radius", [1.2, 6.0]
-    )
-    exponent_step: Number | None = optional(
-        "with exponent_range: exponents between are multiples of it; default: 0.1", 0.1
-    )
+    radii: Radii | None = optional("either: radii of the available tools", ["300 um", "526 um"])
+    caps: Caps | None = optional("with radii: of each; default: section [cap]", ["sphere", "power 4 0.5"])
+    radius_range: Ends | None = optional("or: smallest and largest radius", ["200 um", "800 um"])
+    step: PositiveLength | None = optional("with radius_range: radii are its multiples", "10 um")
+    exponent_range: Powers | None = optional("or: exponents of power caps of lattice.radius", [1.2, 6.0])
+    exponent_step: Number | None = optional("with exponent_range: multiples; default: 0.1", 0.1)
     coefficient: Number | None = optional("with exponent_range: of the power caps; default: 0.5", 0.5)
 
     def value(self) -> RadiusRange | PowerRange | tuple[Tool | float, ...]:
-        """Return the range of radii or exponents, or the tools."""
-        for name, other, words in (
-            ("step", "radius_range", "tools are used as they are"),
-            ("exponent_step", "exponent_range", "it is the step of exponents"),
-            ("coefficient", "exponent_range", "caps state their own"),
-            ("caps", "radii", "one cap for each radius"),
-        ):
+        """Return the range of radii or exponents, or the tools or their radii [mm]."""
+        of = {"step": "radius_range", "exponent_step": "exponent_range", "coefficient": "exponent_range"}
+        for name, other in (of | {"caps": "radii"}).items():
             alone = getattr(self, name) is not None and getattr(self, other) is None
-            refuse_if(alone, f"needs tools.{other}: {words}", key=name)
-        if self.exponent_range is not None:
-            low, high = self.exponent_range
-            words = f"must increase, from above 1 to at most {STEEPEST:g}, but is [{low:g}, {high:g}]"
-            refuse_if(not 1.0 < low < high <= STEEPEST, words, key="exponent_range")
-            given = {"step": self.exponent_step, "coefficient": self.coefficient}
-            return PowerRange(*self.exponent_range, **{k: v for k, v in given.items() if v is not None})
-        if self.radius_range is None:
-            return self._listed()
-        low, high = self.radius_range
-        words = f"must increase, but is [{low:g} mm, {high:g} mm]"
-        refuse_if(low >= high, words, key="radius_range")
-        return RadiusRange(*self.radius_range, *(() if self.step is None else (self.step,)))
-
-    def _listed(self) -> tuple[Tool | float, ...]:
-        """Return the radii of the tools [mm], or tools if they have caps of their own."""
-        radii, tools = self.radii or [], []
-        if self.caps is None:
-            return tuple(radii)
-        words = f"has {len(self.caps)} caps for {len(radii)} radii; give one for each"
-        refuse_if(len(self.caps) != len(radii), words, key="caps")
-        for i, (radius, text) in enumerate(zip(radii, self.caps, strict=True)):
+            refuse_if(alone, f"needs tools.{other}", key=name)
+        given, radii, caps = self.given(), self.radii, self.caps
+        if radii is None:
+            name = "exponent_range" if self.radius_range is None else "radius_range"
+            kind: Any = PowerRange if self.radius_range is None else RadiusRange
+            ends = given.pop(name)
+            options = {key.removeprefix("exponent_"): each for key, each in given.items()}
             try:
-                tools.append(Tool(radius, cap_named(text)))
+                found: RadiusRange | PowerRange = kind(*ends, **options)
+                return found
+            except InvalidInput as error:
+                raise InvalidInput(f"cannot be used: {error}", key=name) from None
+        if caps is None:
+            return tuple(radii)
+        words = f"has {len(caps)} caps for {len(radii)} radii; give one for each"
+        refuse_if(len(caps) != len(radii), words, key="caps")
+        listed = []
+        for i, (radius, text) in enumerate(zip(radii, caps, strict=True)):
+            try:
+                listed.append(Tool(radius, cap_named(text)))
             except InvalidInput as error:
                 raise InvalidInput(f"is no cap: {error}", key=f"caps[{i}]", value=f'"{text}"') from None
-        return tuple(tools)
+        return tuple(listed)
 
 
 class SitesSection(Section):
     """The section ``[sites]``."""
 
-    empty: tuple[Site, ...] = key(
-        "sites without an asperity, from 0 along x, then row by row along y", [17], default=()
-    )
-    pinned: tuple[Site, ...] = key("sites whose heights are given", [9, 12], default=())
-    heights: tuple[Length, ...] = key(
-        "of the summits at these sites, above the base plane", ["84 um", "120 um"], default=()
-    )
+    empty: Sites = key("sites without an asperity, from 0 along x, then along y", [17], default=())
+    pinned: Sites = key("sites whose heights are given", [9, 12], default=())
+    heights: tuple[Length, ...] = key("of these, above the base plane", ["84 um", "120 um"], default=())
 
-    def heights_by_site(self, count: int, limits: Limits, part: bool) -> dict[int, float | None]:
+    def value(self) -> dict[int, float | None]:
         """Return the height of each pinned site [mm], or None for a site that stays empty."""
-        for name, sites, before in (("empty", self.empty, ()), ("pinned", self.pinned, self.empty)):
-            for i, site in enumerate(sites):
-                place: dict[str, Any] = {"key": f"{name}[{i}]", "value": str(site)}
-                lattice = f"is not a site: the lattice has the sites 0 to {count - 1}"
-                refuse_if(site >= count, lattice, **place)
-                refuse_if(site in (*before, *sites[:i]), "is given twice; keep one", **place)
-        words = f"holds all {count} sites; leave out at least one"
-        refuse_if(len(self.empty) == count, words, key="empty")
+        seen: set[int] = set()
+        for i, site in enumerate((*self.empty, *self.pinned)):
+            key = "empty" if i < len(self.empty) else "pinned"
+            refuse_if(site in seen, f"gives site {site} twice; keep one", key=key)
+            seen.add(site)
         many = f"has {len(self.heights)} entries and sites.pinned {len(self.pinned)}"
-        words = f"{many}; give one height for each pinned site"
-        refuse_if(len(self.pinned) != len(self.heights), words, key="heights")
-        for i, height in enumerate(self.heights):
-            place = {"key": f"heights[{i}]", "value": height}
-            words = f"must be at most {limits.top:g} mm, limits.offset + limits.max_height"
-            refuse_if(height > limits.top, words, **place)
-            check.number(f"heights[{i}]", height, at_least=0.0)
-            words = "must be greater than 0 in a part; list a site without an asperity in sites.empty"
-            refuse_if(height == 0.0 and part, words, **place)
+        wrong = len(self.pinned) != len(self.heights)
+        refuse_if(wrong, f"{many}; give one height for each pinned site", key="heights")
         return {**dict.fromkeys(self.empty), **dict(zip(self.pinned, self.heights, strict=True))}
 
 
@@ -198,31 +160,29 @@ class LimitsSection(Section):
     max_height: Length = key("of the summits, above the offset", "120 um")
     min_height: Length = key("of the summits, above the offset", "10 um", default=0.0)
     offset: Length = key("added to all heights", "84 um", default=0.0)
-    height_step: Length | None = optional(
-        "distance between levels, the middles of steps from the lowest height; default: any height", "6 um"
-    )
+    height_step: Length | None = optional("distance between levels; default: any height", "6 um")
     height_sd: Length | None = optional("standard deviation of the manufactured heights", "0.9 um")
 
 
 class LayoutSection(Section):
     """The section ``[layout]``."""
 
-    seed: Annotated[int, Field(strict=True, ge=0)] = key(
-        "of the random assignment of heights to sites", 0, default=0
-    )
+    seed: Site = key("of the random assignment of heights to sites", 0, default=0)
     tilt: Angle | None = optional("exchange heights to reduce the effect of a tilt of this angle", "0.1 deg")
 
 
 class ModelSection(Section):
     """The section ``[model]``."""
 
-    kind: Annotated[str, one_of(MODELS)] = key(f"one of: {', '.join(MODELS)}", "layer", default=AUTOMATIC)
+    kind: Annotated[str, Field(json_schema_extra={"enum": list(MODELS)})] = key(
+        f"one of: {', '.join(MODELS)}", "layer", default=AUTOMATIC
+    )
 
     @field_validator("kind")
     @classmethod
     def _known(cls, kind: str) -> str:
-        if kind not in MODELS:
-            raise InvalidInput(f"is unknown{suggestion(kind, MODELS)}", value=f'"{printable(kind, 60)}"')
+        words = f"is unknown{suggestion(kind, MODELS)}"
+        refuse_if(kind not in MODELS, words, value=f'"{printable(kind, 60)}"')
         return kind
 
 
@@ -230,12 +190,8 @@ class PartSection(Section):
     """The section ``[part]``."""
 
     makes = PartOptions
-    alignment_height: PositiveLength | None = optional(
-        "of four alignment asperities outside the corners; cut them off after use", "400 um"
-    )
-    chord_error: PositiveLength | None = optional(
-        "largest distance of the mesh from the caps; default: 4e-4 R, at most 2 million triangles", "1 um"
-    )
+    alignment_height: PositiveLength | None = optional("of four asperities to cut off after use", "400 um")
+    chord_error: PositiveLength | None = optional("of the mesh below the caps; default: 4e-4 R", "1 um")
     feed: Feed = key("of the plunge, in mould.gcode", "20 mm/min", default=FEED)
     spindle: Speed = key("in mould.gcode", "8000 1/min", default=SPINDLE)
     dwell: Time = key("at the bottom of each hole, in mould.gcode", "0.5 s", default=DWELL)
@@ -246,6 +202,9 @@ class ChecksSection(Section):
     """The section ``[checks]``."""
 
     hardness: PositiveStress | None = optional("H, which decides on a plastic law", "10 MPa")
+
+
+RHO, DEPTHS = ["0 um", "200 um", "400 um", "600 um"], ["0 um", "39 um", "184 um", "600 um"]
 
 
 class SphereCap(Section):
@@ -279,24 +238,14 @@ class ProfileCap(Section):
 
     kind: Literal["profile"]
     choices = (("rho", "f"), ("file",))
-    rho: list[Length] | None = optional(
-        "either: distances from the axis, from 0", ["0 um", "200 um", "400 um", "600 um"]
-    )
-    f: list[Length] | None = optional(
-        "with it: depths below the summit, from 0", ["0 um", "39 um", "184 um", "600 um"]
-    )
+    rho: list[Length] | None = optional("either: distances from the axis, from 0", RHO)
+    f: list[Length] | None = optional("with it: depths below the summit, from 0", DEPTHS)
     file: str | None = optional("or: a table with columns such as rho_mm,f_um", "cap.csv")
 
     def value(self) -> Cap:
         """Return the cap that the keys describe."""
         profile: Any = [self.rho, self.f]
         return Profile(profile)
-
-
-ShapeSection = Annotated[
-    SphereCap | ParaboloidCap | PowerLawCap | ProfileCap,
-    Field(discriminator="kind"),
-]
 
 
 class HertzSection(Section):
@@ -314,6 +263,8 @@ class ElasticSection(Section):
 
 
 CapSection = HertzSection | ElasticSection
+Under = Annotated[CapSection, Field(discriminator="kind")]
+HERTZ = HertzSection(kind="hertz")
 
 
 class JKRSection(Section):
@@ -321,9 +272,7 @@ class JKRSection(Section):
 
     kind: Literal["jkr"]
     adhesion_energy: Energy = key("w, from 0", "9 mJ/m^2")
-    cap: Annotated[CapSection, Field(discriminator="kind")] = key(
-        "one of the kinds above", {"kind": "elastic"}, default=HertzSection(kind="hertz")
-    )
+    cap: Under = key("one of the kinds above", {"kind": "elastic"}, default=HERTZ)
 
     def value(self) -> Contact:
         """Return the contact law that the keys describe."""
@@ -358,12 +307,31 @@ class TabulatedSection(Section):
     indentation: list[Length] | None = optional("either: d, increasing", ["5 um", "20 um", "90 um"])
     load: list[Force] | None = optional("with it: P at these", ["0.46 mN", "3.7 mN", "35 mN"])
     area: list[Area] | None = optional("with it: A at these", ["0.0083 mm^2", "0.033 mm^2", "0.15 mm^2"])
-    file: str | None = optional(
-        "or: a table with columns such as indentation_um,load_mN,area_mm2", "contact.csv"
-    )
+    file: str | None = optional("or: a table such as indentation_um,load_mN,area_mm2", "contact.csv")
 
 
+ShapeSection = Annotated[SphereCap | ParaboloidCap | PowerLawCap | ProfileCap, Field(discriminator="kind")]
 ContactSection = Annotated[
     CapSection | JKRSection | KogutEtsionSection | JacksonGreenSection | TabulatedSection,
     Field(discriminator="kind"),
 ]
+
+
+class Sections(Section):
+    """All sections of a specification."""
+
+    target: AnyTarget = key("the target friction law, of one of these kinds")
+    material: MaterialSection = key("the elastomer")
+    friction: FrictionSection | None = optional("needed for friction forces in N")
+    lattice: LatticeSection = key("sites of asperities")
+    sites: SitesSection = key("empty sites, and sites with given heights", default=SitesSection())
+    tools: ToolsSection | None = optional("to choose from, instead of lattice.radius")
+    block: BlockSection | None = optional("needed for the part files and the models layer and block")
+    cell: CellSection | None = optional("period of an infinite surface; default: no repetition")
+    limits: LimitsSection = key("manufacturing limits")
+    layout: LayoutSection = key("assignment of heights to sites", default=LayoutSection())
+    model: ModelSection = key("model under which the target is to be met", default=ModelSection())
+    cap: ShapeSection | None = optional("shape of the caps, of one of these kinds; default: spheres")
+    contact: ContactSection = key("law of one contact, of one of these kinds; default: hertz", default=HERTZ)
+    part: PartSection = key("options of the part files", default=PartSection())
+    checks: ChecksSection = key("further checks", default=ChecksSection())

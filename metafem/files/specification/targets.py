@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
-from pydantic import Field
+from pydantic import BeforeValidator, Field, WithJsonSchema
 
 from metafem import _validate as check
 from metafem.errors import InvalidInput, refuse_if
@@ -15,10 +15,10 @@ from metafem.files.specification.fields import (
     Choices,
     Force,
     Number,
-    Quantity,
     Section,
     key,
     optional,
+    text_schema,
 )
 from metafem.files.units import converted
 from metafem.inversion import (
@@ -44,10 +44,6 @@ class GivenLoad(NamedTuple):
     value: float
     unit: str
 
-    def rescaled(self, material: Material) -> float:
-        """Return P/E* [mm^2]."""
-        return self.value / material.composite_modulus if self.unit == "N" else self.value
-
 
 def given_load(given: Any) -> GivenLoad:
     """Return the load that a text states, in mm^2 or N; errors do not name a key."""
@@ -65,215 +61,171 @@ def rescaled_range(given: Sequence[GivenLoad], material: Material) -> tuple[floa
     mixed = len({load.unit for load in given}) > 1
     refuse_if(mixed, "mixes mm^2 and N; give both loads in one unit", key="load_range")
     check.interval("load_range", [load.value for load in given])
-    low, high = (load.rescaled(material) for load in given)
+    low, high = (_rescaled(load, material) for load in given)
     return low, high
 
 
-LOADS, FRICTIONS = ["0.144 mm^2", "0.336 mm^2"], ["0.84 mm^2", "1.68 mm^2"]
-RANGE = ["0.1 mm^2", "0.4 mm^2"]
-
-# Meaning of the key load_range of linear and bilinear laws.
-LINE = "P/E* or P, smallest and largest: the target is the line through the origin"
-LINES = "P/E* or P, smallest and largest: the target is two lines, the first through the origin"
+def _rescaled(load: GivenLoad, material: Material) -> float:
+    return load.value / material.composite_modulus if load.unit == "N" else load.value
 
 
 def _crossover(given: Any) -> list[GivenLoad]:
     """Return the load, or the pair of loads, that a value states."""
-    if given == []:
-        raise InvalidInput("must be a load or a pair of loads", value="[]", example=f'"{LOAD}"')
-    return [given_load(load) for load in given] if isinstance(given, list) else [given_load(given)]
+    words = "must be a load or a pair of loads"
+    refuse_if(given == [], words, value="[]", example=f'"{LOAD}"')
+    return [given_load(load) for load in (given if isinstance(given, list) else [given])]
 
 
-Load = Annotated[Any, Quantity(given_load, ("mm^2", "N"))]
+TEXT = text_schema("mm^2", "N")
+PAIR = {"type": "array", "items": TEXT, "minItems": 2, "maxItems": 2}
+Load = Annotated[Any, BeforeValidator(given_load), WithJsonSchema(TEXT)]
+# one validator for a load or a pair: pydantic would report one error for each member of a union
+Crossover = Annotated[Any, BeforeValidator(_crossover), WithJsonSchema({"anyOf": [TEXT, PAIR]})]
 
-# A single validator for one load or a pair: pydantic would report one error for each member of a union.
-Crossover = Annotated[Any, Quantity(_crossover, ("mm^2", "N"), pairs=True)]
+LOADS, FRICTIONS = ["0.144 mm^2", "0.336 mm^2"], ["0.84 mm^2", "1.68 mm^2"]
+FORCES = {"load": ["0.2 N", "0.4 N"], "friction": ["0.26 N", "0.53 N"], "highest": ["0.32 N", "0.62 N"]}
+RANGE, BOTH = ["0.05 mm^2", "0.2 mm^2"], ["0.02 mm^2", "0.1 mm^2"]
+CROSSOVERS = ["0.07 mm^2", ["0.15 mm^2", "0.18 mm^2"]]
+TWO = Field(min_length=2, max_length=2)
+Range = Annotated[list[Load], TWO]
+Pair = Annotated[list[Number], TWO]
 
-
-# Targets that are defined by points.
-Kind = type[OperatingPoints] | type[SampledLaw]
+# Arguments of `Band.from_forces` by their keys.
+ARGUMENTS = {"lowest_force": "lowest", "highest_force": "highest"}
 
 
 class CurveSection(Section):
-    """Points of a law, as rescaled loads and rescaled friction or as forces."""
+    """A target that is given by points, as rescaled loads and rescaled friction or as forces."""
 
-    choices: ClassVar[Choices] = (("rescaled_load", "rescaled_friction"), ("load", "friction_force"))
+    law: ClassVar[Any]
 
-    rescaled_load: list[Area] | None = optional("either: P/E*, increasing", LOADS)
-    rescaled_friction: list[Area] | None = optional("with it: F/(sigma B) at these loads", FRICTIONS)
-    load: list[Force] | None = optional("or: P, increasing", ["0.2 N", "0.4 N"])
-    friction_force: list[Force] | None = optional(
-        "with it: F at these loads; needs [friction]", ["0.26 N", "0.53 N"]
-    )
-
-    def law(self, kind: Kind, material: Material, friction: Friction | None, **more: Any) -> Target:
-        """Return the target of class `kind` through the points."""
-        if self.load is None:
-            return kind(self.rescaled_load or [], self.rescaled_friction or [], **more)
-        if self.friction_force is None:  # a table of areas measured at loads in N
+    def target(self, material: Material, friction: Friction | None) -> Target:
+        """Return the target that the keys describe."""
+        given: dict[str, Any] = self.given()
+        found: Target
+        if force := next((name for name in given if name.endswith("_force")), ""):
+            given = {ARGUMENTS.get(name, name): value for name, value in given.items()}
+            found = self.law.from_forces(**given, material=material, friction=_stated(friction, force))
+            return found
+        if "load" in given:  # areas measured at loads in N
             modulus = material.composite_modulus
-            load = np.array(self.load) / modulus
-            return kind(load, self.rescaled_friction or [], **more, wording=Wording(modulus))
-        pair = material, _stated(friction, "friction_force")
-        return kind.from_forces(self.load, self.friction_force, *pair, **more)
+            given["rescaled_load"] = np.array(given.pop("load")) / modulus
+            given["wording"] = Wording(modulus)
+        found = self.law(**given)
+        return found
 
 
 class PointsSection(CurveSection):
     """Points through which the law must pass."""
 
     kind: Literal["operating-points"]
+    law: ClassVar[Any] = OperatingPoints
+    choices: ClassVar[Choices] = (("rescaled_load", "rescaled_friction"), ("load", "friction_force"))
+    rescaled_load: list[Area] | None = optional("either: P/E*, increasing", LOADS)
+    rescaled_friction: list[Area] | None = optional("with it: F/(sigma B) at these loads", FRICTIONS)
+    load: list[Force] | None = optional("or: P, increasing", FORCES["load"])
+    friction_force: list[Force] | None = optional("with it: F at these; needs [friction]", FORCES["friction"])
 
-    def target(self, material: Material, friction: Friction | None) -> Target:
-        """Return the target that the keys describe."""
-        return self.law(OperatingPoints, material, friction)
 
-
-class SampledSection(CurveSection):
+class SampledSection(PointsSection):
     """A law of any shape, met in the least-squares sense.
 
-    Before the section is read, the columns of the table replace the key `file`.
+    Before the section is read, the columns of the table replace the key `file`; areas may stand at loads.
     """
 
-    kind: Literal["sampled"]
-    choices = (*CurveSection.choices, ("file",))
-    also = (("load", "rescaled_friction"),)
+    kind: Literal["sampled"]  # type: ignore[assignment]
+    law = SampledLaw
+    choices = (*PointsSection.choices, ("file",), ("load", "rescaled_friction"))
     weight: list[Number] | None = optional("of each sample; default: 1/relative_error², or equal", [1.0, 2.0])
-    relative_error: list[Number] | None = optional(
-        "standard deviation of each friction; the misfit may be 1 % plus their rms", [0.01, 0.02]
-    )
-    file: str | None = optional(
-        "or: a table as `metafem compare` reads it, such as load_N,friction_force_N with friction_force_sd_N",
-        "wanted.csv",
-    )
-
-    def target(self, material: Material, friction: Friction | None) -> Target:
-        """Return the target that the keys describe."""
-        more = {"weight": self.weight, "relative_error": self.relative_error}
-        return self.law(SampledLaw, material, friction, **more)
+    relative_error: list[Number] | None = optional("standard deviation of each friction", [0.01, 0.02])
+    file: str | None = optional("or: a table, such as load_N,friction_force_N with its errors", "wanted.csv")
 
 
-class BandSection(Section):
+class BandSection(CurveSection):
     """Any law between two curves; the design has the largest margin to both."""
 
     kind: Literal["band"]
-    choices: ClassVar[Choices] = (
-        ("rescaled_load", "lowest", "highest"),
-        ("load", "lowest_force", "highest_force"),
-    )
+    law = Band
+    choices = (("rescaled_load", "lowest", "highest"), ("load", "lowest_force", "highest_force"))
     rescaled_load: list[Area] | None = optional("either: P/E*, increasing", LOADS)
     lowest: list[Area] | None = optional("with it: smallest F/(sigma B) at these loads", FRICTIONS)
     highest: list[Area] | None = optional("with it: largest F/(sigma B)", ["1.04 mm^2", "1.98 mm^2"])
-    load: list[Force] | None = optional("or: P, increasing", ["0.2 N", "0.4 N"])
-    lowest_force: list[Force] | None = optional(
-        "with it: smallest F at these loads; needs [friction]", ["0.26 N", "0.53 N"]
-    )
-    highest_force: list[Force] | None = optional("with it: largest F", ["0.32 N", "0.62 N"])
+    load: list[Force] | None = optional("or: P, increasing", FORCES["load"])
+    lowest_force: list[Force] | None = optional("with it: smallest F; needs [friction]", FORCES["friction"])
+    highest_force: list[Force] | None = optional("with it: largest F", FORCES["highest"])
+
+
+class LineSection(Section):
+    """A target of slopes or an exponent over loads, which are rescaled or in N."""
+
+    law: ClassVar[Any]
 
     def target(self, material: Material, friction: Friction | None) -> Target:
-        """Return the target that the keys describe."""
-        if self.load is None:
-            return Band(self.rescaled_load or [], self.lowest or [], self.highest or [])
-        pair = material, _stated(friction, "lowest_force")
-        return Band.from_forces(self.load, self.lowest_force or [], self.highest_force or [], *pair)
+        """Return the target; texts state it in N if a load is in N, or if it has friction coefficients."""
+        given, wording = self.given(), RESCALED
+        if any(load.unit == "N" for value in given.values() for load in _loads(value)):
+            wording = Wording(material.composite_modulus)
+        if coefficients := next((name for name in given if name.startswith("friction_")), ""):
+            wording = Wording.of(material, _stated(friction, coefficients))
+            several, value = coefficients.endswith("s"), given.pop(coefficients)
+            if not several:
+                value = [check.number(coefficients, value, above=0.0)]
+            slopes = wording.given_slopes(value, None)
+            given |= {"slopes": slopes} if several else {"slope": slopes[0]}
+        if "load_range" in given:
+            given["load_range"] = rescaled_range(given["load_range"], material)
+        if "crossover_load" in given:
+            given["crossover_load"] = _rescaled(given["crossover_load"], material)
+        if "crossover_loads" in given:
+            each = [[_rescaled(load, material) for load in loads] for loads in given["crossover_loads"]]
+            given["crossover_loads"] = [loads if len(loads) > 1 else loads[0] for loads in each]
+        found: Target = self.law(**given, wording=wording)
+        return found
 
 
-class PowerSection(Section):
-    """Friction proportional to a power of the load."""
-
-    kind: Literal["power"]
-    exponent: Number = key("of F/(sigma B) = C (P/E*)^exponent", 1.2)
-    load_range: list[Load] = key("P/E* or P, from and to", RANGE)
-    prefactor: Number | None = optional("C, for areas in mm^2; default: chosen by the design", 7.0)
-
-    def target(self, material: Material, friction: Friction | None) -> Target:
-        """Return the target that the keys describe."""
-        ends = rescaled_range(self.load_range, material)
-        return PowerLaw(self.exponent, ends, self.prefactor, _in_newtons(material, *self.load_range))
-
-
-class MultilinearSection(Section):
-    """Straight branches with increasing or decreasing slopes and a free intercept."""
-
-    kind: Literal["multilinear"]
-    choices = (("slopes",), ("friction_coefficients",))
-    slopes: list[Number] | None = optional(
-        "either: of F/(sigma B) over P/E*, one for each branch", [9.5, 8.0, 7.0]
-    )
-    friction_coefficients: list[Number] | None = optional(
-        "or: dF/dP, one for each branch; needs [friction]", [2.1, 1.8, 1.6]
-    )
-    crossover_loads: list[Crossover] = key(
-        "P/E* or P of each: one load, or a pair; between them the law is free",
-        ["0.07 mm^2", ["0.15 mm^2", "0.18 mm^2"]],
-    )
-    load_range: list[Load] = key("P/E* or P, from and to", ["0.03 mm^2", "0.26 mm^2"])
-
-    def target(self, material: Material, friction: Friction | None) -> Target:
-        """Return the target that the keys describe."""
-        crossovers: list[Any] = []
-        for i, given in enumerate(self.crossover_loads):
-            loads = [load.rescaled(material) for load in given]
-            if len(loads) > 1:
-                check.interval(f"crossover_loads[{i}]", [load.value for load in given])
-            crossovers.append(loads if len(loads) > 1 else loads[0])
-        every = [*self.load_range, *(load for pair in self.crossover_loads for load in pair)]
-        wording = _wording(self, material, friction, *every)
-        ends = rescaled_range(self.load_range, material)
-        return MultilinearLaw(_slopes(self, wording, None), crossovers, ends, wording)
-
-
-class LinearSection(Section):
+class LinearSection(LineSection):
     """A straight line with a slope or a friction coefficient."""
 
     kind: Literal["linear"]
+    law = LinearLaw
     choices = (("slope",), ("friction_coefficient",))
     slope: Number | None = optional("either: of F/(sigma B) over P/E*", 6.87)
     friction_coefficient: Number | None = optional("or: dF/dP; needs [friction]", 1.5)
-    load_range: list[Load] | None = optional(LINE, ["0.05 mm^2", "0.2 mm^2"])
-
-    def target(self, material: Material, friction: Friction | None) -> Target:
-        """Return the target that the keys describe."""
-        ends = rescaled_range(self.load_range, material) if self.load_range is not None else None
-        wording = _wording(self, material, friction, *(self.load_range or ()))
-        if self.friction_coefficient is None:
-            return LinearLaw(self.slope or 0.0, ends, wording)
-        mu = check.number("friction_coefficient", self.friction_coefficient, above=0.0)
-        return LinearLaw(wording.slope(mu), ends, wording)
+    load_range: Range | None = optional("P/E* or P, from and to: a line through the origin", RANGE)
 
 
-class BilinearSection(Section):
+class BilinearSection(LineSection):
     """Two straight branches that meet at a crossover load."""
 
     kind: Literal["bilinear"]
+    law = BilinearLaw
     choices = (("slopes",), ("friction_coefficients",))
-    slopes: list[Number] | None = optional("either: of F/(sigma B) over P/E*, below and above", [7.15, 12.52])
-    friction_coefficients: list[Number] | None = optional(
-        "or: dF/dP, below and above; needs [friction]", [1.6, 2.7]
-    )
+    slopes: Pair | None = optional("either: of F/(sigma B) over P/E*, below and above", [7.15, 12.52])
+    friction_coefficients: Pair | None = optional("or: dF/dP, below and above; needs [friction]", [1.6, 2.7])
     crossover_load: Load = key("P/E* or P where they meet", "0.0380 mm^2")
-    load_range: list[Load] | None = optional(LINES, ["0.02 mm^2", "0.1 mm^2"])
-
-    def target(self, material: Material, friction: Friction | None) -> Target:
-        """Return the target that the keys describe."""
-        wording = _wording(self, material, friction, self.crossover_load, *(self.load_range or ()))
-        ends = rescaled_range(self.load_range, material) if self.load_range is not None else None
-        crossover = self.crossover_load.rescaled(material)
-        return BilinearLaw(_slopes(self, wording, 2), crossover, ends, wording)
+    load_range: Range | None = optional("P/E* or P, from and to: the first line through the origin", BOTH)
 
 
-def _wording(section: Section, material: Material, friction: Friction | None, *loads: GivenLoad) -> Wording:
-    """Return the units in which texts state the slopes and loads of a section's target."""
-    name = section.choices[1][0]
-    if getattr(section, name) is not None:
-        return Wording.of(material, _stated(friction, name))
-    return _in_newtons(material, *loads)
+class MultilinearSection(LineSection):
+    """Straight branches with increasing or decreasing slopes and a free intercept."""
+
+    kind: Literal["multilinear"]
+    law = MultilinearLaw
+    choices = (("slopes",), ("friction_coefficients",))
+    slopes: list[Number] | None = optional("either: of F/(sigma B) over P/E*, of each", [9.5, 8.0, 7.0])
+    friction_coefficients: list[Number] | None = optional("or: dF/dP; needs [friction]", [2.1, 1.8, 1.6])
+    crossover_loads: list[Crossover] = key("P/E* or P: one load each, or a pair, free between", CROSSOVERS)
+    load_range: Range = key("P/E* or P, from and to", ["0.03 mm^2", "0.26 mm^2"])
 
 
-def _slopes(section: MultilinearSection | BilinearSection, wording: Wording, count: int | None) -> Any:
-    """Return the rescaled slopes of the branches."""
-    if section.friction_coefficients is None:
-        return section.slopes or []
-    return wording.given_slopes(section.friction_coefficients, count)
+class PowerSection(LineSection):
+    """Friction proportional to a power of the load."""
+
+    kind: Literal["power"]
+    law = PowerLaw
+    exponent: Number = key("of F/(sigma B) = C (P/E*)^exponent", 1.2)
+    load_range: Range = key("P/E* or P, from and to", ["0.1 mm^2", "0.4 mm^2"])
+    prefactor: Number | None = optional("C, for areas in mm^2; default: chosen by the design", 7.0)
 
 
 def _stated(friction: Friction | None, key: str) -> Friction:
@@ -283,9 +235,11 @@ def _stated(friction: Friction | None, key: str) -> Friction:
     return friction
 
 
-def _in_newtons(material: Material, *loads: GivenLoad) -> Wording:
-    """Return the units in which texts state a law with rescaled friction: N for loads if one is in N."""
-    return Wording(material.composite_modulus) if any(load.unit == "N" for load in loads) else RESCALED
+def _loads(value: Any) -> list[GivenLoad]:
+    """Return the loads in the value of a key."""
+    if isinstance(value, list):
+        return [load for each in value for load in _loads(each)]
+    return [value] if isinstance(value, GivenLoad) else []
 
 
 AnyTarget = Annotated[

@@ -12,10 +12,10 @@ from metafem.explorer.session import State
 from metafem.explorer.text.document import Document, loses_comments
 from metafem.explorer.text.fields import shown, typed_value, with_field
 from metafem.explorer.text.kinds import KINDS, with_kind
-from metafem.explorer.text.names import label_of, title_of
+from metafem.explorer.text.names import label_of, order_of, title_of
 from metafem.explorer.workshop.changes import with_choice, with_section, without_section
 from metafem.explorer.workshop.editor import placed
-from metafem.explorer.workshop.form import SECTIONS, contents, form
+from metafem.explorer.workshop.form import contents, form
 from metafem.files import demo_text, parsed, section_forms
 
 LINEAR, POINTS = demo_text("linear"), demo_text("operating-points")
@@ -121,14 +121,14 @@ def test_a_changed_text_is_written_in_the_order_of_the_manual_and_ends_comments(
         assert not loses_comments(text, text + "# more")
 
 
-@pytest.mark.parametrize("section", [form.name for form in section_forms() if "." not in form.name])
+@pytest.mark.parametrize("section", order_of(""))
 def test_each_kind_and_choice_of_a_section_can_be_read_and_removed(section):
     tables = {
         "wanted.csv": b"load_N,friction_force_N\n0.1,0.2\n0.2,0.5\n",
         "cap.csv": b"rho_um,f_um\n0,0\n200,39\n400,184\n600,600\n",
         "contact.csv": b"indentation_um,load_mN,area_mm2\n5,0.46,0.0083\n20,3.7,0.033\n90,35,0.15\n",
     }
-    given = next(each for each in section_forms() if each.name == section)
+    given = section_forms()[section]
     for kind in given.kinds or [""]:
         text = with_field(POINTS, f"{section}.kind", kind) if kind else with_section(POINTS, section)
         assert set(Document(text).section(section)) <= {"kind", *(key.name for key in given.keys[kind])}
@@ -229,13 +229,11 @@ def test_a_problem_is_at_its_key_and_its_line_in_the_words_of_the_page():
 
 def test_the_form_has_a_field_for_each_key_and_the_names_of_messages():
     fields = {field["key"]: field for part in form() for keys in part["keys"].values() for field in keys}
-    assert {*SECTIONS, "model"} == {section.name for section in section_forms()}
     assert fields.keys() == {
         f"{section.name}.{key.name}"
-        for section in section_forms()
-        for keys in section.keys.values()
-        for key in keys
-        if key.value != "section" and section.name in SECTIONS
+        for section in section_forms().values()
+        for key in section.every
+        if key.value != "section" and section.name != "model"
     }
     assert [part["name"] for part in form() if part["open"]] == ["target", "lattice", "limits"]
     assert all(part["title"] == title_of(part["name"]) for part in form())
@@ -245,7 +243,7 @@ def test_the_form_has_a_field_for_each_key_and_the_names_of_messages():
     assert largest["help"].endswith(f"Example: {largest['example']}.")
     (target,) = [part for part in form() if part["name"] == "target"]
     assert {kind: target["kind_names"][kind] for kind in target["kinds"]} == {
-        kind: KINDS[kind][0] for kind in section_forms()[0].kinds
+        kind: KINDS[kind][0] for kind in section_forms()["target"].kinds
     }
     broken = contents("[limits\n", {"": "whatever"})
     assert (broken["broken"][:14], broken["problems"]) == ("not valid TOML", {})

@@ -16,11 +16,10 @@ import xarray as xr
 import metafem as mf
 from metafem import files
 from metafem.caps import Caps
-from metafem.files.part.caps import with_alignment
-from metafem.files.part.mould import drilling_program, mould_table
-from metafem.files.result.names import RESERVED
-from metafem.files.result.records import from_record, to_record
-from metafem.files.result.tables import write_surface
+from metafem.files.disk import RESERVED
+from metafem.files.part import drilling_program, mould_table, with_alignment
+from metafem.files.records import from_record, to_record
+from metafem.files.summits import write_surface
 from metafem.models.curve import ModelError
 from tests.core.files.specs import small
 from tests.core.files.test_files import MIXED

@@ -11,9 +11,9 @@ from jsonschema import Draft7Validator
 
 import metafem as mf
 from metafem import files
-from metafem.files.specification.contents import Sections
-from metafem.files.specification.forms import SCHEMA_FILE, as_toml, whole_schema
+from metafem.files.specification.forms import as_toml, whole_schema
 from metafem.files.specification.options import contact_named, contacts
+from metafem.files.specification.sections import Sections
 from metafem.models.model import contact_of, with_contact
 from tests.core.files.specs import SHAPE, spec, text
 
@@ -321,7 +321,7 @@ def test_the_examples_of_the_manual_make_specifications_that_follow_the_schema(l
 
 def test_the_manual_lists_every_section_kind_and_key():
     whole = files.manual()
-    for form in (form for form in files.section_forms() if "." not in form.name):
+    for form in (form for form in files.section_forms().values() if "." not in form.name):
         assert f"\n[{form.name}] " in whole
         assert all(f'\nkind = "{kind}"' in whole for kind in form.kinds)
     assert all(f"\n{key.name} = {as_toml(key.example)}" in whole for key in KEYS)
@@ -336,27 +336,18 @@ def test_forms_describe_the_values_of_keys():
         assert not key.units or all(entry.split(" ")[1] in key.units for entry in entries)
         assert not key.names or set(entries) <= set(key.names)
     assert [key.name for key in KEYS if key.pairs] == ["crossover_loads"]
-    forms = {form.name: form for form in files.section_forms()}
+    forms = files.section_forms()
     needed = [key.name for key in forms["target"].keys["sampled"] if key.needed]
     assert needed == ["rescaled_load", "rescaled_friction"]
     assert list(forms["contact.cap"].kinds) == ["hertz", "elastic"]
 
 
-def test_the_schema_describes_every_key_and_is_replaced_by_force(tmp_path):
-    found, path = whole_schema(), tmp_path / SCHEMA_FILE
+def test_the_schema_describes_every_key():
+    found = whole_schema()
     Draft7Validator.check_schema(found)
     for name in ("target", "lattice"):
         assert name in found["required"]
     for name in files.DEMOS:
-        assert f"#:schema ./{SCHEMA_FILE}\n" in files.demo_text(name)
+        assert "#:schema ./metafem.schema.json\n" in files.demo_text(name)
         assert Draft7Validator(found).is_valid(tomllib.loads(files.demo_text(name)))
-    files.write_schema(path)
-    assert json.loads(path.read_text("utf-8")) == found
-    assert files.place_schema(tmp_path) is None
-    older = files.schema_text().replace('"additionalProperties": false', '"additionalProperties": true')
-    path.write_text(older, "utf-8")
-    assert str(path) in files.place_schema(tmp_path)
-    with pytest.raises(mf.InvalidInput, match="exists"):
-        files.write_schema(path)
-    files.write_schema(path, force=True)
-    assert path.read_text("utf-8") == files.schema_text()
+    assert json.loads(files.schema_text()) == found

@@ -7,7 +7,7 @@ from itertools import product
 import numpy as np
 
 import metafem as mf
-from metafem.files.result.records import from_record, to_record
+from metafem.files.records import from_record, to_record
 from metafem.models.error import DISPLACEMENTS, RADII
 
 MATERIAL = mf.Material(1.36)

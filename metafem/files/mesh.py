@@ -1,9 +1,8 @@
-"""Closed meshes of the part, which is a block with caps, and of its mould, which is a plate with cavities."""
+"""Closed meshes of the part, a block with caps, and of its mould, a plate with cavities."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 
@@ -25,9 +24,6 @@ _CORNERS = 8
 # Least number of rings: with one ring a cap would be a pyramid.
 _FEWEST = 2
 
-# Number of faces that are processed at a time; they take about ten megabytes.
-_AT_A_TIME = 1 << 16
-
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
@@ -35,11 +31,6 @@ class Mesh:
 
     vertices: FloatArray  # (n, 3) [mm]
     faces: IntArray  # (m, 3), counterclockwise, seen from outside
-
-    def corners(self) -> Iterator[FloatArray]:
-        """Yield the corners of all faces [mm], in arrays (k, 3, 3) of k faces with 3 corners each."""
-        for start in range(0, len(self.faces), _AT_A_TIME):
-            yield self.vertices[self.faces[start : start + _AT_A_TIME]]
 
     @property
     def closed(self) -> bool:

@@ -3,26 +3,36 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import platform
 from collections.abc import Mapping
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from metafem import _validate as check
-from metafem.errors import InvalidInput
-from metafem.files.atomic import staged
-from metafem.files.part.caps import with_alignment
-from metafem.files.part.mould import drilling_program, mould_table
-from metafem.files.part.plan import Part, PartOptions, part_notes, planned
-from metafem.files.reading import damaged, file_label, read_record
-from metafem.files.result.records import from_record, to_record
-from metafem.files.result.tables import heights_table, law_table, write_surface
+from metafem.errors import InvalidInput, refuse_if
+from metafem.files.disk import STUDIES, damaged, file_label, read_record, refuse_existing, staged, write_file
+from metafem.files.part import (
+    Part,
+    PartOptions,
+    drilling_program,
+    mould_table,
+    part_notes,
+    planned,
+    with_alignment,
+)
+from metafem.files.records import from_record, to_record
 from metafem.files.specification.read import Specification
+from metafem.files.summits import heights_table, law_table, write_surface
 from metafem.inversion import Design
+from metafem.notes import from_lines
 from metafem.progress import doing
+
+if TYPE_CHECKING:
+    from xarray import Dataset
 
 # Value of the first member of design.json: the kind of file and its version.
 FORMAT = "metafem design 1"
@@ -94,19 +104,17 @@ def write_all(
     part: PartOptions | None = None,
 ) -> Part | None:
     """Write all files of a design into an existing folder; return the part, or None without a block."""
-    surface = design.surface
     options = part or (PartOptions() if specification is None else specification.part)
-    made = planned(surface, design.template, options)
+    made = planned(design.surface, design.template, options)
     texts = {
         "design.json": json.dumps(_record(design, specification, made), indent=1, allow_nan=False) + "\n",
         **result_tables(design, options),
         **pages,
     }
     program = None if made is None else drilling_program(made.surface, options)
-    texts |= {} if program is None else {"mould.gcode": program}
     contents = {name: text.encode("utf-8") for name, text in texts.items()}
-    if specification is not None:
-        contents |= specification.files
+    contents |= {} if program is None else {"mould.gcode": program.encode("utf-8")}
+    contents |= {} if specification is None else specification.files
     for name, content in contents.items():
         (folder / name).write_bytes(content)
     if made is not None:
@@ -184,20 +192,19 @@ def read_result(folder: str | Path) -> tuple[Path, dict[str, Any]]:
     return path, record
 
 
-def _record(design: Design, specification: Specification | None, part: Part | None) -> dict[str, Any]:
+def _record(design: Design, given: Specification | None, part: Part | None) -> dict[str, Any]:
+    specification = given and {
+        "seed": given.seed,
+        "alignment_height": given.part.alignment_height,
+        "hardness": given.hardness,
+        "model": to_record(given.model),
+        "text": given.text,
+    }
     return {
         "format": FORMAT,
         "versions": versions(),
-        "specification": None
-        if specification is None
-        else {
-            "seed": specification.seed,
-            "alignment_height": specification.part.alignment_height,
-            "hardness": specification.hardness,
-            "model": to_record(specification.model),
-            "text": specification.text,
-        },
-        "part": None if part is None else part.record(),
+        "specification": specification,
+        "part": part and part.record(),
         "notes": [note.text for note in part_notes(part)],
         "design": to_record(design),
     }
@@ -212,3 +219,58 @@ def versions() -> dict[str, str]:
         except PackageNotFoundError:  # metafem itself, if it runs from its sources
             found[name] = "not installed"
     return found
+
+
+def study_path(folder: str | Path, name: str, force: bool) -> Path:
+    """Return the path of a study in a result folder; raise InvalidInput if `write_study` would refuse it."""
+    read_result(folder)  # raises an error if this is not a result folder
+    path = Path(folder) / f"{name}.nc"
+    refuse_existing(path, force)
+    return path
+
+
+def write_study(study: Dataset, path: Path, *, force: bool = False) -> None:
+    """Write a study as NetCDF 4 with h5netcdf; an existing file is refused unless `force` is true."""
+    write_file(path, lambda fresh: study.to_netcdf(fresh, engine="h5netcdf"), force=force)
+
+
+@doing("reading the studies")
+def stored_studies(folder: str | Path) -> dict[str, Dataset]:
+    """Return the studies in a result folder by name; raise InvalidInput for a damaged file."""
+    import xarray as xr
+
+    found = {}
+    for name in STUDIES:
+        path = Path(folder) / f"{name}.nc"
+        if not path.exists():
+            continue
+        with damaged(path), xr.open_dataset(path, engine="h5netcdf") as stored:
+            found[name] = stored.load()
+        other = found[name].attrs.get("study") != name
+        refuse_if(other, f"{file_label(path)} is not a study {name!r} of metafem")
+    return found
+
+
+def study_data(study: Dataset) -> dict[str, Any]:
+    """Return a study as dicts, lists, numbers and texts; nan and infinite numbers become None."""
+    arrays = {
+        str(name): {
+            "dims": list(array.dims),
+            "units": array.attrs.get("units", ""),
+            "values": plain_data(array.values),
+        }
+        for name, array in study.variables.items()
+    }
+    notes = [note.to_json() for note in from_lines(str(study.attrs["notes"]))]
+    return {**study.attrs, "notes": notes, "data": arrays}
+
+
+def plain_data(value: Any) -> Any:
+    """Return a value in which arrays become lists, and nan and infinite numbers become None."""
+    if isinstance(value, Mapping):
+        return {name: plain_data(member) for name, member in value.items()}
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if isinstance(value, (list, tuple)):
+        return [plain_data(member) for member in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from metafem._given import shown
 from metafem._validate import IntArray
-from metafem.caps import Caps
-from metafem.errors import refuse_if
-from metafem.files.caps import cap_named, caps_column
+from metafem.caps import SPHERE, Cap, Caps, Paraboloid, Power, Profile, Sphere
+from metafem.errors import InvalidInput, refuse_if
 from metafem.files.tables import Columns, Table
 from metafem.inversion import Design
 from metafem.prediction import FrictionLaw, equilibrium
@@ -33,6 +33,9 @@ HEIGHTS = ("site", "x_mm", "y_mm", "height_mm", "radius_mm")
 
 # Columns of a law that are omitted from law.csv.
 UNWRITTEN = ("friction_coefficient", "approach_mm", "stiffness_N_per_mm", "residual")
+
+# Name of each kind of cap.
+NAMES: dict[type[Cap], str] = {Sphere: "sphere", Paraboloid: "paraboloid", Power: "power", Profile: "profile"}
 
 # Number of digits in a table; the rounding errors of sums, in the sixteenth digit, do not appear.
 DIGITS = 13
@@ -161,3 +164,44 @@ def csv(header: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
 def _entry(value: object) -> str:
     """Return the text of an entry; a number is written as short as possible, with at most `DIGITS` digits."""
     return str(float(f"{value:.{DIGITS}g}")) if isinstance(value, float) else str(value)
+
+
+def cap_text(cap: Cap) -> str:
+    """Return the text of a cap; that of a profile does not contain its depths.
+
+    Examples
+    --------
+    >>> cap_text(Power(4))
+    'power 4.0 0.5'
+    """
+    values = f" {cap.exponent!r} {cap.coefficient!r}" if isinstance(cap, Power) else ""
+    return NAMES[type(cap)] + values
+
+
+def caps_column(surface: Surface) -> dict[str, list[str]]:
+    """Return the column of the caps of a table, unless all are spheres."""
+    if surface.cap == SPHERE:
+        return {}
+    return {"cap": [cap_text(surface.cap.one(i)) for i in range(surface.count)]}
+
+
+def cap_named(text: str) -> Cap:
+    """Return the cap of a text.
+
+    Examples
+    --------
+    >>> cap_named("power 4")
+    Power(exponent=4.0, coefficient=0.5)
+    """
+    kind, *values = text.split() or [""]
+    try:
+        if kind == "power" and values:
+            return Power(*map(float, values))
+        if kind in ("sphere", "paraboloid") and not values:
+            return Sphere() if kind == "sphere" else Paraboloid()
+    except InvalidInput:
+        raise
+    except (TypeError, ValueError):  # of too many numbers, or of texts that are none
+        pass
+    words = "must be sphere, paraboloid or power EXPONENT COEFFICIENT; other profiles are in design.json"
+    raise InvalidInput(words, key="cap", value=shown(text))

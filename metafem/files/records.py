@@ -16,7 +16,6 @@ from pydantic import ConfigDict, TypeAdapter, ValidationError
 
 from metafem import caps, contact, inversion, models, notes, prediction, substrate, surface
 from metafem._given import printable, shown
-from metafem._validate import plain
 from metafem.contact import TabulatedContact
 from metafem.errors import InvalidInput, refuse_if
 from metafem.inversion import density, problem, wording
@@ -90,40 +89,34 @@ def from_record(record: Any, name: str = "record") -> Any:
         return tuple(from_record(member, f"{name}[{i}]") for i, member in enumerate(record))
     if not isinstance(record, dict):
         return record
+    if len(record) == 1 and next(iter(record)) in ARRAYS:
+        return _array(*next(iter(record.items())), name)
     title = record.get("type")
     if title is None:
-        return (
-            _array(record, name)
-            if len(record) == 1 and next(iter(record)) in ARRAYS
-            else {
-                int(key) if key.isdecimal() else key: from_record(member, f"{name}.{printable(key, 40)}")
-                for key, member in record.items()
-            }
-        )
-    if not isinstance(title, str) or title not in {*TYPES, *LATE}:
-        raise InvalidInput(f"{name}: {shown(title)} is not a type of this version")
+        return {
+            int(key) if key.isdecimal() else key: from_record(member, f"{name}.{printable(key, 40)}")
+            for key, member in record.items()
+        }
+    unknown = not isinstance(title, str) or title not in {*TYPES, *LATE}
+    refuse_if(unknown, f"{name}: {shown(title)} is not a type of this version")
     kind: Any = TYPES[title] if title in TYPES else getattr(import_module(LATE[title]), title)
-    if issubclass(kind, Enum):
-        member = record.get("name")
-        if not isinstance(member, str) or member not in kind.__members__:
-            raise InvalidInput(f"{name}: {shown(member)} is not a {title}")
-        return kind[member]
-    return _made(kind, record, name)
+    if not issubclass(kind, Enum):
+        return _made(kind, record, name)
+    found = {member.name: member for member in kind}.get(str(record.get("name")))
+    refuse_if(found is None, f"{name}: {shown(record.get('name'))} is not a {title}")
+    return found
 
 
 def _made(kind: Any, record: dict[str, Any], name: str) -> Any:
     """Return the instance of a class that a record describes; the class checks the members."""
-    title = kind.__name__
-    given, known = record.keys() - {"type"}, _members(kind).keys()
-    differing = given ^ known
-    if differing:
-        words = printable(", ".join(sorted(differing)))
-        raise InvalidInput(f"{name}, a {title}, has missing or unknown members: {words}")
-    members = {}
-    for key in known & given:
+    title, adapters, members = kind.__name__, _members(kind), {}
+    differing = sorted(record.keys() - {"type"} ^ adapters.keys())
+    words = f"{name}, a {title}, has missing or unknown members: {printable(', '.join(differing))}"
+    refuse_if(differing, words)
+    for key, adapter in adapters.items():
         members[key] = from_record(record[key], f"{name}.{key}")
         try:
-            _members(kind)[key].validate_python((members[key],))
+            adapter.validate_python((members[key],))
         except ValidationError as error:
             words = error.errors()[0]["msg"].removeprefix("Input should ")
             raise InvalidInput(f"{name}.{key} = {shown(record[key])} must {words}") from None
@@ -143,15 +136,14 @@ def _members(kind: Any) -> dict[str, TypeAdapter[Any]]:
     return {name: TypeAdapter(one[hints[name]], config=STRICT) for name in names}
 
 
-def _array(record: dict[str, Any], name: str) -> Any:
-    ((dtype, values),) = record.items()
+def _array(dtype: str, values: Any, name: str) -> Any:
     try:
-        array = np.array(plain(name, values))
-    except (TypeError, ValueError, OverflowError):
-        raise InvalidInput(f"{name} = {shown(values)} is not an array of {dtype}") from None
-    if array.dtype.kind not in ("iuf" if dtype == "float64" else "iu") and array.size:
-        raise InvalidInput(f"{name} = {shown(values)} is not an array of {dtype}")
+        array = np.asarray(values)
+    except ValueError:  # lists of different lengths
+        array = np.array(None)
+    wrong = array.size and array.dtype.kind not in ("iuf" if dtype == "float64" else "iu")
+    refuse_if(wrong, f"{name} = {shown(values)} is not an array of {dtype}")
+    refuse_if(array.size and not np.isfinite(array).all(), f"{name} must be finite numbers")
     array = array.astype(dtype)
-    refuse_if(not np.isfinite(array).all(), f"{name} must be finite numbers")
     array.flags.writeable = False
     return array

@@ -1,0 +1,208 @@
+"""Files and folders: read after a look at their type and size, written completely or not at all."""
+
+from __future__ import annotations
+
+import codecs
+import json
+import os
+import stat
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any
+
+from metafem._given import printable, shown
+from metafem.errors import InvalidInput, refuse_if
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+# Largest size of each kind of file [bytes]. A specification with a thousand points has 30 kB. A summit takes
+# 60 bytes in a table and a site 300 bytes in a record, so that a million summits fit.
+SPECIFICATION, TABLE, RECORD = 2**18, 2**26, 2**29
+
+# Names of the studies of a design, each of which is stored as NAME.nc: the last two are the comparison with
+# measured laws, and the errors of the part that explain the difference.
+STUDIES = (
+    *("interaction", "fidelity", "manufacturing", "misalignment", "uncertainty"),
+    *("measured", "explained"),
+)
+
+# Names in a result folder that a table must not have.
+RESERVED = frozenset(
+    {
+        *("design.json", "heights.csv", "law.csv", "mould.csv", "mould.gcode", "surface.vtu", "spec.toml"),
+        *("report.html", "block.stl", "mould.stl", *(f"{name}.nc" for name in STUDIES)),
+    }
+)
+
+# Text at the beginning of each figure, by which `metafem images` recognises it, and the formats of figures.
+MARK, FORMATS = "figure by metafem", (".svg", ".png")
+
+
+@contextmanager
+def staged(goal: str | Path, force: bool = False, *, folder: bool = False) -> Iterator[Path]:
+    """Yield a path in a hidden folder beside `goal`; what the body writes there becomes `goal` at its end.
+
+    With `folder`, the path is a new folder, otherwise a file that the body creates. If the body fails,
+    nothing is left. Raise InvalidInput if `refuse_existing` refuses `goal`, or if it cannot be written.
+    """
+    refuse_existing(goal, force, folder=folder)
+    target = Path(goal).resolve()
+    with _reported(target), TemporaryDirectory(prefix=".metafem-", dir=target.parent) as work:
+        fresh, earlier = Path(work, "new"), Path(work, "old")
+        if folder:
+            fresh.mkdir()
+        yield fresh
+        refuse_existing(goal, force, folder=folder)  # another program may have written there
+        if not folder or not target.exists():
+            fresh.replace(target)
+            return
+        target.rename(earlier)
+        try:
+            fresh.rename(target)
+        except BaseException:
+            earlier.rename(target)
+            raise
+
+
+def refuse_existing(goal: str | Path, force: bool = False, *, folder: bool = False) -> None:
+    """Raise InvalidInput if `staged` would refuse a file or folder; call this function before a long run.
+
+    Without `force`, everything that exists is refused but an empty folder. With `force`, a regular file is
+    replaced by a file, and a result folder by a folder.
+    """
+    target = Path(goal).resolve()
+    with _reported(target):
+        refuse_if(not target.parent.is_dir(), f"{target.parent} is not a folder; create it first")
+        try:
+            kind = os.lstat(target).st_mode
+        except FileNotFoundError:
+            return
+        found = folder and stat.S_ISDIR(kind)
+        if found and not any(target.iterdir()):
+            return
+        words = "is in the way; choose another name"
+        usable = (target / "design.json").is_file() if found else stat.S_ISREG(kind) and not folder
+        refuse_if(not usable, f"{target} is no {'result folder' if folder else 'regular file'} and {words}")
+        words = f"{target} exists; choose another name, or replace it with force=True (--force)"
+        refuse_if(not force, words)
+
+
+@contextmanager
+def _reported(target: Path) -> Iterator[None]:
+    """Raise errors of the operating system as InvalidInput, which names the file or folder `target`."""
+    try:
+        yield
+    except OSError as error:
+        reason = error.strerror or error
+        raise InvalidInput(f"{target} cannot be written: {reason}; choose another folder") from None
+
+
+def write_file(path: str | Path, write: Callable[[Path], object], *, force: bool = False) -> None:
+    """Call `write` with the path of a hidden file, which then becomes `path`; see `staged`."""
+    with staged(path, force) as fresh:
+        write(fresh)
+
+
+def write_text(path: str | Path, text: str, *, force: bool = False) -> None:
+    """Write a text in UTF-8; see `staged`."""
+    write_file(path, lambda fresh: fresh.write_bytes(text.encode("utf-8")), force=force)
+
+
+def refuse_figure(path: Path, force: bool) -> None:
+    """Raise InvalidInput if `write_figure` would refuse the file; only .svg and .png are written."""
+    words = f"{printable(str(path))} must end with .svg or .png, the formats of figures"
+    refuse_if(path.suffix.lower() not in FORMATS, words)
+    refuse_existing(path, force)
+
+
+def write_figure(path: Path, figure: Figure, title: str, *, force: bool = False) -> None:
+    """Write a figure; the extension of the file determines its format."""
+    from metafem import drawing
+
+    refuse_figure(path, force)
+    if path.suffix.lower() == ".svg":
+        write_text(path, f"<!-- {MARK} -->\n{drawing.svg(figure, title)}\n", force=force)
+        return
+    options: dict[str, Any] = {"format": "png", "dpi": drawing.RESOLUTION, "metadata": {"Software": MARK}}
+    write_file(path, lambda fresh: figure.savefig(fresh, **options), force=force)
+
+
+def read_bytes(path: str | Path, most: int, missing: str = "no such file", beginning: bool = False) -> bytes:
+    """Return the content of a regular file of at most `most` bytes, or only its beginning of this size."""
+    name = file_label(path)
+    try:
+        kind = os.stat(path).st_mode
+        what = "a folder" if stat.S_ISDIR(kind) else "a device or a pipe"
+        refuse_if(not stat.S_ISREG(kind), f"{name}: cannot be read: it is {what}, not a file")
+        with open(path, "rb") as file:
+            content = file.read(most + 1)
+    except InvalidInput:
+        raise
+    except FileNotFoundError:
+        raise InvalidInput(f"{name}: {missing}") from None
+    except OSError as error:
+        raise InvalidInput(f"{name}: cannot be read: {error.strerror}") from None
+    except (TypeError, ValueError):  # the path has a null character or another invalid character
+        raise InvalidInput(f"{shown(path)} is not the name of a file") from None
+    larger = f"{name}: is larger than {most / 2**20:g} MiB, the limit for its kind of file"
+    refuse_if(len(content) > most and not beginning, larger)
+    return content[:most]
+
+
+def refuse_unreadable(path: str | Path) -> None:
+    """Raise InvalidInput unless the path is a regular file that can be opened."""
+    read_bytes(path, 1, beginning=True)
+
+
+def file_label(path: object) -> str:
+    """Return the name of a file as errors state it, on one line."""
+    return printable(str(path), 300)
+
+
+def decoded(path: str | Path, raw: bytes) -> str:
+    """Return the text of a UTF-8 file, without the byte-order mark that it may have."""
+    try:
+        return raw.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = raw.count(b"\n", 0, error.start) + 1
+        words = f"line {line} is not UTF-8; save the file with that encoding"
+        raise InvalidInput(f"{file_label(path)}: {words}") from None
+
+
+def text_of_table(path: str | Path, raw: bytes) -> str:
+    """Return the text of a table, which spreadsheets write as UTF-8, UTF-16 or Windows-1252."""
+    marked = raw.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
+    for encoding in ("utf-16",) if marked else ("utf-8-sig", "cp1252"):
+        try:
+            text = raw.decode(encoding)
+        except UnicodeDecodeError:
+            continue
+        words = f"{file_label(path)} is not a text: it holds null characters; save the table as CSV"
+        refuse_if("\0" in text, words)
+        return text
+    raise InvalidInput(f"{file_label(path)} is not a text; save the table as CSV in UTF-8")
+
+
+@contextmanager
+def damaged(path: str | Path) -> Iterator[None]:
+    """Raise InvalidInput, which calls the file damaged, if the body cannot use the content of the file."""
+    try:
+        yield
+    except RecursionError:
+        raise InvalidInput(f"{file_label(path)} is damaged: it nests its values too deeply") from None
+    except (OSError, ValueError, KeyError, AttributeError) as error:
+        raise InvalidInput(f"{file_label(path)} is damaged: {printable(str(error))}") from None
+
+
+def read_record(path: str | Path, missing: str = "no such file") -> Any:
+    """Return the content of a JSON file; raise InvalidInput for any other file."""
+    text = decoded(path, read_bytes(path, RECORD, missing))
+
+    def refused(constant: str) -> float:
+        raise ValueError(f"it holds {constant}, which is not a number")
+
+    with damaged(path):
+        return json.loads(text, parse_constant=refused)

@@ -1,0 +1,330 @@
+"""The files of a part: its alignment asperities, checks, solids, table of holes and drilling program."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import chain, repeat
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from metafem import _validate as check
+from metafem._validate import FloatArray
+from metafem._values import MICROMETRES
+from metafem.caps import SPHERE, Caps
+from metafem.errors import InvalidInput, refuse_if
+from metafem.files.mesh import block_mesh, mirrored, mould_mesh, triangle_count
+from metafem.files.summits import caps_column
+from metafem.inversion import Design
+from metafem.notes import Note, information
+from metafem.progress import doing, message
+from metafem.surface import Block, Surface
+
+# Names of the solids.
+FILES = ("block.stl", "mould.stl")
+
+# Default chord error as a fraction of the smallest radius. For the source paper's radius of 526 um it is
+# 0.2 um, a quarter of the 0.9 um accuracy of the paper's moulds (doi:10.1126/science.adk4234).
+FINE = 4e-4
+
+# Largest number of triangles of a solid if no chord error is stated: 100 MB of STL, which common viewers and
+# CAM programs can open. A cap has about pi h / (chord error) triangles, for any radius.
+MOST_BY_DEFAULT = 2_000_000
+
+# Largest number of triangles of a solid in all cases: 500 MB of STL and a gigabyte of memory.
+MOST = 10_000_000
+
+# Factor by which the default chord error is increased until the solid has few enough triangles.
+COARSER = 1.1
+
+# Least distance of the rims of two caps, and from the edge, in units of the last place of a coordinate in
+# single precision, which STL has: one for each of the two coordinates of both points.
+APART = 4.0
+
+# Factor of a proposed length, which then suffices also when it is rounded to three digits.
+LARGER = 1.0051
+
+# Decimals of a length in millimetres: a hundredth of a micrometre, a tenth of what machines position.
+DECIMALS = 5
+
+# Defaults of the feed of the plunge [mm/min], the speed of the spindle [1/min], the dwell at the bottom of a
+# hole [s] and the height of the tool above the mould between two holes [mm], for small carbide ball-end mills
+# in aluminium or brass.
+FEED, SPINDLE, DWELL, SAFE = 20.0, 8000.0, 0.5, 5.0
+
+# Advice on alignment asperities that cannot be made.
+LEAVE_OUT = "leave out part.alignment_height: the part then has no alignment asperities"
+
+
+@dataclass(frozen=True)
+class PartOptions:
+    """Options of the files to make a part.
+
+    Parameters
+    ----------
+    alignment_height : float, optional
+        Height of four alignment asperities outside the corners of the template [mm].
+    chord_error : float, optional
+        Largest depth of the faces of the mesh below the true caps [mm]. It acts like an error of the height:
+        at a given separation, the contact area of an asperity changes by at most ``pi R`` times the chord
+        error. Most of this change equals that of a common shift of all caps, which does not affect A0(P).
+        Default: 4e-4 of the smallest radius, or more if a solid would have over two million triangles.
+    feed, spindle, dwell, safe_height : float
+        Feed of the plunge [mm/min], speed of the spindle [1/min], dwell at the bottom of each hole [s], and
+        height of the tool above the mould between two holes [mm], in ``mould.gcode``.
+
+    Examples
+    --------
+    >>> PartOptions(chord_error=1e-3).chord_error
+    0.001
+    """
+
+    alignment_height: float | None = None
+    chord_error: float | None = None
+    feed: float = FEED
+    spindle: float = SPINDLE
+    dwell: float = DWELL
+    safe_height: float = SAFE
+
+    def __post_init__(self) -> None:
+        for name in ("alignment_height", "chord_error"):
+            check.member(self, name, optional=True, above=0.0)
+        for name in ("feed", "spindle", "safe_height"):
+            check.member(self, name, above=0.0)
+        check.member(self, "dwell", at_least=0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """A part whose caps can be made, with the options of its files."""
+
+    surface: Surface  # its asperities, followed by its alignment asperities
+    asperities: int  # number of asperities without those for alignment
+    block: Block
+    chord_error: float  # [mm]
+    options: PartOptions
+
+    @cached_property
+    def triangles(self) -> int:
+        """Number of triangles of the part, and of its mould."""
+        return triangle_count(self.surface.height, self.surface.radius, self.chord_error, self.surface.cap)
+
+    def record(self) -> dict[str, Any]:
+        """Return chord error, number of triangles and names of the files, for JSON."""
+        return {"chord_error_mm": self.chord_error, "triangles": self.triangles, "files": [*FILES]}
+
+    def size(self) -> str:
+        """Return a text with the size of the solids and their chord error."""
+        megabytes = (84 + 50 * self.triangles) / 1e6  # the head and the triangles of binary STL
+        depth = f"at most {self.chord_error * MICROMETRES:.2g} um below the caps"
+        return f"{self.triangles:,} triangles and {megabytes:.3g} MB each, {depth}"
+
+    def write(self, folder: Path) -> None:
+        """Write the solids into a folder as binary STL, in millimetres."""
+        import meshio
+
+        message(f"{', '.join(FILES)}: {self.size()}")
+        with doing("writing the part"):
+            block = block_mesh(self.surface, self.block, self.chord_error)
+            mould = mould_mesh(block, self.surface, self.block)
+            for mesh, name in zip((block, mould), FILES, strict=True):
+                solid = meshio.Mesh(mesh.vertices, [("triangle", mesh.faces)])
+                solid.write(folder / name, file_format="stl", binary=True)
+
+
+def planned(surface: Surface, template: Surface, options: PartOptions) -> Part | None:
+    """Return the part of a surface, or None if the surface has no block.
+
+    Raises
+    ------
+    InvalidInput
+        If a cap cannot be made, or if the chord error needs too many triangles.
+    """
+    whole = with_alignment(surface, template, options.alignment_height)
+    if surface.block is None:
+        return None
+    refuse_impossible(whole, surface.block, surface.count)
+    chord_error = options.chord_error or FINE * float(whole.radius.min())
+    part = Part(whole, surface.count, surface.block, chord_error, options)
+    if options.chord_error is None:
+        while part.triangles > MOST_BY_DEFAULT and part.chord_error < float(whole.radius.max()):
+            part = replace(part, chord_error=COARSER * part.chord_error)
+    words = f"needs {part.triangles:.2g} triangles; at most {MOST:,} are written; choose a larger one"
+    given = f"{part.chord_error * MICROMETRES:g} um"
+    wrong = options.chord_error is not None and part.triangles > MOST
+    refuse_if(wrong, words, key="part.chord_error", value=given)
+    return part
+
+
+def part_notes(part: Part | None) -> tuple[Note, ...]:
+    """Return notes if no part or no drilling program was written, or on an increased chord error."""
+    if part is None:
+        words = "no part was written: the surface has no block; add a block with width, length and thickness"
+        return (information(words),)
+    notes = []
+    if not drilled(part.surface):
+        words = "mould.gcode was not written: one ball-end mill cannot make all holes of mould.csv"
+        notes.append(information(words))
+    if part.options.chord_error is None and part.chord_error > FINE * float(part.surface.radius.min()):
+        notes.append(information(f"the solids have {part.size()}; part.chord_error sets this depth"))
+    return tuple(notes)
+
+
+def alignment_positions(template: Surface) -> FloatArray:
+    """Return the positions of four alignment asperities, (4, 2) [mm].
+
+    They lie one pitch outside the corners of the template, along x and along y. The pitch is the smallest
+    distance between two sites of the template.
+    """
+    from scipy.spatial import KDTree
+
+    words = "needs a template of at least two sites, for its pitch; omit it"
+    refuse_if(template.count < 2, words, key="part.alignment_height")
+    distance, _ = KDTree(template.position).query(template.position, k=2)
+    pitch = float(distance[:, 1].min())
+    west, south = template.position.min(axis=0) - pitch
+    east, north = template.position.max(axis=0) + pitch
+    return np.array([(west, south), (east, south), (west, north), (east, north)])
+
+
+def with_alignment(surface: Surface, template: Surface, height: float | None) -> Surface:
+    """Return the asperities of a part, followed by four alignment asperities of `height` [mm].
+
+    If `height` is None, the part has no alignment asperities. Otherwise these have the cap and the
+    radius in use with the smallest radius with which a cap can have this height (a sphere needs a radius of
+    at least the height). The part then needs no further tool. Raise InvalidInput
+    if the height does not exceed the tallest summit, or if no cap can have this height.
+    """
+    if height is None:
+        return surface
+    tallest, most = float(surface.height.max()), surface.cap.tallest(surface.radius)
+    given: dict[str, Any] = {"key": "part.alignment_height", "value": f"{height:g} mm"}
+    must = f"must exceed the tallest summit, {tallest:g} mm, so that the alignment asperities touch first"
+    refuse_if(height <= tallest, f"{must}; {LEAVE_OUT}. Or raise it", **given)
+    limit = f"exceeds {most.max():.4g} mm, the largest height of a cap of the radii in use"
+    refuse_if(height > most.max(), f"{limit}; {LEAVE_OUT}. Or lower it", **given)
+    high = np.flatnonzero(most >= height)
+    used = int(high[surface.radius[high].argmin()])
+    every = [surface.cap.one(i) for i in (*range(surface.count), *[used] * 4)]
+    return surface.replaced(
+        position=np.vstack([surface.position, alignment_positions(template)]),
+        height=np.append(surface.height, np.full(4, height)),
+        radius=np.append(surface.radius, np.full(4, surface.radius[used])),
+        cap=Caps.of(every),
+        friction=None,
+        cell=None,  # the alignment asperities do not repeat
+    )
+
+
+def refuse_impossible(surface: Surface, block: Block, asperities: int) -> None:
+    """Raise InvalidInput if a cap cannot have its height, overlaps another cap or leaves the block.
+
+    The first `asperities` caps are those of the design, and all others are for alignment.
+    """
+    from scipy.spatial import KDTree
+
+    def refused(rows: Any, words: str, remedy: str, key: str) -> InvalidInput:
+        """Return the error for asperities `rows`; for alignment asperities its key is alignment_height."""
+        places = (f"({x:g}, {y:g}) mm" for x, y in surface.position[rows].tolist())
+        words = f"the asperity at {' and that at '.join(places)} {words}"
+        if max(rows) < asperities:
+            return InvalidInput(f"does not suit the part: {words}; {remedy}", key=key)
+        given: Any = {"key": "part.alignment_height", "value": f"{h[-1]:g} mm"}
+        return InvalidInput(f"cannot be made: {words}; {LEAVE_OUT}. Or {remedy}", **given)
+
+    h, R = surface.height, surface.radius
+    most, room = surface.cap.tallest(R), 0.5 * np.array([block.width, block.length])
+    apart = APART * float(np.finfo(np.float32).eps * room.max())
+    base = surface.cap.foot_radius(np.clip(h, 0.0, most), R)
+    for i in np.flatnonzero((base <= 2.0 * apart) | (h > most))[:1]:
+        words = f"has a cap of radius {R[i]:g} mm and height {h[i]:g} mm"
+        remedy = f"it must be higher than 0 in single precision, and at most {most[i]:.4g} mm"
+        raise refused([i], words, remedy, "limits.max_height")
+    ends = np.abs(surface.position) + base[:, None] + apart
+    for i in np.flatnonzero((ends >= room).any(axis=1))[:1]:
+        needed = " by ".join(f"{LARGER * 2.0 * end:.3g}" for end in ends.max(axis=0))
+        words = f"leaves the block of {2 * room[0]:g} by {2 * room[1]:g} mm with its base of {base[i]:.4g} mm"
+        remedy = f"make the block at least {needed} mm, or the lattice smaller"
+        raise refused([i], words, remedy, "block.width" if ends[i, 0] >= room[0] else "block.length")
+    pairs = KDTree(surface.position).query_pairs(2.0 * float(base.max()) + apart, output_type="ndarray")
+    distance = np.linalg.norm(np.diff(surface.position[pairs], axis=1)[:, 0], axis=1)
+    for row in np.flatnonzero(distance <= base[pairs].sum(axis=1) + apart)[:1]:
+        i, j = pairs[row].tolist()
+        remedy = "increase the pitch or lower the summits"
+        if R[i] == R[j] and (cap := surface.cap.one(i)) == surface.cap.one(j):
+            top = float(cap.depth_at(0.5 * distance[row], float(R[i]))) / LARGER
+            remedy += f": with this pitch and radius they can be {top:.3g} mm high above the base plane"
+        raise refused([i, j], "overlap or touch", remedy, "limits.max_height")
+
+
+def mould_table(design: Design, part: Surface) -> str:
+    """Return the text of mould.csv: one hole for each summit, of kind "asperity" or "alignment".
+
+    `part` holds the asperities of the design, followed by the alignment asperities. Sites are numbered as in
+    ``heights.csv``. The depth of a hole below the face of the mould is the height of its summit, and the
+    radius of its tool is the radius of the summit.
+    """
+    more, sites = caps_column(part), chain(design.sites.tolist(), repeat(""))
+    lines = [f"# {line}" for line in _head(design, part)]
+    lines.append(",".join(("number", "kind", "site", "x_mm", "y_mm", "depth_mm", "tool_radius_mm", *more)))
+    rows = zip(sites, *mirrored(part.position).T, part.height, part.radius, *more.values(), strict=False)
+    for number, (site, *lengths) in enumerate(rows, 1):
+        kind = "alignment" if site == "" else "asperity"
+        texts = (each if isinstance(each, str) else number_text(each) for each in lengths)
+        lines.append(",".join((str(number), kind, str(site), *texts)))
+    return "\n".join(lines) + "\n"
+
+
+def _head(design: Design, part: Surface) -> Iterator[str]:
+    """Yield what a workshop must know beside the holes."""
+    yield "Holes of the mould in mm, seen from its open face, as on the machine; the part is mirrored."
+    yield "Origin: centre of the block, in the face of the mould. Depths are measured down from the face."
+    if (block := design.surface.block) is not None:
+        inside = f"{block.width:g} by {block.length:g} mm inside the frame"
+        thickness = block.thickness + float(part.height.max())
+        above = f"{block.thickness:g} mm above the face"
+        yield f"Casting: {inside}, {above}; mould.stl is {thickness:g} mm thick."
+    if design.limits.height_sd:
+        sd = MICROMETRES * design.limits.height_sd
+        yield f"Tolerance: standard deviation of the depths at most {sd:g} um, as the specification states."
+
+
+def drilling_program(part: Surface, options: PartOptions) -> str | None:
+    """Return the text of mould.gcode, or None if the holes need more than one ball-end mill.
+
+    The tool plunges into each hole to the depth of its cap, dwells and returns to the safe height. Z is 0 at
+    the face of the mould; X and Y are those of mould.csv. There is no tool change.
+    """
+    if not drilled(part):
+        return None
+    tool, deepest = number_text(part.radius[0]), number_text(part.height.max())
+    safe = number_text(options.safe_height)
+    lines = [
+        f"(metafem: {part.count} holes, ball-end mill of radius {tool} mm, deepest hole {deepest} mm, "
+        "dwell P in seconds; check this program on the machine before use)",
+        *("G21", "G90", "G54", f"S{options.spindle:g} M3", f"G0 Z{safe}"),
+    ]
+    for (x, y), depth in zip(mirrored(part.position), part.height, strict=True):
+        lines += [f"G0 X{number_text(x)} Y{number_text(y)}", f"G1 Z{number_text(-depth)} F{options.feed:g}"]
+        lines += [f"G4 P{options.dwell:g}"] if options.dwell > 0.0 else []
+        lines.append(f"G0 Z{safe}")
+    return "\n".join([*lines, "M5", "M30"]) + "\n"
+
+
+def drilled(part: Surface) -> bool:
+    """Return whether one ball-end mill makes all holes."""
+    return part.cap == SPHERE and float(np.ptp(part.radius)) == 0.0
+
+
+def number_text(value: float) -> str:
+    """Return a length [mm] as text with `DECIMALS` decimals.
+
+    Examples
+    --------
+    >>> number_text(0.1 + 0.047), number_text(-0.0)
+    ('0.14700', '0.00000')
+    """
+    return f"{round(float(value), DECIMALS) + 0.0:.{DECIMALS}f}"

@@ -1,1 +1,0 @@
-"""The part and its mould as closed meshes."""

@@ -1,1 +1,0 @@
-"""Writing and reading of the result folder of a design."""
