@@ -6,7 +6,7 @@ Points of the plane are complex numbers x + iy, so that a rotation and a scale a
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -367,23 +367,21 @@ class TrackedContacts(NamedTuple):
         Name of the reference image, whose contacts were matched to the sites or, without sites, numbered.
     match : SiteMatch or None
         Match of the reference image; None without sites.
-    placed, placed_sheared : list of Placed or None, (k,)
-        Sites in each image; None if there is no image, or if it could not be measured.
+    placed : dict of Placed
+        Sites in each image that could be measured, by its name.
     notes : list of Note
     """
 
     table: DataFrame
     name: str
     match: SiteMatch | None
-    placed: list[Placed | None]
-    placed_sheared: list[Placed | None]
+    placed: dict[str, Placed]
     notes: list[Note]
 
 
 def track_contacts(
-    areas: Sequence[ContactAreas | None],
+    areas: Mapping[str, ContactAreas | None],
     forces: DataFrame,
-    sheared: Sequence[ContactAreas | None] | None = None,
     *,
     site_position: ArrayLike | None = None,
     site_number: ArrayLike | None = None,
@@ -401,13 +399,11 @@ def track_contacts(
 
     Parameters
     ----------
-    areas : sequence of ContactAreas or None, (k,)
-        Contacts of the images from `stack_areas`; an image that is None has the areas nan.
+    areas : mapping of str to ContactAreas or None
+        Contacts of the images by their names; an image that is None has the areas nan.
     forces : DataFrame, (k,)
-        Columns ``image`` (names, all different), ``test`` (names), ``load`` and ``friction_force`` [N], nan
-        where unknown.
-    sheared : sequence of ContactAreas or None, (k,), optional
-        Contacts of the images at the peak of the friction force; default: none.
+        Columns ``image`` (names, all different), ``sheared_image`` (names of images at the peak of the
+        friction force, or ""), ``test`` (names), ``load`` and ``friction_force`` [N], nan where unknown.
     site_position : array_like, (m, 2), optional
         Positions of the sites of the design [mm]; default: none, the contacts are numbered.
     site_number : array_like of int, (m,), optional
@@ -430,54 +426,50 @@ def track_contacts(
     >>> import numpy as np, pandas as pd, metafem as mf
     >>> y, x = np.mgrid[:60, :80]
     >>> image = 200.0 - 120.0 / (1.0 + np.exp(np.hypot(x - 40.0, y - 30.0) - 20.0))
-    >>> stack = [image, np.roll(image, 3, axis=1)]
-    >>> areas = [mf.calibration.contact_areas(one, 0.005) for one in stack]
-    >>> forces = pd.DataFrame({"image": ["1.tif", "2.tif"], "test": "", "load": 0.05, "friction_force": 0.1})
-    >>> track_contacts(areas, forces).table[["image", "load", "area"]].round(3).values.tolist()
-    [['1.tif', 0.05, 0.032], ['2.tif', 0.05, 0.032]]
+    >>> areas = {"1.tif": mf.calibration.contact_areas(image, 0.005)}
+    >>> forces = pd.DataFrame({"image": ["1.tif"], "sheared_image": "", "test": "", "load": 0.05})
+    >>> table = track_contacts(areas, forces.assign(friction_force=np.nan)).table
+    >>> table[["image", "load", "contact", "area"]].round(3).values.tolist()
+    [['1.tif', 0.05, 1, 0.032]]
     """
-    names = forces["image"].tolist()
-    others = [None] * len(areas) if sheared is None else list(sheared)
-    complete = [0 if one is None else int(one.complete.sum()) for one in areas]
-    usable = [i for i, count in enumerate(complete) if count]
+    names, sheared = forces["image"].tolist(), forces["sheared_image"].tolist()
+    unknown = dict(zip(names, forces["load"].isna(), strict=True))
+    complete = {name: int(one.complete.sum()) for name in names if (one := areas[name]) is not None}
+    usable = [name for name, count in complete.items() if count]
     refuse_if(not usable, f"no contact can be measured in {listed(names) or 'an empty list of images'}")
-    unknown = forces["load"].isna().tolist()
-    reference = min(usable, key=lambda i: (unknown[i], -complete[i]))
+    reference = min(usable, key=lambda name: (unknown[name], -complete[name]))
     first: Any = areas[reference]
-    match, notes = None, []
+    match, number, notes = None, None, []
     if site_position is None:
-        known = first.complete | first.edge
-        position, where, number = first.centre[known], first.centre[known], None
+        position = where = first.centre[first.complete | first.edge]
     else:
         position = check.array("site_position", site_position, shape=(None, 2))
         number = np.arange(len(position)) if site_number is None else np.asarray(site_number)
+        view = {"viewed_from": viewed_from, "rotation": rotation, "frame": first.frame}
         try:
-            match = match_sites(
-                first.centre[first.complete], position,
-                viewed_from=viewed_from, rotation=rotation, frame=first.frame,
-            )  # fmt: skip
+            match = match_sites(first.centre[first.complete], position, **view)
         except InvalidInput as error:
-            raise InvalidInput(f"{names[reference]}: {error}") from None
+            raise InvalidInput(f"{reference}: {error}") from None
         where = match.to_image(position)
-        text = f"{names[reference]}: the contacts match the sites equally well in several places"
-        notes += [Note(f"{text}; an image in which more contacts close can decide")] * match.ambiguous
-    placed = [None if one is None else _placed(one, where) for one in areas]
-    after = [
-        None if one is None else _placed(one, where if before is None else before.position)
-        for one, before in zip(others, placed, strict=True)
-    ]
-    columns = [*_at_sites(placed, areas, len(where)), *_at_sites(after, others, len(where))]
+        text = f"{reference}: the contacts match the sites equally well in several places; an image in which"
+        notes += [Note(f"{text} more contacts close can decide")] * match.ambiguous
+    placed: dict[str, Placed] = {}
+    for pair in zip(names, sheared, strict=True):
+        before = where
+        for name in pair:
+            one = areas.get(name)
+            if one is not None:
+                placed[name] = _placed(one, before)
+                before = placed[name].position
+                strays = int((placed[name].site[one.complete] < 0).sum())
+                text = f"{name}: {strays} regions are on no site; dust, or the sample moved too far"
+                notes += [Note(text)] * (strays > 0)
+    columns = [*_at_sites(areas, placed, names, len(where)), *_at_sites(areas, placed, sheared, len(where))]
     if match is None:  # a contact at the edge has a number if another image shows all of it
         seen = (columns[0] > 0.0).any(axis=0) | (columns[2] > 0.0).any(axis=0)
         position, columns = position[seen], [column[:, seen] for column in columns]
-        placed, after = ([each and each.of(seen) for each in views] for views in (placed, after))
-    for words, views, stack in (("", placed, areas), (" under shear", after, others)):
-        for name, view, one in zip(names, views, stack, strict=True):
-            strays = int((view.site[one.complete] < 0).sum()) if view and one else 0
-            text = f"{name}{words}: contacts on no site: {strays}; other regions, or the sample moved too far"
-            notes += [Note(text)] * (strays > 0)
-    table = contact_table(forces, position, number, *columns)
-    return TrackedContacts(table, names[reference], match, placed, after, notes)
+        placed = {name: one.of(seen) for name, one in placed.items()}
+    return TrackedContacts(contact_table(forces, position, number, *columns), reference, match, placed, notes)
 
 
 def _placed(areas: ContactAreas, position: FloatArray) -> Placed:
@@ -496,13 +488,15 @@ def _placed(areas: ContactAreas, position: FloatArray) -> Placed:
 
 
 def _at_sites(
-    found: Sequence[Placed | None], stack: Sequence[ContactAreas | None], count: int
+    areas: Mapping[str, ContactAreas | None], placed: dict[str, Placed], names: list[str], count: int
 ) -> tuple[FloatArray, FloatArray]:
     """Return areas at sites and their errors, (k, m); the error of an open site is the smallest area."""
-    area, error = np.full((2, len(stack), count), np.nan)
-    for i, (view, one) in enumerate(zip(found, stack, strict=True)):
-        if view is not None and one is not None:
-            site, on = view.site, view.site >= 0
-            area[i], error[i] = np.where(view.unmeasured, np.nan, [[0.0], [one.smallest_area]])
+    area, error = np.full((2, len(names), count), np.nan)
+    for i, name in enumerate(names):
+        one = areas.get(name)
+        if one is not None:
+            site, unmeasured = placed[name].site, placed[name].unmeasured
+            on = site >= 0
+            area[i], error[i] = np.where(unmeasured, np.nan, [[0.0], [one.smallest_area]])
             area[i, site[on]], error[i, site[on]] = one.area[on], one.area_error[on]
     return area, error

@@ -215,7 +215,7 @@ def _array(path: str | Path) -> tuple[NDArray[Any], Any, str | None]:
 
 
 def _instrument(path: str | Path, name: str) -> tuple[NDArray[Any], Any, str | None]:
-    """Return the heights in a file of an instrument, the sides of a pixel, and the unit of both, if stated."""
+    """Return the heights in a file of an instrument, the sides of a pixel, and their unit, if stated."""
     refuse_missing("SurfaceTopography", "metrology", f"reading {name}")
     with warnings.catch_warnings():  # its import warns of a missing mpi4py
         warnings.simplefilter("ignore", ImportWarning)

@@ -96,7 +96,7 @@ def uncorrected(radius: float) -> tuple[float, float]:
     for centre in side / 2.0 + rng.uniform(-0.5, 0.5, (20, 2)):
         covered = coverage((side, side), [centre], [radius], blur=BLUR)
         image, variance = smoothed((1.0 - covered).astype(np.float32), EDGE)
-        enclosed.append(contour(image, 0.5).area)
+        enclosed.append(contour(np.pad(image, 1, constant_values=1.0), 0.5).area)
     return float(np.mean(enclosed) / (math.pi * radius**2) - 1.0), by_curvature(radius, EDGE**2 + variance)
 
 
