@@ -380,7 +380,10 @@ def grey_values(image: Any) -> NDArray[Any]:
     except (TypeError, ValueError):
         raise InvalidInput(f"image = {shown(image)} must be an array of grey values") from None
     must = "image must be an array of grey values without mask"
-    refuse_if(values.dtype.kind not in "uif", f"{must}, not {shown(image)}; `metafem images` reads files")
+    refuse_if(
+        values.dtype.kind not in "uif",
+        f"{must}, not {values.dtype}: {shown(image)}; `metafem images` reads files",
+    )
     wrong = values.ndim != 2 or min(values.shape) < FEWEST
     refuse_if(wrong, f"image has shape {values.shape}; it must be (rows, columns), at least {FEWEST} of each")
     for row, column in np.argwhere(~np.isfinite(values))[:1].tolist():

@@ -441,7 +441,9 @@ def track_contacts(
     first: Any = areas[reference]
     match, number, notes = None, None, []
     if site_position is None:
-        position = where = first.centre[first.complete | first.edge]
+        known = first.complete | first.edge
+        position, cut = first.centre[known], first.edge[known]
+        where = position
     else:
         position = check.array("site_position", site_position, shape=(None, 2))
         number = np.arange(len(position)) if site_number is None else np.asarray(site_number)
@@ -450,7 +452,7 @@ def track_contacts(
             match = match_sites(first.centre[first.complete], position, **view)
         except InvalidInput as error:
             raise InvalidInput(f"{reference}: {error}") from None
-        where = match.to_image(position)
+        where, cut = match.to_image(position), np.zeros(len(position), dtype=bool)
         text = f"{reference}: the contacts match the sites equally well in several places; an image in which"
         notes += [Note(f"{text} more contacts close can decide")] * match.ambiguous
     placed: dict[str, Placed] = {}
@@ -459,7 +461,7 @@ def track_contacts(
         for name in pair:
             one = areas.get(name)
             if one is not None:
-                placed[name] = _placed(one, before)
+                placed[name] = _placed(one, before, cut)
                 before = placed[name].position
                 strays = int((placed[name].site[one.complete] < 0).sum())
                 text = f"{name}: {strays} regions are on no site; dust, or the sample moved too far"
@@ -472,13 +474,17 @@ def track_contacts(
     return TrackedContacts(contact_table(forces, position, number, *columns), reference, match, placed, notes)
 
 
-def _placed(areas: ContactAreas, position: FloatArray) -> Placed:
-    """Return the sites in an image, from their positions in another image [mm]."""
-    complete = np.flatnonzero(areas.complete)
-    pose = Sites(complex_points(position)).refined(complex_points(areas.centre[complete]), 1.0, 0.0, True)
+def _placed(areas: ContactAreas, position: FloatArray, cut: NDArray[np.bool_]) -> Placed:
+    """Return the sites in an image, from their positions in another image [mm].
+
+    The positions of contacts that the edge has `cut` there (m,) are those of what is seen of them.
+    """
+    sites, points = Sites(complex_points(position)), complex_points(areas.centre[areas.complete])
+    pose = sites.refined(points, 1.0, 0.0, True)
+    near, _ = sites.assigned(points, 1.0, pose.shift, REACH * sites.spacing)
     where = position + real_points([pose.shift])
     site = np.full(areas.count, -1, dtype=np.intp)
-    site[complete] = pose.site
+    site[areas.complete] = np.where(np.append(cut, False)[near], near, pose.site)
     unmeasured = np.any((where < 0.0) | (where > areas.frame), axis=1)
     for region in np.flatnonzero(site < 0):
         away = complex_points(where - areas.centre[region]) * np.exp(-1j * areas.angle[region])

@@ -199,7 +199,7 @@ def _figure(found: dict[str, Any], name: str | None) -> tuple[Any, str]:
     what = "contact" if tracked.match is None else "site"
     number = tracked.table[what][: len(placed.position)].tolist()
     title = f"{name}: numbers are those of the column {what}"
-    return found_figure(mf.files.read_image(found["files"][name]), areas, placed, number, title), name
+    return found_figure(mf.files.Images([found["files"][name]])[0], areas, placed, number, title), name
 
 
 def _rows(table: Any) -> list[dict[str, Any]]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from metafem._given import printable
+from metafem._given import printable, shown
 from metafem.calibration.contact_table import COLUMNS as NAMES
 from metafem.errors import InvalidInput
 from metafem.files.tables import Columns, Table, read_table
@@ -66,7 +66,7 @@ def contacts_of(table: Table) -> DataFrame:
         *((name, found[name].isna(), "is empty; write the contact's position") for name in ("x", "y")),
         *((name, found[name] < 0.0, "must not be negative") for name in areas),
         *(
-            (one, found[one].isna() & found[other].notna(), f"is empty, and {other} is not")
+            (one, found[one].isna() & found[other].notna(), f"is empty, and {entries.title(other)} is not")
             for name in areas[::2]
             for one, other in ((name, f"{name}_error"), (f"{name}_error", name))
         ),
@@ -86,7 +86,8 @@ def contacts_of(table: Table) -> DataFrame:
     ]
     for name, wrong, must in rules:
         for row in np.flatnonzero(wrong)[:1].tolist():
-            raise InvalidInput(f"{entries.cell(row, name)} {must}")
+            text = shown(entries.texts(name)[row], 40)
+            raise InvalidInput(f"{entries.cell(row, name)} = {text} {must}")
     size = of_image["contact"].transform("size")
     for name in found["image"][size < of_contact.ngroups][:1]:
         words = f"image {printable(name, 60)} lacks contacts that others have; add them"

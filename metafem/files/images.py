@@ -137,11 +137,12 @@ def read_forces(names: Sequence[str], source: str | Path | Table | None) -> tupl
         | {name: entries.numbers(name, empty=True) for name in numbers}
     )
     shown = pd.concat([found["image"], found["sheared_image"][found["sheared_image"] != ""]])
+    twice = shown[shown.duplicated()]
     for column, wrong, must in (
         ("image", found["image"] == "", "is empty; write the name of the image"),
         ("load", found["load"].isna(), "is empty; write the load of the image"),
-        ("image", found["image"].isin(shown[shown.duplicated()]), "is named twice; name each image once"),
-        ("sheared_image", found["sheared_image"].isin(shown[shown.duplicated()]), "is named twice"),
+        ("image", found["image"].isin(twice), f"{listed(twice)} is named twice; name each image once"),
+        ("sheared_image", found["sheared_image"].isin(twice), f"{listed(twice)} is named twice"),
     ):
         for row in np.flatnonzero(wrong)[:1].tolist():
             raise InvalidInput(f"{entries.cell(row, column)} {must}")
