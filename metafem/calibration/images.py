@@ -442,44 +442,36 @@ def _measured(
     at_level = 0.5 * math.hypot(levels.dark_error, ground.structure) / contrast
     blur_error = levels.blur_error * levels.blur / total
     clipped = _clipped(values, labels, bright)
-    margin, shape = math.ceil(2.0 * total), values.shape
     rows = []
     for region in _regions(labels):
         top, left, bottom, right = region.bbox
-        reaches = [top <= 0, left <= 0, bottom >= shape[0], right >= shape[1]]
-        refuse_if(all(reaches), f"a dark region reaches all four sides of the image. {hint}Crop a dark frame")
+        around = top == left == 0 and (bottom, right) == values.shape
+        refuse_if(around, f"a dark region reaches all four sides of the image. {hint}Crop a dark frame")
         outline = contour(_window(smooth, labels, region), levels.half)
         area = enclosed(outline.area, outline.holes, total)
         if area < least:
             continue
-        edge = _at_edge(region, shape, margin)
-        merged = not edge and not _single(region)
         error = of_contour(outline.length, noise, math.sqrt(variance), total, at_level, blur_error)
-        centre = region.centroid[1] + 0.5, shape[0] - 0.5 - region.centroid[0]
+        edge = _at_edge(region, values.shape, math.ceil(2.0 * total))
+        saturated = clipped[region.slice][region.image].mean() > SATURATED
+        centre = region.centroid[1] + 0.5, len(values) - 0.5 - region.centroid[0]
         axes = 0.5 * region.axis_major_length, 0.5 * region.axis_minor_length
+        lengths = area * pixel**2, error * pixel**2, np.multiply(pixel, centre), np.multiply(pixel, axes)
         angle = math.remainder(region.orientation + 0.5 * math.pi, math.pi)
-        flags = edge, merged, bool(clipped[region.slice][region.image].mean() > SATURATED)
-        rows.append((area, error, centre, axes, angle, *flags, outline.holes))
-    columns = [np.array(column) for column in zip(*rows, strict=True)] or [np.zeros(0)] * 9
-    area, error, centre, axes, angle, edge, merged, saturated, holes = columns
-    dazzled = bool(clipped[labels == 0].mean() > SATURATED)
+        flags = edge, not edge and not _single(region), saturated, outline.holes
+        rows.append((*lengths, angle, *flags))
+    none = (0.0, 0.0, (0.0, 0.0), (0.0, 0.0), 0.0, False, False, False, 0)
+    columns = [np.array(column)[: len(rows)] for column in zip(*(rows or [none]), strict=True)]
+    columns[7] |= clipped[labels == 0].mean() > SATURATED
     result = ContactAreas(
-        area=area * pixel**2,
-        area_error=error * pixel**2,
-        centre=centre.reshape(-1, 2) * pixel,
-        axes=axes.reshape(-1, 2) * pixel,
-        angle=angle,
-        edge=edge.astype(bool),
-        merged=merged.astype(bool),
-        saturated=saturated.astype(bool) | dazzled,
-        holes=holes.astype(np.int64),
+        *columns,
         dark_level=levels.dark,
         blur=levels.blur * pixel,
         noise=noise,
         pixel_size=pixel,
-        shape=shape,
+        shape=values.shape,
         smallest_area=least * pixel**2,
-        notes=tuple(_notes(levels, ground, count - len(rows), least * pixel**2, saturated.any() or dazzled)),
+        notes=tuple(_notes(levels, ground, count - len(rows), least * pixel**2, columns[7].any())),
     )
     return result, levels
 

@@ -255,8 +255,6 @@ def match_sites(
     *,
     viewed_from: str = "glass",
     rotation: float = 0.0,
-    rotation_range: float = TURN,
-    frame: ArrayLike | None = None,
 ) -> SiteMatch:
     """Return the sites of the contacts in an image, and the shift, rotation and scale of the image.
 
@@ -278,13 +276,7 @@ def match_sites(
         mould.csv. If the optics or the camera's software mirror the image, exchange the two values. Default:
         "glass".
     rotation : float
-        Approximate rotation of the design in the image, anticlockwise [rad]; default: 0.
-    rotation_range : float
-        Largest difference from `rotation` [rad]; default: 5°. It must be less than 45° for a square lattice.
-    frame : array_like, (2,)
-        Width and height of the image [mm]; default: none. If several shifts match equally many contacts, the
-        one that puts the centre of the design nearest to the centre of the frame is used, or of the contacts
-        without a frame.
+        Rotation of the design in the image, anticlockwise, to within 5° [rad]; default: 0.
 
     Returns
     -------
@@ -298,7 +290,7 @@ def match_sites(
     Notes
     -----
     If an outer row of a square lattice is open, the remaining contacts match two positions of the lattice.
-    Then ``SiteMatch.ambiguous`` is true. Positions do not show whether a square lattice is mirrored or turned
+    Then ``SiteMatch.ambiguous`` is true, and the one with the design about the contacts is used. Positions do not show whether a square lattice is mirrored or turned
     by 90°.
 
     Examples
@@ -316,8 +308,6 @@ def match_sites(
     must = "must be 'glass', if the camera looks through the glass, or 'block', if it looks through the block"
     refuse_if(viewed_from not in SIDES, f"viewed_from = {shown(viewed_from)} {must}")
     angle = check.number("rotation", rotation)
-    turn = check.number("rotation_range", rotation_range, above=0.0, at_most=math.pi)
-    size = None if frame is None else check.array("frame", frame, shape=(2,), positive=True)
     for what, count in (("contacts", len(centres)), ("sites", len(places))):
         few = f"{count} {what} cannot be matched: shift, rotation and scale need at least {FEWEST}"
         refuse_if(count < FEWEST, few)
@@ -325,9 +315,9 @@ def match_sites(
     points, design = complex_points(centres), Sites(complex_points(places, mirrored))
     coincident = "site_position holds coincident sites; each site must have a position of its own"
     refuse_if(design.spacing == 0.0, coincident)
-    most = design.search(points, [angle], turn)
-    middle = 0.5 * complex(*size) if size is not None else points.mean()
-    best = min(most, key=lambda pose: abs((pose.factor * design.sites + pose.shift).mean() - middle))
+    most = design.search(points, [angle], TURN)
+    # of several places, the one at which the design is about the contacts
+    best = min(most, key=lambda one: abs((one.factor * design.sites + one.shift).mean() - points.mean()))
     matched = best.site >= 0
     away = points[matched] - best.factor * design.sites[best.site[matched]] - best.shift
     return SiteMatch(
@@ -447,9 +437,10 @@ def track_contacts(
     else:
         position = check.array("site_position", site_position, shape=(None, 2))
         number = np.arange(len(position)) if site_number is None else np.asarray(site_number)
-        view = {"viewed_from": viewed_from, "rotation": rotation, "frame": first.frame}
         try:
-            match = match_sites(first.centre[first.complete], position, **view)
+            match = match_sites(
+                first.centre[first.complete], position, viewed_from=viewed_from, rotation=rotation
+            )
         except InvalidInput as error:
             raise InvalidInput(f"{reference}: {error}") from None
         where, cut = match.to_image(position), np.zeros(len(position), dtype=bool)

@@ -139,12 +139,6 @@ def test_through_the_block_heights_csv_is_mirrored():
     assert -1 in wrong.site  # the three in a row alone look the same from both sides
 
 
-def test_without_areas_the_design_is_centred():
-    centre = seen(SITES[:56])
-    assert match_sites(centre, SITES, frame=(12.0, 14.5)).site.tolist() == list(range(56))
-    assert match_sites(centre, SITES, frame=(12.0, 11.5)).site.tolist() == list(range(8, 64))
-
-
 def test_an_image_without_load_does_not_number_the_contacts():
     other = contacts(np.random.default_rng(0).uniform(0.5, 13.5, (90, 2)), 0.2)
     own = contacts(seen(SITES), 0.3)
