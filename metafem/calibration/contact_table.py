@@ -176,7 +176,7 @@ def of_contacts(
     site = table["site"].iloc[: area.shape[1]]
     matched = bool(site.notna().all())
     known = ~np.isnan(area)
-    whole = known.all(axis=1)
+    whole: Any = known.all(axis=1)
     enough = known.any(axis=1) if matched else whole
     if by_force:
         enough = np.isfinite(force)

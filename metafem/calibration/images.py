@@ -117,6 +117,11 @@ INTERPOLATION, EDGE_INTERPOLATION, EDGE_CURVATURE = 0.21, 0.13, 0.5
 # order.
 COMPACT = 0.97
 
+# Attributes of `ContactAreas` that have one value for each contact.
+PER_CONTACT = (
+    "area", "area_error", "centre", "axes", "angle", "edge", "merged", "saturated", "holes",
+)  # fmt: skip
+
 # Pixels around a region in which its contours at other levels are sought.
 MARGIN = 4
 
@@ -462,16 +467,17 @@ def _measured(
         rows.append((*lengths, angle, *flags))
     none = (0.0, 0.0, (0.0, 0.0), (0.0, 0.0), 0.0, False, False, False, 0)
     columns = [np.array(column)[: len(rows)] for column in zip(*(rows or [none]), strict=True)]
-    columns[7] |= clipped[labels == 0].mean() > SATURATED
+    each_of: dict[str, Any] = dict(zip(PER_CONTACT, columns, strict=True))
+    each_of["saturated"] |= clipped[labels == 0].mean() > SATURATED
     result = ContactAreas(
-        *columns,
+        **each_of,
         dark_level=levels.dark,
         blur=levels.blur * pixel,
         noise=noise,
         pixel_size=pixel,
         shape=values.shape,
         smallest_area=least * pixel**2,
-        notes=tuple(_notes(levels, ground, count - len(rows), least * pixel**2, columns[7].any())),
+        notes=tuple(_notes(levels, ground, count - len(rows), least * pixel**2, each_of["saturated"].any())),
     )
     return result, levels
 
@@ -496,7 +502,7 @@ def _clipped(values: NDArray[Any], labels: NDArray[np.int32], bright: bool) -> N
         return np.zeros(values.shape, dtype=bool)
     largest = int(values.max())
     low, high = values == 0, (values == largest) & (largest in FULL_SCALE)
-    return np.where((labels > 0) != bright, low, high)
+    return np.asarray(np.where((labels > 0) != bright, low, high))
 
 
 def without_illumination(image: Grey, bright: bool) -> Ground:
@@ -555,13 +561,12 @@ def _fitted(
 
     The first blocks of the ground are those that Otsu's threshold separates from the guess.
     """
-    coefficients = guess
     height = blocks - (terms @ guess).reshape(blocks.shape)
     on_ground = _clear_of(height < otsu(height))
     least = EXACT * float(np.ptp(blocks))
     for _ in range(ROUNDS):
         used = terms[on_ground.ravel()]
-        coefficients = np.linalg.lstsq(used, blocks[on_ground], rcond=None)[0]
+        coefficients: FloatArray = np.linalg.lstsq(used, blocks[on_ground], rcond=None)[0]
         height = blocks - (terms @ coefficients).reshape(blocks.shape)
         # contacts lie below the surface, so blocks above it are ground
         above = height[on_ground & (height > 0.0)]
@@ -634,7 +639,7 @@ def _single(region: Any) -> bool:
     """
     (filled,) = _regions(region.image_filled.astype(np.int32))
     ellipse = 0.25 * math.pi * filled.axis_major_length * filled.axis_minor_length
-    return bool((filled.area / ellipse) ** 2 >= COMPACT) if ellipse else False
+    return bool(ellipse > 0.0 and (filled.area / ellipse) ** 2 >= COMPACT)
 
 
 def _window(smooth: Grey, labels: NDArray[np.int32], region: Any) -> Grey:

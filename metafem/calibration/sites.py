@@ -290,8 +290,8 @@ def match_sites(
     Notes
     -----
     If an outer row of a square lattice is open, the remaining contacts match two positions of the lattice.
-    Then ``SiteMatch.ambiguous`` is true, and the one with the design about the contacts is used. Positions do not show whether a square lattice is mirrored or turned
-    by 90°.
+    Then ``SiteMatch.ambiguous`` is true, and the one with the design about the contacts is used. Positions
+    do not show whether a square lattice is mirrored or turned by 90°.
 
     Examples
     --------
@@ -459,7 +459,7 @@ def track_contacts(
                 notes += [Note(text)] * (strays > 0)
     columns = [*_at_sites(areas, placed, names, len(where)), *_at_sites(areas, placed, sheared, len(where))]
     if match is None:  # a contact at the edge has a number if another image shows all of it
-        seen = (columns[0] > 0.0).any(axis=0) | (columns[2] > 0.0).any(axis=0)
+        seen: Any = (columns[0] > 0.0).any(axis=0) | (columns[2] > 0.0).any(axis=0)
         position, columns = position[seen], [column[:, seen] for column in columns]
         placed = {name: one.of(seen) for name, one in placed.items()}
     return TrackedContacts(contact_table(forces, position, number, *columns), reference, match, placed, notes)

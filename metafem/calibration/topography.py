@@ -616,7 +616,7 @@ def _residual(levelled: Map, caps: FloatArray) -> FloatArray:
         square = (rest.x[window[1]] - x) ** 2 + (rest.y[window[0], None] - y) ** 2
         under = np.maximum(radius**2 - square, (radius - height) ** 2)
         rest.z[window] -= np.sqrt(under) - (radius - height)
-    return rest.cells(math.ceil(max(rest.z.shape) / MOST)).z
+    return np.asarray(rest.cells(math.ceil(max(rest.z.shape) / MOST)).z, dtype=np.float64)
 
 
 def _notes(
