@@ -523,10 +523,7 @@ def without_illumination(image: Grey, bright: bool) -> Ground:
     )
     terms = np.einsum("ij,kl->ikjl", y, x).reshape(rows * columns, -1)
     sign = -1.0 if bright else 1.0
-    # neither initial guess suits both large gradients and large contacts, so the better of two fits is used
-    guesses = (np.zeros(terms.shape[1]), _envelope(terms, sign * blocks.ravel()))
-    fits = [_fitted(terms, sign * blocks, guess) for guess in guesses]
-    coefficients, on_ground, scale = min(fits, key=lambda fit: fit[2])
+    coefficients, on_ground, scale = _fitted(terms, sign * blocks)
     surface = sign * (terms @ coefficients).reshape(blocks.shape)
     residual = blocks - surface
     structure = _structure(np.where(on_ground, residual, np.nan), scale)
@@ -554,19 +551,18 @@ def _envelope(terms: FloatArray, levels: FloatArray) -> FloatArray:
     return np.asarray(coefficients, dtype=np.float64)
 
 
-def _fitted(
-    terms: FloatArray, blocks: FloatArray, guess: FloatArray
-) -> tuple[FloatArray, NDArray[np.bool_], float]:
+def _fitted(terms: FloatArray, blocks: FloatArray) -> tuple[FloatArray, NDArray[np.bool_], float]:
     """Return the coefficients of the ground, a mask of the fitted blocks, and their standard deviation.
 
-    The first blocks of the ground are those that Otsu's threshold separates from the guess.
+    The first blocks of the ground are those that Otsu's threshold separates from a surface near the
+    brightest blocks.
     """
-    height = blocks - (terms @ guess).reshape(blocks.shape)
+    height = blocks - (terms @ _envelope(terms, blocks.ravel())).reshape(blocks.shape)
     on_ground = _clear_of(height < otsu(height))
     least = EXACT * float(np.ptp(blocks))
     for _ in range(ROUNDS):
         used = terms[on_ground.ravel()]
-        coefficients: FloatArray = np.linalg.lstsq(used, blocks[on_ground], rcond=None)[0]
+        coefficients = np.asarray(np.linalg.lstsq(used, blocks[on_ground], rcond=None)[0], dtype=float)
         height = blocks - (terms @ coefficients).reshape(blocks.shape)
         # contacts lie below the surface, so blocks above it are ground
         above = height[on_ground & (height > 0.0)]
@@ -628,7 +624,7 @@ def _regions(labels: NDArray[np.int32]) -> list[Any]:
 def _at_edge(region: Any, shape: tuple[int, ...], margin: int = 0) -> bool:
     """Return whether a region is within `margin` pixels of the frame's edge."""
     top, left, bottom, right = region.bbox
-    return min(top, left, shape[0] - bottom, shape[1] - right) <= margin
+    return bool(min(top, left, shape[0] - bottom, shape[1] - right) <= margin)
 
 
 def _single(region: Any) -> bool:
@@ -638,8 +634,8 @@ def _single(region: Any) -> bool:
     for ellipses, because no other shape of this area has smaller moments.
     """
     (filled,) = _regions(region.image_filled.astype(np.int32))
-    ellipse = 0.25 * math.pi * filled.axis_major_length * filled.axis_minor_length
-    return bool(ellipse > 0.0 and (filled.area / ellipse) ** 2 >= COMPACT)
+    ellipse = 0.25 * math.pi * float(filled.axis_major_length * filled.axis_minor_length)
+    return bool(filled.area**2 >= COMPACT * ellipse**2)
 
 
 def _window(smooth: Grey, labels: NDArray[np.int32], region: Any) -> Grey:

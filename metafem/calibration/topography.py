@@ -13,7 +13,7 @@ from scipy import ndimage
 
 from metafem import _validate as check
 from metafem._validate import FloatArray, IntArray
-from metafem._values import MICROMETRES, Value, percent, span
+from metafem._values import Value, percent
 from metafem.calibration.sites import FEWEST as FEWEST_SITES
 from metafem.calibration.sites import Sites, complex_points, real_points
 from metafem.caps import SPHERE
@@ -442,14 +442,6 @@ class MadeSurface(Value):
         """Made minus designed positions, (n, 2) [mm]."""
         return self.surface.position - self.design.position[self.site]
 
-    def __repr__(self) -> str:
-        error = MICROMETRES * self.height_error
-        return (
-            f"<MadeSurface: {self.surface.count} of {self.design.count} asperities, height error "
-            f"{error.mean():.3g} um on average with s.d. {error.std():.3g} um, radius "
-            f"{span(self.surface.radius, 'mm')}>"
-        )
-
 
 def made_surface(
     height_map: ArrayLike,
@@ -549,7 +541,7 @@ def made_surface(
     missing = np.setdiff1d(np.arange(design.count), site)
     sd = np.sqrt(np.diagonal(covariance[order], axis1=1, axis2=2))
     _, _, height, radius = value[order].T
-    coefficient = np.append(base.coefficient, np.zeros(6 - len(base.coefficient)))
+    coefficient = np.pad(base.coefficient, (0, 6 - len(base.coefficient)))
     return MadeSurface(
         surface=design.only(site, position=place.position[order], height=height, radius=radius),
         design=design,

@@ -31,23 +31,20 @@ from metafem.progress import doing
 SCALE = 0.01
 
 
+def file_option(name: str, metavar: str, text: str, **more: Any) -> Any:
+    """Return the option of a file or folder."""
+    return click.option(*name.split(), type=Name(), metavar=metavar, help=text, **more)
+
+
 @command(
     click.argument("source", type=Name(), nargs=-1, required=True, metavar="FOLDER|FILE..."),
-    quantity(
-        "pixel", "mm", "5.3 um", "Side of a pixel in the plane of the contacts, such as {}.", required=True
-    ),
-    click.option(
+    quantity("pixel", "mm", "5.3 um", "Side of a pixel in the plane of the contacts, {}.", required=True),
+    file_option(
         "--forces",
-        type=Name(),
-        metavar="FORCES.csv",
-        help="Table of the forces: image,load_mN and optionally friction_force_mN, sheared_image, test.",
+        "FORCES.csv",
+        "Table of the forces: image,load_mN and optionally friction_force_mN, sheared_image, test.",
     ),
-    click.option(
-        "--sites",
-        type=Name(),
-        metavar="DIR|HEIGHTS.csv",
-        help="Result folder of the design, or its table of heights: contacts are matched to its sites.",
-    ),
+    file_option("--sites", "DIR|HEIGHTS.csv", "Design, or its heights: contacts are matched to its sites."),
     click.option(
         "--viewed-from",
         type=click.Choice(["glass", "block"]),
@@ -56,29 +53,12 @@ SCALE = 0.01
         "mirrored, x -> -x. Default: glass.",
     ),
     quantity(
-        "rotation",
-        "rad",
-        "90 deg",
-        "Rotation of the design in the images, anticlockwise, such as {}, to within 5°. Default: 0.",
-        default=0.0,
+        "rotation", "rad", "90 deg", "Rotation in the images, {}, to within 5°. Default: 0.", default=0.0
     ),
     click.option("--bright-contacts", is_flag=True, help="Contacts are brighter than the ground."),
-    click.option(
-        "-o",
-        "--output",
-        type=Name(),
-        metavar="CONTACTS.csv",
-        help="Write the table of contacts to this file.",
-    ),
-    click.option(
-        "--picture",
-        type=Name(),
-        metavar="FOUND.png",
-        help="Draw what was found in one image: a file .png or .svg.",
-    ),
-    click.option(
-        "--picture-of", metavar="IMAGE", help="Image that is drawn. Default: the one with most contacts."
-    ),
+    file_option("-o --output", "CONTACTS.csv", "Write the table of contacts to this file."),
+    file_option("--picture", "FOUND.png", "Draw what was found in one image: a file .png or .svg."),
+    click.option("--picture-of", metavar="IMAGE", help="This image. Default: the one with most contacts."),
     column_option,
     force_option,
     json_option,

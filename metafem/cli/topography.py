@@ -10,7 +10,7 @@ import click
 
 import metafem as mf
 from metafem._given import printable
-from metafem.cli.images import printed
+from metafem.cli.images import file_option, printed
 from metafem.cli.options import Name, command, force_option, json_option, refuse_files
 from metafem.cli.output import notes_data, show
 from metafem.cli.progress import loaded, progress
@@ -33,32 +33,20 @@ DIGITS = 6
 
 @command(
     click.argument("height_map", type=Name(), metavar="MAP"),
+    file_option("--design folder", "DIR", "Result folder of the design.", required=True),
     click.option(
-        "--design", "folder", type=Name(), metavar="DIR", required=True, help="Result folder of the design."
+        "--pixel", metavar="LENGTH", help='Distance of two pixels, "2 um", if MAP does not state it.'
     ),
     click.option(
-        "--pixel",
-        metavar="LENGTH",
-        help='Distance of two pixels, such as "2 um", if the map does not state it.',
-    ),
-    click.option(
-        "--height-unit",
-        metavar="UNIT",
-        help='Unit of the heights, such as "um", if the map does not state it.',
+        "--height-unit", metavar="UNIT", help='Unit of the heights, "um", if MAP does not state it.'
     ),
     click.option("--mould", is_flag=True, help="The map shows the mould: its holes are the caps."),
     click.option(
-        "--common-radius",
-        is_flag=True,
-        help="All caps have one radius; the errors of the heights are then halved.",
+        "--common-radius", is_flag=True, help="All caps have one radius; heights have half the errors."
     ),
     click.option("--keep-bow", is_flag=True, help="Subtract a plane only, no bow."),
-    click.option(
-        "-o", "--output", type=Name(), help="Write the made surface to this CSV file, for metafem predict."
-    ),
-    click.option(
-        "--picture", type=Name(), help="Draw height errors, residual map and laws: a file .svg or .png."
-    ),
+    file_option("-o --output", "MADE.csv", "Write the made surface to this file, for metafem predict."),
+    file_option("--picture", "MADE.png", "Draw height errors, residual map and laws: a file .svg or .png."),
     force_option,
     json_option,
     short_help="Measure a made surface on a height map.",
@@ -66,14 +54,11 @@ DIGITS = 6
 def topography(
     height_map: Path,
     folder: Path,
-    pixel: str | None,
-    height_unit: str | None,
-    keep_bow: bool,
     output: Path | None,
     picture: Path | None,
     force: bool,
     as_json: bool,
-    **options: bool,
+    **options: Any,
 ) -> None:
     """Measure heights, radii and positions of the asperities in MAP, and compare them with the design.
 
@@ -85,8 +70,9 @@ def topography(
     refuse_files(force, output, figure=picture)
     with progress():
         design = loaded(folder)
-        heights, sides = mf.files.read_height_map(height_map, pixel, height_unit)
-        options["bow"] = not keep_bow
+        stated = options.pop("pixel"), options.pop("height_unit")
+        heights, sides = mf.files.read_height_map(height_map, *stated)
+        options["bow"] = not options.pop("keep_bow")
         try:
             made = mf.calibration.made_surface(heights, sides, design.surface, **options)
         except InvalidInput as error:
