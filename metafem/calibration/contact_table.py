@@ -43,6 +43,10 @@ def contact_table(forces: DataFrame, position: Any, site: Any, *areas: Any) -> D
     *areas : array_like, (k, n)
         Areas, their errors, and the same under shear [mm^2]; default: nan.
 
+    Returns
+    -------
+    DataFrame, (k n,)
+
     Examples
     --------
     >>> import pandas as pd

@@ -360,6 +360,17 @@ class TrackedContacts(NamedTuple):
     placed : dict of Placed
         Sites in each image that could be measured, by its name.
     notes : list of Note
+
+    Examples
+    --------
+    >>> import pandas as pd, metafem as mf
+    >>> y, x = np.mgrid[:60, :80]
+    >>> image = 200.0 - 120.0 / (1.0 + np.exp(np.hypot(x - 40.0, y - 30.0) - 20.0))
+    >>> areas = {"1.tif": mf.calibration.contact_areas(image, 0.005)}
+    >>> forces = pd.DataFrame({"image": ["1.tif"], "sheared_image": "", "test": "", "load": 0.05})
+    >>> found = mf.calibration.track_contacts(areas, forces.assign(friction_force=0.1))
+    >>> found.name, found.match, found.placed["1.tif"].site, found.notes
+    ('1.tif', None, array([0]), [])
     """
 
     table: DataFrame
@@ -398,7 +409,7 @@ def track_contacts(
         Positions of the sites of the design [mm]; default: none, the contacts are numbered.
     site_number : array_like of int, (m,), optional
         Their numbers; default: 0 to m - 1, as in heights.csv.
-    viewed_from, rotation
+    viewed_from, rotation : str, float
         As for `match_sites`.
 
     Returns

@@ -191,12 +191,13 @@ def read_height_map(
         raise InvalidInput(
             f"{name} cannot be read as a height map: {type(error).__name__}: {printable(str(error), 200)}"
         ) from None
-    for option, example, stated, given in (
-        ("--pixel", "2 um", sides, pixel),
-        ("--height-unit", "um", unit, height_unit),
+    for option, example, what, stated, given in (
+        ("--pixel", "2 um", "the size of its pixels", sides, pixel),
+        ("--height-unit", "um", "the unit of its heights", unit, height_unit),
     ):
-        refuse_if(stated and given, f"{name} states what {option} gives; leave {option} out")
-        refuse_if(not stated and not given, f'{name} does not state it: add for example {option} "{example}"')
+        refuse_if(stated and given, f"{name} states {what}; leave {option} out")
+        lacks = f'{name} does not state {what}; add for example {option} "{example}"'
+        refuse_if(not stated and not given, lacks)
     try:
         size = float(factor(unit or height_unit or "", "mm"))
     except InvalidInput as error:

@@ -5,7 +5,7 @@ import pytest
 
 import metafem as mf
 from metafem.calibration import contact_areas, stack_areas
-from metafem.calibration.images import grey_values
+from metafem.calibration.images import grey_values, without_illumination
 from tests.calibration.images.scenes import CENTRE, PIXEL, RADII, SHAPE, centres, ground, images, in_order
 from validation.scenes.pictures import BRIGHT, DARK, coverage, illumination, lattice, picture
 
@@ -145,7 +145,7 @@ def test_levels_are_those_of_the_largest_load():
 
 def test_an_image_that_fails_is_named_and_the_others_are_measured():
     for bad, words, at in ((np.random.default_rng(0).normal(0.05, 0.01, SHAPE), "all dark", 1),
-                           (np.zeros(SHAPE), "constant", 3)):  # fmt: skip
+                           (np.zeros(SHAPE), "all dark", 3)):  # fmt: skip
         stack = images()
         rest, _ = stack_areas([image for i, image in enumerate(stack) if i != at], PIXEL)
         stack[at] = bad
@@ -165,6 +165,12 @@ def test_gradient_vignetting_and_a_dark_field_are_removed():
     assert found.level == pytest.approx(level.mean(), rel=0.01)
     field = ground(centre, np.full(16, 14.0), bright_contacts=True, levels=(0.8, 0.01), noise=0.01)
     assert np.median(field.corrected[-40:]) == pytest.approx(1.0, abs=1e-2)
+
+
+def test_the_ground_between_two_grey_levels_is_not_taken_for_one_of_them():
+    image = picture((200, 200), [(100.0, 100.0)], [20.0], noise=0.02, bits=8)  # at 178.5
+    corrected = without_illumination(image.astype(np.float32), False).corrected
+    assert corrected[:60].mean() == pytest.approx(1.0, abs=5e-4)
 
 
 def test_grey_values_of_any_type():
