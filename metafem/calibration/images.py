@@ -671,7 +671,8 @@ def contour(window: Grey, level: float) -> Contour:
     lines = find_contours(window, level, fully_connected="high")  # type: ignore[no-untyped-call]
     area = [abs(np.sum(y[:-1] * x[1:] - y[1:] * x[:-1])) / 2.0 for y, x in (line.T for line in lines)]
     length = sum(float(np.hypot(*np.diff(line, axis=0).T).sum()) for line in lines)
-    return Contour(float(2.0 * max(area) - sum(area)) if area else 0.0, length, max(len(lines) - 1, 0))
+    whole = 2.0 * max(area, default=0.0) - sum(area)  # below 0 in an image of noise alone
+    return Contour(max(float(whole), 0.0), length, max(len(lines) - 1, 0))
 
 
 def enclosed(area: float, holes: int, total: float) -> float:
