@@ -4,7 +4,7 @@ from .comparison import compare as compare
 from .compression import ContactCalibration as ContactCalibration
 from .compression import Sample as Sample
 from .compression import fit_compression as fit_compression
-from .contact_table import ContactTable as ContactTable
+from .contact_table import contact_table as contact_table
 from .crossovers import Crossover as Crossover
 from .crossovers import crossover as crossover
 from .explanation import Explanation as Explanation
@@ -20,7 +20,6 @@ from .sheared import ShearCalibration as ShearCalibration
 from .sheared import at_peak as at_peak
 from .sheared import over_plateau as over_plateau
 from .sheared import shear as shear
-from .sites import DesignSites as DesignSites
 from .sites import SiteMatch as SiteMatch
 from .sites import TrackedContacts as TrackedContacts
 from .sites import match_sites as match_sites

@@ -1,96 +1,87 @@
-"""Contact areas from a series of images with the measured forces, and the points for fits and laws."""
+"""Contact areas in a series of images with the measured forces, and the points for fits and laws.
+
+A table of contacts is a DataFrame with one row for each image and contact, image by image: ``image`` and
+``test`` (names), ``load`` and ``friction_force`` [N], ``contact`` (its number, from 1), ``site`` (in the
+design; empty if the contacts were not matched), ``x`` and ``y`` [mm], ``area`` and ``sheared_area`` with
+``area_error`` and ``sheared_area_error`` [mm^2], the last two at the peak of the friction force. What was not
+measured is nan. An open contact has the area 0, and as its error the smallest area that can be detected.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from metafem._given import printable
 from metafem._validate import FloatArray, IntArray
-from metafem._values import Value
 from metafem.errors import refuse_if
 from metafem.notes import Note, information
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 # Largest number of images or contacts that a sentence names.
 NAMED = 5
 
+AREAS = ("area", "area_error", "sheared_area", "sheared_area_error")
+COLUMNS = ("image", "test", "load", "friction_force", "contact", "site", "x", "y", *AREAS)
 
-@dataclass(frozen=True, eq=False, repr=False)
-class ContactTable(Value):
-    """Areas of n contacts in k images, and the forces at which the images were taken.
 
-    If an image does not show a contact, the contact counts as open: its area is 0, and the error of its area
-    is the smallest detectable area in the image. If a contact could not be measured, because it is at the
-    edge of the frame or merged with another contact, its area is nan.
+def contact_table(forces: DataFrame, position: Any, site: Any, *areas: Any) -> DataFrame:
+    """Return the table of n contacts in k images.
 
-    Attributes
+    Parameters
     ----------
-    image : tuple of str, (k,)
-        Names of the images.
-    test : tuple of str, (k,)
-        Name of the test of each image.
-    load, friction_force : ndarray, (k,)
-        Normal load and friction force [N]; nan where they were not measured.
-    position : ndarray, (n, 2)
-        Positions of the contacts [mm]: lattice sites if the contacts were matched, else mean centres.
-    site : ndarray of int, (n,)
-        Site numbers in the design, or 0 to n - 1 if the contacts were not matched.
-    matched : bool
-        Whether the contacts were matched to the sites of a lattice.
-    area, area_error : ndarray, (k, n)
-        Contact areas and their standard deviations [mm^2].
-    sheared_area, sheared_area_error : ndarray, (k, n)
-        Contact areas and their standard deviations in the images at the peak of the friction force [mm^2];
-        nan where there is no such image.
+    forces : DataFrame, (k,)
+        Columns image, test, load and friction_force.
+    position : array_like, (n, 2)
+        Positions of the contacts [mm].
+    site : array_like of int, (n,), or None
+        Sites of the contacts; None if they were not matched.
+    *areas : array_like, (k, n)
+        Areas, their errors, and the same under shear [mm^2]; default: nan.
+
+    Returns
+    -------
+    DataFrame, (k n,)
 
     Examples
     --------
-    >>> one, none = np.array([[0.1, 0.0]]), np.full((1, 2), np.nan)
-    >>> table = ContactTable(
-    ...     ("1.tif",), ("",), np.array([0.05]), np.array([np.nan]), np.array([[0.0, 0.0], [1.5, 0.0]]),
-    ...     np.arange(2), False, one, 0.01 * one, none, none,
-    ... )
-    >>> table.area.sum(axis=1)
-    array([0.1])
+    >>> import pandas as pd
+    >>> forces = pd.DataFrame({"image": ["1.tif"], "test": "", "load": 0.05, "friction_force": np.nan})
+    >>> table = contact_table(forces, [[0.0, 0.0], [1.5, 0.0]], [7, 3], [[0.1, 0.0]], [[1e-3, 1e-3]])
+    >>> table[["image", "contact", "site", "x", "area"]].values.tolist()
+    [['1.tif', 1, 7, 0.0, 0.1], ['1.tif', 2, 3, 1.5, 0.0]]
     """
+    import pandas as pd
 
-    image: tuple[str, ...]
-    test: tuple[str, ...]
-    load: FloatArray
-    friction_force: FloatArray
-    position: FloatArray
-    site: NDArray[np.intp]
-    matched: bool
-    area: FloatArray
-    area_error: FloatArray
-    sheared_area: FloatArray
-    sheared_area_error: FloatArray
-
-    def name_of(self, contact: int) -> str:
-        """Return the name of a contact in tables and remarks.
-
-        Parameters
-        ----------
-        contact : int
-            Column of the contact, counted from 0.
-
-        Examples
-        --------
-        >>> one, none = np.array([[0.1]]), np.full((1, 1), np.nan)
-        >>> ContactTable(
-        ...     ("1.tif",), ("",), np.array([0.05]), np.array([np.nan]), np.zeros((1, 2)), np.array([7]),
-        ...     False, one, 0.01 * one, none, none,
-        ... ).name_of(0)
-        'contact 1'
-        """
-        return f"site {self.site[contact]}" if self.matched else f"contact {contact + 1}"
+    k, n = len(forces), len(position)
+    table = forces[[*COLUMNS[:4]]].loc[forces.index.repeat(n)].reset_index(drop=True)
+    table["contact"] = np.tile(np.arange(1, n + 1), k)
+    table["site"] = pd.array([pd.NA] * n * k if site is None else np.tile(site, k), dtype="Int64")
+    table["x"], table["y"] = np.tile(np.reshape(position, (n, 2)), (k, 1)).T
+    for i, name in enumerate(AREAS):
+        table[name] = np.ravel(areas[i]) if i < len(areas) else np.nan
+    return table
 
 
-def listed(names: Sequence[str]) -> str:
+def by_image(table: DataFrame) -> tuple[DataFrame, dict[str, FloatArray]]:
+    """Return the names and forces of the k images, and the areas by their column, (k, n)."""
+    count = int(table["contact"].nunique())
+    areas = {name: table[name].to_numpy(dtype=float).reshape(-1, count) for name in AREAS}
+    return table.iloc[::count, :4].reset_index(drop=True), areas
+
+
+def contact_names(table: DataFrame) -> list[str]:
+    """Return the names of the n contacts in notes."""
+    own = table.iloc[: int(table["contact"].nunique())]
+    what = "site" if own["site"].notna().all() else "contact"
+    return [f"{what} {number}" for number in own[what]]
+
+
+def listed(names: Iterable[str]) -> str:
     """Return a list of names as part of a sentence, shortened if it is long.
 
     Examples
@@ -98,40 +89,30 @@ def listed(names: Sequence[str]) -> str:
     >>> listed(["1.tif", "2.tif", "3.tif", "4.tif", "5.tif", "6.tif", "7.tif"])
     '1.tif, 2.tif, 3.tif, 4.tif, 5.tif and 2 more'
     """
-    more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
-    return ", ".join(printable(name, 60) for name in names[:NAMED]) + more
+    every = list(names)
+    more = f" and {len(every) - NAMED} more" if len(every) > NAMED else ""
+    return ", ".join(printable(name, 60) for name in every[:NAMED]) + more
 
 
-def _images(table: ContactTable, which: NDArray[np.bool_]) -> str:
-    """Return the names of the selected images (k,) as part of a sentence."""
-    return listed([table.image[i] for i in np.flatnonzero(which).tolist()])
-
-
-def _contacts(table: ContactTable, which: Any) -> str:
-    """Return the names of the selected contacts (n,) as part of a sentence."""
-    return listed([table.name_of(j) for j in np.flatnonzero(which).tolist()])
-
-
-def pressed_images(table: ContactTable) -> tuple[NDArray[np.intp], tuple[Note, ...]]:
+def pressed_images(table: DataFrame) -> tuple[IntArray, list[Note]]:
     """Return the numbers of the images that a compression fit uses, and notes on omitted images.
 
     The measured load is the sum over all contacts. If the area of one contact is unknown, so is its share of
     the load, and the image does not determine E*. A fit to the sum of the other areas would bias E*.
     """
-    whole = np.isfinite(table.load) & np.isfinite(table.area).all(axis=1)
-    used = np.flatnonzero(whole & (table.area > 0.0).any(axis=1))
-    loaded = np.isfinite(table.load)
-    left = loaded & ~np.isin(np.arange(len(loaded)), used)
+    images, areas = by_image(table)
+    area, loaded = areas["area"], images["load"].notna().to_numpy()
+    used = loaded & np.isfinite(area).all(axis=1) & (area > 0.0).any(axis=1)
+    left = loaded & ~used
     if not left.any():
-        return used, ()
-    missing = _contacts(table, ~np.isfinite(table.area[left]).all(axis=0)) or "all contacts"
-    words = (
-        f"E* is fitted without {_images(table, left)}: the area of {missing} is 0 or could not be measured"
-    )
-    return used, (Note(f"{words}, and the load is that of all contacts"),)
+        return np.flatnonzero(used), []
+    unknown = ~np.isfinite(area[left]).all(axis=0)
+    missing = listed(np.array(contact_names(table))[unknown]) or "all contacts"
+    words = f"E* is fitted without {listed(images['image'][left])}: the area of {missing} is 0 or unknown"
+    return np.flatnonzero(used), [Note(f"{words}, and the load is that of all contacts")]
 
 
-def sheared_points(table: ContactTable) -> tuple[FloatArray, NDArray[np.intp], tuple[Note, ...]]:
+def sheared_points(table: DataFrame) -> tuple[FloatArray, IntArray, list[Note]]:
     """Return points for a shear fit (3, k), the image of each point (k,), and notes on missing quantities.
 
     The rows of the points are the areas before and after shear [mm^2] and the friction forces [N]. Values
@@ -148,18 +129,16 @@ def sheared_points(table: ContactTable) -> tuple[FloatArray, NDArray[np.intp], t
     estimate of its sheared area: its area before shear times the ratio of the other contacts, but at most the
     smallest detectable area.
     """
-    before, after, force = table.area, table.sheared_area, table.friction_force
+    images, areas = by_image(table)
+    before, after, force = areas["area"], areas["sheared_area"], images["friction_force"].to_numpy()
     both = np.isfinite(before) & np.isfinite(after)
     seen = both & (before > 0.0) & (after > 0.0)
     one = both & ((before > 0.0) != (after > 0.0))
     first, second = (np.where(seen, area, 0.0).sum(axis=1) for area in (before, after))
     ratio = np.divide(second, first, np.zeros(first.shape), where=first > 0.0)[:, None]
-    fell = one & (before > 0.0)
-    filled = np.where(fell, np.minimum(ratio * np.where(fell, before, 0.0), table.sheared_area_error), after)
-    total = filled.sum(axis=1)  # nan where a contact was not measured
-    total = np.where(total > 0.0, total, np.nan)
-    of_ratio = first > 0.0
-    of_strength = np.isfinite(total) & np.isfinite(force)
+    least = np.minimum(ratio * before, areas["sheared_area_error"])
+    total = np.where(one & (before > 0.0), least, after).sum(axis=1)  # nan where a contact was not measured
+    of_ratio, of_strength = first > 0.0, (total > 0.0) & np.isfinite(force)
     single = of_ratio & of_strength & both.all(axis=1) & ~one.any(axis=1)
     rows = []
     for i in np.flatnonzero(of_ratio | of_strength).tolist():
@@ -172,73 +151,68 @@ def sheared_points(table: ContactTable) -> tuple[FloatArray, NDArray[np.intp], t
             rows.append((np.nan, total[i], force[i], i))
     columns = np.array(rows, dtype=np.float64).reshape(-1, 4).T
     unused = np.isfinite(force) & np.isfinite(after).any(axis=1) & ~of_strength
-    said = (
-        (
-            one.any(axis=1) & of_ratio,
-            "B is fitted without contacts that one image of a pair does not show: {}",
-        ),
-        (unused, "sigma is fitted without {}, which lack the sheared area of a contact"),
-    )
-    notes = tuple(information(words.format(_images(table, which))) for which, words in said if which.any())
-    return columns[:3], columns[3].astype(np.intp), notes
+    notes = [
+        information(words.format(listed(images["image"][which])))
+        for which, words in (
+            (
+                one.any(axis=1) & of_ratio,
+                "B is fitted without contacts that one image of a pair does not show: {}",
+            ),
+            (unused, "sigma is fitted without {}, which lack the sheared area of a contact"),
+        )
+        if which.any()
+    ]
+    return columns[:3], columns[3].astype(np.int64), notes
 
 
 def of_contacts(
-    table: ContactTable, rescaled: bool, numbers: IntArray | None
+    table: DataFrame, rescaled: bool, numbers: IntArray | None
 ) -> tuple[dict[str, Any], tuple[Note, ...]]:
     """Return the arrays of a measured law by name, and notes on the omitted images.
 
     `numbers` are the sites of the design's asperities; if None, asperity i is at site i. If friction forces
-    were measured and can be `rescaled`, an image needs a friction force; otherwise it needs areas.
+    were measured and can be `rescaled`, an image needs a friction force; otherwise it needs the areas of all
+    contacts, or of some that are at sites.
     """
-    forces, total = np.isfinite(table.friction_force), ~np.isnan(table.area.sum(axis=1))
-    by_force = rescaled and bool(forces.any())
-    sites = table.matched & (table.site >= 0)
-    # without friction forces, an image needs the areas of all contacts that have no site
-    known = ~np.isnan(table.area)
-    usable = known[:, ~sites].all(axis=1) & known.any(axis=1)
-    used: NDArray[np.bool_] = np.isfinite(table.load) & (forces if by_force else usable)
+    images, areas = by_image(table)
+    area, error, force = areas["area"], areas["area_error"], images["friction_force"].to_numpy()
+    by_force = rescaled and bool(np.isfinite(force).any())
+    site = table["site"].iloc[: area.shape[1]]
+    matched = bool(site.notna().all())
+    known = ~np.isnan(area)
+    whole: Any = known.all(axis=1)
+    enough = known.any(axis=1) if matched else whole
+    if by_force:
+        enough = np.isfinite(force)
+    used = images["load"].notna().to_numpy() & enough
     what = "a friction force" if by_force else "the areas of all its contacts"
     refuse_if(not used.any(), f"none of the {len(used)} images has a load and {what}")
-    notes = [
-        Note(f"image {table.image[i]} is left out: it has no {_missing(table, i, by_force)}")
-        for i in np.flatnonzero(~used).tolist()
-    ]
-    overlooked = np.nanmax(np.where(table.area[used] == 0.0, table.area_error[used], 0.0))
+    left = listed(images["image"][~used])
+    notes = [Note(f"images without a load and {what} are left out: {left}")] * (left != "")
+    area, error = area[used], np.nan_to_num(error[used])
+    overlooked = float(np.max(error, where=area == 0.0, initial=0.0))
     if overlooked > 0.0 and not by_force:
-        words = (
-            f"contacts of less than {overlooked:.2g} mm^2 count as open; the errors of the total areas do not"
-        )
-        notes.append(Note(f"{words} include what these contacts lack"))
-    area, area_sd = table.area[used], np.nan_to_num(table.area_error[used])
-    found: dict[str, Any] = {"load": table.load[used]}
-    if forces[used].all():
-        found["friction_force"] = table.friction_force[used]
-    if table.matched:
-        found |= {"asperity_area": area[:, sites], "asperity_area_sd": area_sd[:, sites]}
-        found["site"] = _asperities(table.site[sites], numbers)
-    sd = np.sqrt((np.where(area > 0.0, area_sd, 0.0) ** 2).sum(axis=1))  # without the errors of open contacts
-    if total[used].all() or (table.matched and total[used].any()):
+        words = f"contacts of less than {overlooked:.2g} mm^2 count as open; the errors of the total areas do"
+        notes.append(Note(f"{words} not include what these contacts lack"))
+    found: dict[str, Any] = {"load": images["load"].to_numpy()[used]}
+    if np.isfinite(force[used]).all():
+        found["friction_force"] = force[used]
+    if matched:
+        found |= {"asperity_area": area, "asperity_area_sd": error}
+        found["site"] = _asperities(site.to_numpy(dtype=np.int64), numbers)
+    if whole[used].all() or (matched and whole[used].any()):
         found["area"] = area.sum(axis=1)
+        sd = np.sqrt((np.where(area > 0.0, error, 0.0) ** 2).sum(axis=1))  # without errors of open contacts
         if (sd > 0.0).all():  # an image without contacts has sd 0: use the default errors then
             found["area_sd"] = sd
     return found, tuple(notes)
 
 
-def _asperities(sites: NDArray[np.intp], numbers: IntArray | None) -> NDArray[np.intp]:
+def _asperities(sites: IntArray, numbers: IntArray | None) -> IntArray:
     """Return the numbers of the design's asperities at sites."""
     if numbers is None:
         return sites
     place = {number: i for i, number in enumerate(numbers.tolist())}
-    wrong = listed([str(site) for site in sites.tolist() if site not in place])
+    wrong = listed(str(site) for site in sites.tolist() if site not in place)
     refuse_if(wrong, f"the contacts have site {wrong}, which the design leaves empty or does not have")
-    return np.array([place[site] for site in sites.tolist()], dtype=np.intp)
-
-
-def _missing(table: ContactTable, i: int, by_force: bool) -> str:
-    """Return the name of the quantity that image i lacks."""
-    if np.isnan(table.load[i]):
-        return "load"
-    if by_force:
-        return "friction force"
-    return f"area of {table.name_of(int(np.isnan(table.area[i]).argmax()))}"
+    return np.array([place[site] for site in sites.tolist()], dtype=np.int64)

@@ -1,24 +1,40 @@
-"""Contact areas in images of the contact interface, with their errors."""
+"""Contact areas in images of the contact interface, with their errors.
+
+Lengths are in pixels, and grey levels are divided by the contrast. A contact has the perimeter L and the
+radius r. n is the noise of a pixel. The edge is a step blurred by a Gaussian of standard deviation s. The
+image is smoothed again by a Gaussian of standard deviation w before the contour is found. The edge then has
+the variance s_t² = s² + w² and the slope 1/(sqrt(2 pi) s_t) at the half level.
+
+Noise. The smoothed noise over the slope is the displacement of the contour. The error of the area is the
+integral of this displacement along the contour. Its variance is 2 pi s_t² L n²/(2 sqrt(pi) w), which has the
+minimum 2 sqrt(pi) s L n² at w = s. This minimum is the Cramér-Rao bound for a straight edge of length L.
+
+Curvature. Smoothing by s moves a contour of curvature kappa at the half level by s² kappa/2 towards its
+centre of curvature. The curvature of a closed contour integrates to 2 pi. Therefore the area of any shape
+shrinks by pi s², and grows by pi s² for each hole. For a circle, the half level follows from the median of
+the noncentral chi-square distribution with two degrees of freedom; the next term is pi s² s²/(6 r²).
+
+Level. An error d of the half level displaces the whole contour by d sqrt(2 pi) s_t.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
-from typing import Any, TypeAlias
+from dataclasses import dataclass
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.polynomial import legendre
-from numpy.typing import ArrayLike, NDArray
-from scipy.ndimage import binary_dilation, distance_transform_edt, find_objects, gaussian_filter, label
+from numpy.typing import NDArray
+from scipy.ndimage import binary_dilation, distance_transform_edt, gaussian_filter, label
 from scipy.special import chndtr
 
 from metafem import _validate as check
 from metafem._extras import refuse_missing
-from metafem._given import Given, shown
+from metafem._given import shown
 from metafem._validate import FloatArray, IntArray
 from metafem._values import Value, percent
-from metafem.calibration import contours as boundary
 from metafem.errors import InvalidInput, refuse_if
 from metafem.notes import Note, information
 from metafem.progress import each
@@ -43,17 +59,15 @@ DEGREE = 2
 BLOCKS, LEAST_BLOCK, READ = 96, 4, 7
 
 # Largest distance between a block of the ground and the surface, in standard deviations; largest number of
-# iterations; smallest share of the blocks for a fit; weight of the blocks on the bright side of the surface
-# in the initial guess, with which contacts may cover up to two thirds of the image.
-CLIPPED, ROUNDS, ENOUGH, WEIGHT = 3.0, 12, 0.03, 50.0
+# iterations; weight of the blocks on the bright side of the surface in the initial guess, with which contacts
+# may cover up to two thirds of the image; smallest standard deviation over the range of the blocks.
+CLIPPED, ROUNDS, WEIGHT, EXACT = 3.0, 12, 50.0, 1e-4
 
 # Ratio of the median absolute deviation to the standard deviation of a normal distribution.
 MAD = 0.6745
 
-# Limit for the division of an image by its ground. An image with bright contacts is divided if the grey level
-# of the ground exceeds FAINT times the contrast, which is not the case in a dark field. An image with dark
-# contacts is divided unless grey levels lie below zero by more than FAINT times the ground, or the ground
-# lies below FAINT² times its mean level.
+# An image with bright contacts is divided by its ground if the ground exceeds FAINT times the contrast, which
+# is not the case in a dark field; one with dark contacts, if the ground exceeds FAINT² times its mean level.
 FAINT = 0.2
 
 # Smallest standard deviation of the smoothing [pixels], because pixels do not resolve narrower kernels, and
@@ -70,8 +84,8 @@ MOST, AS_DEEP = 64, 0.5
 CORE, DEEP, CORRECTED = 7.0, 3.0, 3
 
 # Distance between pixels with nearly independent noise in a smoothed image, in standard deviations of the
-# smoothing; the correlation is exp(-9/4), about 0.1. Smallest number of pairs that determine the noise.
-INDEPENDENT, PAIRS = 3.0, 100
+# smoothing; the correlation is exp(-9/4), about 0.1.
+INDEPENDENT = 3.0
 
 # Error of the blur if it cannot be measured [pixels]; typical optics have a blur of 0.5 to 2 pixels.
 UNKNOWN_BLUR = 0.5
@@ -83,8 +97,8 @@ IN_NOISE, SHALLOW, WIDE = 2.0, 0.25, 2.0
 
 # Smallest contrast of the contacts over the noise of the smoothed image; smallest radius of a measured
 # contact, in standard deviations of the smoothed edge, below which the half level encloses less than three
-# quarters of it; smallest difference between grey levels, in standard deviations, that is no noise.
-CONTRAST, SMALLEST, CLEAR = 6.0, 2.0, 3.0
+# quarters of it.
+CONTRAST, SMALLEST = 6.0, 2.0
 
 # Structure of the ground over the contrast above which there is a note: the half level is then wrong by 1 %.
 UNEVEN = 0.02
@@ -92,14 +106,39 @@ UNEVEN = 0.02
 # Smallest share of the range of grey levels by which a frame differs from the image within it.
 FRAME = 0.1
 
-# Largest number of contacts that a note names.
-NAMED = 10
+# Polygons from marching squares lie inside smooth contours, because the interpolation is linear and the sides
+# are chords. For any shape and blur, the lost area is pi times INTERPOLATION [pixels²]. The variance of an
+# edge that is measured from its quarter levels is too large by EDGE_INTERPOLATION [pixels²] and, for a
+# circle, by the relative amount EDGE_CURVATURE s_t²/r². The numbers were determined with circles of radius 15
+# to 120 at random positions and s_t of 1.4 to 3.5.
+INTERPOLATION, EDGE_INTERPOLATION, EDGE_CURVATURE = 0.21, 0.13, 0.5
 
-# What helps if contacts are bright.
+# Compactness below which a contact counts as merged. Two touching circles whose radii have a ratio between 1
+# and 0.3 have a compactness of 0.89 to 0.95. Noise of the boundary changes the compactness only in second
+# order.
+COMPACT = 0.97
+
+# Attributes of `ContactAreas` that have one value for each contact.
+PER_CONTACT = (
+    "area", "area_error", "centre", "axes", "angle", "edge", "merged", "saturated", "holes",
+)  # fmt: skip
+
+# Pixels around a region in which its contours at other levels are sought.
+MARGIN = 4
+
+# Smallest share of the blocks for a fit without the neighbours of dark ones.
+ENOUGH = 0.03
+
+# What is said of levels in doubt, and what helps if contacts are bright.
+CUT = (
+    "all contacts are at the edge of the frame or merged: the blur is not measured; measure the image in one "
+    "series with one of whole contacts"
+)
+NARROW = (
+    "no contact is wide enough to show its dark level: areas may be wrong by more than their errors; measure "
+    "the image in one series with larger contacts"
+)
 BRIGHT = "If contacts are brighter than the ground, give bright_contacts=True, or --bright-contacts. "
-
-# Note on an image that cannot be measured.
-NOT_MEASURED = "{.name} is not measured: {.number}"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -115,7 +154,7 @@ class ContactAreas(Value):
         Centres [mm], with x to the right and y upwards from the lower left corner of the frame. The centre of
         the lower left pixel is at half a pixel in x and y.
     axes : ndarray, (n, 2)
-        Semi-axes of the ellipses with the second moments of the contacts, the longer axis first [mm].
+        Semi-axes of the ellipses with the second moments of the dark pixels, the longer axis first [mm].
     angle : ndarray, (n,)
         Angle of the longer axis from the x axis, anticlockwise, from -pi/2 to pi/2 [rad].
     edge, merged, saturated : ndarray of bool, (n,)
@@ -135,9 +174,6 @@ class ContactAreas(Value):
         Rows and columns of the image.
     smallest_area : float
         Area below which a dark region does not count as a contact [mm^2].
-    failed : bool
-        Whether the measurement of the image failed. There are then no contacts, and `notes` states the
-        reason.
     notes : tuple of Note
 
     Examples
@@ -165,7 +201,6 @@ class ContactAreas(Value):
     pixel_size: float
     shape: tuple[int, int]
     smallest_area: float = 0.0
-    failed: bool = False
     notes: tuple[Note, ...] = ()
 
     @property
@@ -184,22 +219,19 @@ class ContactAreas(Value):
         return ~(self.edge | self.merged)
 
 
-@dataclass(frozen=True)
-class Levels:
+class Levels(NamedTuple):
     """Grey level of the ground, dark level of the contacts over it, and blur of the edges [pixels].
 
-    `dark_scatter` is the standard deviation of the dark level among contacts, `blur_error` the standard
-    deviation of the blur. `narrow` states that no contact is wide enough to show its dark level, and `cut`
-    that all contacts are at the edge or merged.
+    The errors are standard deviations; that of the dark level includes its scatter among contacts. `doubt` is
+    a sentence on levels that could not be measured.
     """
 
     ground: float
     dark: float
     blur: float
-    dark_scatter: float = 0.0
+    dark_error: float = 0.0
     blur_error: float = 0.0
-    narrow: bool = False
-    cut: bool = False
+    doubt: str = ""
 
     @property
     def half(self) -> float:
@@ -207,8 +239,7 @@ class Levels:
         return float(np.float32(0.5 * (1.0 + self.dark)))
 
 
-@dataclass(frozen=True)
-class Ground:
+class Ground(NamedTuple):
     """Image without the illumination: 1 on the ground, and smaller in the contacts.
 
     `structure` is the standard deviation of the blocks of the ground about the polynomial, without noise,
@@ -277,17 +308,19 @@ def contact_areas(image: Any, pixel_size: float, *, bright_contacts: bool = Fals
 
 
 def stack_areas(
-    images: Sequence[Any], pixel_size: float, loads: ArrayLike | None = None, *, bright_contacts: bool = False
-) -> tuple[ContactAreas, ...]:
+    images: Sequence[Any],
+    pixel_size: float,
+    loads: Any = None,
+    *,
+    names: Sequence[str] | None = None,
+    bright_contacts: bool = False,
+) -> tuple[list[ContactAreas | None], list[Note]]:
     """Return the contacts in k images, measured with the levels of the image at the largest load.
 
     The image at the largest load determines the dark level and the blur, because narrow contacts at
-    smaller loads may not show them. If this image cannot be measured, the image at the next smaller load is
-    used instead. If the wide contacts of another image are brighter or darker than the dark level, a note
-    says so, and the errors of the areas in that image include the possible effect. A change of the blur
-    between images is not detected. The images are read one at a time, from the largest load to the smallest.
-    An image that cannot be measured does not stop the others: its result has no contacts, `failed` is true,
-    and its notes state the reason.
+    smaller loads may not show them; lamp and exposure must be the same in all images. If this image cannot be
+    measured, the image at the next smaller load is used instead. The images are read one at a time, from the
+    largest load to the smallest.
 
     Parameters
     ----------
@@ -298,13 +331,17 @@ def stack_areas(
         Side of a pixel [mm].
     loads : array_like, (k,), optional
         Normal loads [N]; default: the last image is assumed to have the largest load.
+    names : sequence of str, (k,), optional
+        Names of the images in notes; default: "image 1" and so on.
     bright_contacts : bool
         As for `contact_areas`.
 
     Returns
     -------
-    tuple of ContactAreas, (k,)
-        Contacts of each image, in the order of the images.
+    areas : list of ContactAreas or None, (k,)
+        Contacts of each image, in the order of the images; None for an image that cannot be measured.
+    notes : list of Note
+        The notes of each image, and why an image could not be measured.
 
     Raises
     ------
@@ -316,91 +353,59 @@ def stack_areas(
     >>> import numpy as np, metafem as mf
     >>> y, x = np.mgrid[:60, :80]
     >>> images = [200.0 - 120.0 / (1.0 + np.exp(np.hypot(x - 40.0, y - 30.0) - r)) for r in (8.0, 14.0, 20.0)]
-    >>> found = mf.calibration.stack_areas([np.zeros((60, 80)), *images], 0.005, loads=[0.0, 0.1, 0.2, 0.3])
-    >>> [areas.count for areas in found], found[0].failed, len({areas.dark_level for areas in found})
-    ([0, 1, 1, 1], True, 1)
+    >>> found, notes = stack_areas([np.zeros((60, 80)), *images], 0.005, loads=[0.0, 0.1, 0.2, 0.3])
+    >>> [areas and areas.count for areas in found], str(notes[0])[:23]
+    ([None, 1, 1, 1], 'image 1 is not measured')
     """
     refuse_missing("skimage", "images", "measuring contact areas")
     pixel = check.number("pixel_size", pixel_size, above=0.0)
-    try:
-        count = len(images)
-    except TypeError:
-        raise InvalidInput(f"images = {shown(images)} must be a sequence of images") from None
+    count = len(images)
     refuse_if(not count, "images is empty; it must hold at least one image")
     load = np.arange(count) if loads is None else check.array("loads", loads, shape=(count,))
-    found: dict[int, ContactAreas] = {}
-    failures: dict[int, tuple[Given, Given]] = {}
+    name = names or [f"image {i + 1}" for i in range(count)]
+    found: list[ContactAreas | None] = [None] * count
+    notes: list[list[Note]] = [[]] * count
     levels: Levels | None = None
     for i in each("measuring image", np.argsort(-load, kind="stable").tolist()):
-        own = Given(f"images[{i}]")
         try:
-            found[i], levels = _measured(images[i], pixel, bright_contacts, levels)
+            areas, levels = _measured(images[i], pixel, bright_contacts, levels)
         except InvalidInput as error:
-            failures[i] = own, Given("reason", str(error))
+            notes[i] = [Note(f"{name[i]} is not measured: {error}")]
             continue
-        if len(found) == 1 and failures:
-            # every result with these levels has a note that names the source of the levels
-            other, _ = next(iter(failures.values()))
-            source = "the levels are from {.name}, because {.name} cannot be measured"
-            found[i] = replace(found[i], notes=(*found[i].notes, Note(source.format(own, other))))
-    if not found:
-        first = next(iter(failures.values()))
-        raise InvalidInput(f"none of the images can be measured: {NOT_MEASURED}", *first)
-    reference = vars(next(iter(found.values())))
-    none = {name: value[:0] for name, value in reference.items() if isinstance(value, np.ndarray)}
-    for i, failure in failures.items():
-        notes = (Note(NOT_MEASURED.format(*failure)),)
-        found[i] = ContactAreas(**{**reference, **none, "failed": True, "notes": notes})
-    return tuple(found[i] for i in range(count))
+        found[i], notes[i] = areas, [Note(f"{name[i]}: {note}", note.level) for note in areas.notes]
+    said = [note for own in notes for note in own]
+    if levels is None:
+        raise InvalidInput(f"none of the images can be measured: {said[0]}")
+    return found, said
 
 
 def grey_values(image: Any) -> NDArray[Any]:
     """Return the grey values of an image, (rows, columns), row 0 at the top, in the original data type."""
-    if isinstance(image, (str, bytes)) or hasattr(image, "__fspath__"):
-        must = "is a name; it must be an array of grey values. `metafem images` reads files"
-        raise InvalidInput(must, key="image", value=shown(image))
     try:
         values = np.asarray(np.ma.getdata(image) if not np.ma.is_masked(image) else None)
     except (TypeError, ValueError):
         raise InvalidInput(f"image = {shown(image)} must be an array of grey values") from None
-    if values.dtype.kind not in "uif":
-        raise InvalidInput(
-            f"image must be an array of grey values without mask; its entries are {values.dtype}"
-        )
-    several = "; a stack of images is measured by stack_areas" if values.ndim > 2 else ""
+    must = "image must be an array of grey values without mask"
     refuse_if(
-        values.ndim != 2 or min(values.shape) < FEWEST,
-        f"image has shape {values.shape}; it must be (rows, columns) with at least {FEWEST} of each{several}",
+        values.dtype.kind not in "uif",
+        f"{must}, not {values.dtype}: {shown(image)}; `metafem images` reads files",
     )
-    for row, column in np.argwhere(~np.isfinite(values))[:1].tolist():
-        where = f"{values[row, column]} in row {row + 1}, column {column + 1}"
-        raise InvalidInput(f"image holds {where}; all grey values must be finite")
+    wrong = values.ndim != 2 or min(values.shape) < FEWEST
+    refuse_if(wrong, f"image has shape {values.shape}; it must be (rows, columns), at least {FEWEST} of each")
     low, high = float(values.min()), float(values.max())
-    same = f"all its grey values are {low:g}, all dark or all bright; it shows no contact"
-    refuse_if(low == high, f"image is constant: {same}")
-    large = not max(abs(low), abs(high)) < float(np.finfo(np.float32).max) / values.size
-    refuse_if(large, f"image holds grey values from {low:g} to {high:g}; they are too large")
+    fits = max(abs(low), abs(high)) < float(np.finfo(np.float32).max) / values.size
+    holds = f"image holds grey values from {low:g} to {high:g}"
+    refuse_if(not fits, f"{holds}; they must be finite, and not too large for single precision")
+    refuse_if(low == high, f"{holds}, all dark or all bright; it shows no contact")
     return values
-
-
-def clipped(values: NDArray[Any]) -> tuple[NDArray[np.bool_] | None, NDArray[np.bool_] | None]:
-    """Return masks of the pixels at the lower and the upper end of the scale; None for an empty mask."""
-    if values.dtype.kind not in "ui":
-        return None, None
-    low = values == 0 if values.min() == 0 else None
-    largest = int(values.max())
-    return low, values == largest if largest in FULL_SCALE else None
 
 
 def _refuse_frame(values: NDArray[Any]) -> None:
     """Raise InvalidInput if one grey level frames the image on all sides, as of a saturated border."""
-    level, width, inner = values[0, 0], 0, values
-    while min(inner.shape) >= FEWEST:
-        ring = np.concatenate([inner[0], inner[-1], inner[:, 0], inner[:, -1]])
-        if (ring != level).any():
-            break
-        width, inner = width + 1, inner[1:-1, 1:-1]
-    apart = abs(float(np.median(ring)) - float(level)) > FRAME * float(np.ptp(values.astype(np.float64)))
+    level, other = float(values[0, 0]), np.argwhere(values != values[0, 0])
+    width = int(min(other.min(axis=0).min(), (np.array(values.shape) - 1 - other.max(axis=0)).min()))
+    inner = np.concatenate([values[width], values[-1 - width], values[:, width], values[:, -1 - width]])
+    apart = abs(float(np.median(inner)) - level) > FRAME * float(np.ptp(values.astype(np.float64)))
     refuse_if(
         width and apart,
         f"image has a frame of the grey level {level:g}, {width} pixels wide: crop it, since the ground is "
@@ -409,84 +414,177 @@ def _refuse_frame(values: NDArray[Any]) -> None:
 
 
 def _measured(
-    image: Any, pixel: float, bright_contacts: bool, found: Levels | None = None
+    image: Any, pixel: float, bright: bool, found: Levels | None = None
 ) -> tuple[ContactAreas, Levels]:
     """Return the contacts of an image and its levels; if `found` is not None, these levels are used."""
     values = grey_values(image)
     _refuse_frame(values)
-    ground = without_illumination(values.astype(np.float32), bright_contacts)
-    own = found is None
-    if found is None:
-        found = _levels(ground)
-    elif abs(ground.level / found.ground - 1.0) > 0.5 * (1.0 - found.dark):
-        raise InvalidInput(
-            f"image is all dark or bright, or has another exposure: the grey level of its ground is "
-            f"{ground.level:.4g}, and that of the image at the largest load is {found.ground:.4g}"
-        )
-    hint = "" if bright_contacts else BRIGHT
-    areas = _contacts(values, ground, found, pixel, own, hint)
-    return areas, found
+    ground = without_illumination(values.astype(np.float32), bright)
+    levels = found or _levels(ground)
+    other = abs(ground.level / levels.ground - 1.0) > 0.5 * (1.0 - levels.dark)
+    refuse_if(
+        found and other,
+        f"image is all dark or bright, or has another exposure: the grey level of its ground is "
+        f"{ground.level:.4g}, and that of the image at the largest load is {levels.ground:.4g}",
+    )
+    width = max(levels.blur, LEAST_SMOOTHING)
+    smooth, variance = smoothed(ground.corrected, width)
+    labels, count = label(smooth < levels.half)
+    contrast, scatter = 1.0 - levels.dark, smoothed_noise(smooth, labels, width)
+    hint = "" if bright else BRIGHT
+    refuse_if(
+        contrast < CONTRAST * max(scatter, 0.5 * ground.structure),
+        f"image shows no contacts, it is all dark or bright: its grey levels differ by {contrast:.2g} of "
+        f"the ground's, with noise of {scatter:.2g} after smoothing. {hint}If they are very small, measure "
+        "the image in a series with larger ones",
+    )
+    # smoothing reduces white noise n to n/(2 sqrt(pi) w)
+    noise = 2.0 * math.sqrt(math.pi * variance) * scatter / contrast
+    total = math.sqrt(levels.blur**2 + variance)
+    least = math.pi * (SMALLEST * total) ** 2
+    at_level = 0.5 * math.hypot(levels.dark_error, ground.structure) / contrast
+    blur_error = levels.blur_error * levels.blur / total
+    clipped = _clipped(values, labels, bright)
+    rows = []
+    for region in _regions(labels):
+        top, left, bottom, right = region.bbox
+        around = top == left == 0 and (bottom, right) == values.shape
+        refuse_if(around, f"a dark region reaches all four sides of the image. {hint}Crop a dark frame")
+        outline = contour(_window(smooth, labels, region), levels.half)
+        area = enclosed(outline.area, outline.holes, total)
+        if area < least:
+            continue
+        error = of_contour(outline.length, noise, math.sqrt(variance), total, at_level, blur_error)
+        edge = _at_edge(region, values.shape, math.ceil(2.0 * total))
+        saturated = clipped[region.slice][region.image].mean() > SATURATED
+        centre = region.centroid[1] + 0.5, len(values) - 0.5 - region.centroid[0]
+        axes = 0.5 * region.axis_major_length, 0.5 * region.axis_minor_length
+        lengths = area * pixel**2, error * pixel**2, np.multiply(pixel, centre), np.multiply(pixel, axes)
+        angle = math.remainder(region.orientation + 0.5 * math.pi, math.pi)
+        flags = edge, not edge and not _single(region), saturated, outline.holes
+        rows.append((*lengths, angle, *flags))
+    none = (0.0, 0.0, (0.0, 0.0), (0.0, 0.0), 0.0, False, False, False, 0)
+    columns = [np.array(column)[: len(rows)] for column in zip(*(rows or [none]), strict=True)]
+    each_of: dict[str, Any] = dict(zip(PER_CONTACT, columns, strict=True))
+    each_of["saturated"] |= clipped[labels == 0].mean() > SATURATED
+    result = ContactAreas(
+        **each_of,
+        dark_level=levels.dark,
+        blur=levels.blur * pixel,
+        noise=noise,
+        pixel_size=pixel,
+        shape=values.shape,
+        smallest_area=least * pixel**2,
+        notes=tuple(_notes(levels, ground, count - len(rows), least * pixel**2, each_of["saturated"].any())),
+    )
+    return result, levels
 
 
-def without_illumination(image: NDArray[np.float32], bright_contacts: bool) -> Ground:
+def _notes(levels: Levels, ground: Ground, left_out: int, least: float, saturated: Any) -> Iterator[Note]:
+    """Yield notes on levels that are in doubt, and on regions that are left out."""
+    if levels.doubt:
+        yield Note(levels.doubt)
+    if left_out:
+        yield information(f"{left_out} dark spot{'s' * (left_out > 1)} below {least:.2g} mm^2 left out")
+    uneven = ground.structure / (1.0 - levels.dark)
+    if uneven > UNEVEN:
+        words = "of the contrast after removing the gradient"
+        yield Note(f"the ground is uneven by {percent(uneven)} {words}")
+    if saturated:
+        yield Note("saturated: grey levels are cut off at an end of the scale; lower the exposure")
+
+
+def _clipped(values: NDArray[Any], labels: NDArray[np.int32], bright: bool) -> NDArray[np.bool_]:
+    """Return a mask of the pixels of contacts and of ground that are at their end of the scale."""
+    if values.dtype.kind not in "ui":
+        return np.zeros(values.shape, dtype=bool)
+    largest = int(values.max())
+    low, high = values == 0, (values == largest) & (largest in FULL_SCALE)
+    return np.asarray(np.where((labels > 0) != bright, low, high))
+
+
+def without_illumination(image: Grey, bright: bool) -> Ground:
     """Return the image with corrected illumination, inverted if the contacts are bright.
 
-    The ground is a polynomial of degree 2 in each coordinate. It is fitted to the interquartile means of
-    blocks; clipping excludes the blocks that contain contacts.
+    The ground is a polynomial of degree 2 in each coordinate, fitted to the interquartile means of blocks;
+    clipping excludes the blocks that contain contacts.
     """
-    grid, error, y, x = _blocks(image)
-    sign = -1.0 if bright_contacts else 1.0
-    terms = np.asarray(legendre.legvander2d(y, x, [DEGREE, DEGREE]), dtype=np.float64)
-    above = sign * (grid.ravel() - terms @ _envelope(terms, grid.ravel(), sign))
-    # neither initial guess suits both large gradients and large contacts, so the better of two fits is used
-    guesses = [sign * grid, above.reshape(grid.shape)]
-    fits = [_fitted(terms, grid, sign, _brighter(guess, error), error) for guess in guesses]
-    coefficients, on_ground, scale = min(fits, key=lambda fit: fit[2])
-    residual = grid - (terms @ coefficients).reshape(grid.shape)
-    structure = _structure(np.where(on_ground, residual, np.nan), error)
-    rows, columns = (
-        legendre.legvander(_scaled(np.arange(n, dtype=np.float64) + 0.5, n), DEGREE) for n in image.shape
+    from skimage.measure import block_reduce
+
+    step = max(min(image.shape) // (BLOCKS * READ), 1)
+    thin = image[::step, ::step]
+    size = max(min(thin.shape) // BLOCKS, LEAST_BLOCK)
+    rows, columns = (n // size for n in thin.shape)
+    cut = thin[: rows * size, : columns * size]
+    blocks = block_reduce(cut, size, _middle)  # type: ignore[no-untyped-call]
+    y, x = (
+        legendre.legvander(2.0 * (step * (size * (np.arange(n) + 0.5) - 0.5) + 0.5) / length - 1.0, DEGREE)
+        for n, length in zip((rows, columns), image.shape, strict=True)
     )
-    ground = (rows @ coefficients.reshape(DEGREE + 1, -1) @ columns.T).astype(np.float32)
-    level, contrast, surface = float(coefficients[0]), float(np.abs(residual).max()), grid - residual
-    divided = float(ground.min()) > FAINT * contrast
-    if not bright_contacts:
-        negative = (grid < -CLIPPED * error - FAINT * surface).any()
-        divided = float(ground.min()) > FAINT**2 * level and not negative
-    if divided:
-        corrected, blocks, scale = image / ground, grid / surface, abs(level)
+    terms = np.einsum("ij,kl->ikjl", y, x).reshape(rows * columns, -1)
+    sign = -1.0 if bright else 1.0
+    coefficients, on_ground, scale = _fitted(terms, sign * blocks)
+    surface = sign * (terms @ coefficients).reshape(blocks.shape)
+    residual = blocks - surface
+    structure = _structure(np.where(on_ground, residual, np.nan), scale)
+    y, x = (legendre.legvander((2.0 * np.arange(n) + 1.0) / n - 1.0, DEGREE) for n in image.shape)
+    ground = sign * (y @ coefficients.reshape(DEGREE + 1, -1) @ x.T).astype(np.float32)
+    level, contrast = sign * float(coefficients[0]), float(np.abs(residual).max())
+    if float(ground.min()) > (FAINT * contrast if bright else FAINT**2 * level):
+        corrected, blocks, scale = image / ground, blocks / surface, abs(level)
     else:
         scale = contrast or 1.0
         corrected, blocks = 1.0 + (image - ground) / np.float32(scale), 1.0 + residual / scale
-    if bright_contacts:
+    if bright:
         corrected, blocks = 2.0 - corrected, 2.0 - blocks
     low, high = float(blocks.min()), float(blocks.max())
-    span = (2.0 * low - high, 2.0 * high - low)
-    return Ground(corrected, structure / scale, level, span)
+    return Ground(corrected, structure / scale, level, (2.0 * low - high, 2.0 * high - low))
 
 
-def _brighter(guess: FloatArray, error: float) -> NDArray[np.bool_]:
-    """Return which blocks Otsu's threshold assigns to the ground; all blocks if they differ only by noise."""
-    return guess >= (otsu(guess) if np.ptp(guess) > CLIPPED * error else -np.inf)
+def _middle(values: Grey, axis: Any) -> FloatArray:
+    """Return interquartile means over the last two axes; a median of whole grey levels is a whole one."""
+    pixels = np.sort(values.reshape(*values.shape[:-2], -1), axis=-1)
+    low = pixels.shape[-1] // 4
+    return np.asarray(pixels[..., low : pixels.shape[-1] - low].mean(axis=-1, dtype=np.float64))
 
 
-def _fitted(
-    terms: FloatArray, grid: FloatArray, sign: float, bright: NDArray[np.bool_], error: float
-) -> tuple[FloatArray, NDArray[np.bool_], float]:
-    """Return the coefficients of the ground, a mask of the fitted blocks, and their standard deviation."""
-    on_ground = _clear_of(~bright)
+def _envelope(terms: FloatArray, levels: FloatArray) -> FloatArray:
+    """Return the coefficients of a surface near the brightest blocks (an expectile)."""
+    weight = np.ones(levels.size)
+    for _ in range(ROUNDS):
+        normal = terms.T * weight
+        coefficients = np.linalg.solve(normal @ terms, normal @ levels)
+        weight = np.where(levels > terms @ coefficients, WEIGHT, 1.0)
+    return np.asarray(coefficients, dtype=np.float64)
+
+
+def _fitted(terms: FloatArray, blocks: FloatArray) -> tuple[FloatArray, NDArray[np.bool_], float]:
+    """Return the coefficients of the ground, a mask of the fitted blocks, and their standard deviation.
+
+    The first blocks of the ground are those that Otsu's threshold separates from a surface near the
+    brightest blocks.
+    """
+    height = blocks - (terms @ _envelope(terms, blocks.ravel())).reshape(blocks.shape)
+    on_ground = _clear_of(height < otsu(height))
+    least = EXACT * float(np.ptp(blocks))
     for _ in range(ROUNDS):
         used = terms[on_ground.ravel()]
-        coefficients = np.linalg.solve(used.T @ used, used.T @ grid[on_ground])
-        height = sign * (grid - (terms @ coefficients).reshape(grid.shape))
-        # contacts lie on one side of the surface, so blocks on the other side are ground
-        beyond = height[on_ground & (height > 0.0)]
-        scale = float(max(np.median(beyond) / MAD if beyond.size else 0.0, error))
-        now = _clear_of(height < -CLIPPED * scale) & (height < 2.0 * CLIPPED * scale)
-        if np.array_equal(now, on_ground) or now.sum() < 2 * terms.shape[1]:
+        coefficients = np.asarray(np.linalg.lstsq(used, blocks[on_ground], rcond=None)[0], dtype=float)
+        height = blocks - (terms @ coefficients).reshape(blocks.shape)
+        # contacts lie below the surface, so blocks above it are ground
+        above = height[on_ground & (height > 0.0)]
+        scale = max(float(np.median(above)) / MAD if above.size else 0.0, least)
+        before = on_ground
+        on_ground = _clear_of(height < -CLIPPED * scale) & (height < 2.0 * CLIPPED * scale)
+        if np.array_equal(before, on_ground) or on_ground.sum() < 2 * terms.shape[1]:
             break
-        on_ground = now
-    return np.asarray(coefficients, dtype=np.float64), on_ground, scale
+    return coefficients, before, scale
+
+
+def _clear_of(dark: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return which blocks are not dark and, if such blocks exist, have no dark neighbour."""
+    clear = ~binary_dilation(dark, np.ones((3, 3)))
+    return np.asarray(clear if clear.mean() > ENOUGH else ~dark)
 
 
 def otsu(values: NDArray[Any]) -> float:
@@ -496,177 +594,166 @@ def otsu(values: NDArray[Any]) -> float:
     return float(threshold_otsu(values))  # type: ignore[no-untyped-call]
 
 
-def _envelope(terms: FloatArray, levels: FloatArray, sign: float) -> FloatArray:
-    """Return the coefficients of a surface near the blocks that differ most from contacts (an expectile).
-
-    Blocks on the bright side, or for bright contacts on the dark side, have larger weights.
-    """
-    weight = np.ones(levels.size)
-    for _ in range(ROUNDS):
-        normal = terms.T * weight
-        coefficients = np.linalg.solve(normal @ terms, normal @ levels)
-        weight = np.where(sign * (levels - terms @ coefficients) > 0.0, WEIGHT, 1.0)
-    return np.asarray(coefficients, dtype=np.float64)
-
-
-def _clear_of(dark: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Return which blocks are not dark and, if enough such blocks exist, have no dark neighbour."""
-    clear = ~binary_dilation(dark, np.ones((3, 3)))
-    enough = np.count_nonzero(clear) >= ENOUGH * dark.size
-    return np.asarray(clear if enough else ~dark)
-
-
-def _structure(residual: FloatArray, error: float) -> float:
+def _structure(residual: FloatArray, scale: float) -> float:
     """Return the standard deviation of residuals (nan in contacts) without the noise of single blocks.
 
     Neighbouring blocks have independent noise, so the noise cancels in the mean product of their residuals.
     The error of this mean is subtracted.
     """
-    products = np.concatenate(
-        [(residual[:, 1:] * residual[:, :-1]).ravel(), (residual[1:] * residual[:-1]).ravel()]
-    )
+    products = np.append(residual[:, 1:] * residual[:, :-1], residual[1:] * residual[:-1])
     products = products[~np.isnan(products)]
-    if not products.size:
-        return 0.0
-    return math.sqrt(max(float(products.mean()) - 2.0 * error**2 / math.sqrt(products.size), 0.0))
+    chance = 2.0 * scale**2 / math.sqrt(max(products.size, 1))
+    return math.sqrt(max(float(products.sum()) / max(products.size, 1) - chance, 0.0))
 
 
-def _scaled(pixel: FloatArray, count: int) -> FloatArray:
-    """Return pixel coordinates scaled to the range -1 to 1."""
-    return 2.0 * pixel / count - 1.0
-
-
-def _blocks(image: NDArray[np.float32]) -> tuple[FloatArray, float, FloatArray, FloatArray]:
-    """Return the grey levels of blocks, the standard error of a level, and the blocks' y and x centres."""
-    size = max(min(image.shape) // BLOCKS, LEAST_BLOCK)
-    step = max(size // READ, 1)
-    rows, columns = (n // size for n in image.shape)
-    cut = image[: rows * size, : columns * size].reshape(rows, size, columns, size)[:, ::step, :, ::step]
-    values = np.sort(cut.transpose(0, 2, 1, 3).reshape(rows * columns, -1), axis=1).astype(np.float64)
-    count = values.shape[1]
-    low = count // 4
-    middle = values[:, low : count - low]
-    levels = middle.mean(axis=1)
-    # The interquartile range of a normal distribution is 2 MAD standard deviations. The standard error of an
-    # interquartile mean of many values is 1.1 times the standard error of their mean.
-    noise = np.median(values[:, count - 1 - low] - values[:, low]) / (2.0 * MAD)
-    y, x = np.meshgrid(
-        _scaled((np.arange(rows) + 0.5) * size, image.shape[0]),
-        _scaled((np.arange(columns) + 0.5) * size, image.shape[1]),
-        indexing="ij",
-    )
-    return levels.reshape(rows, columns), float(1.1 * noise / np.sqrt(count)), y.ravel(), x.ravel()
-
-
-def smoothed(corrected: NDArray[np.float32], width: float) -> tuple[NDArray[np.float32], float]:
-    """Return a smoothed image with a border of one ground pixel, and the variance of the Gaussian kernel."""
-    bordered = np.ones((corrected.shape[0] + 2, corrected.shape[1] + 2), dtype=np.float32)
-    gaussian_filter(corrected, width, output=bordered[1:-1, 1:-1], mode="nearest", truncate=CUT_OFF)
-    reach = int(CUT_OFF * width + 0.5)
-    place = np.arange(-reach, reach + 1)
+def smoothed(corrected: Grey, width: float) -> tuple[Grey, float]:
+    """Return a smoothed image, and the variance of the truncated Gaussian kernel."""
+    place = np.arange(-int(CUT_OFF * width + 0.5), int(CUT_OFF * width + 0.5) + 1)
     weight = np.exp(-0.5 * (place / width) ** 2)
-    return bordered, float((weight * place**2).sum() / weight.sum())
+    smooth = gaussian_filter(corrected, width, mode="nearest", truncate=CUT_OFF)
+    return smooth, float((weight * place**2).sum() / weight.sum())
 
 
-def smoothed_noise(bordered: NDArray[np.float32], labels: NDArray[np.int32], width: float) -> float:
-    """Return the standard deviation of the noise of a smoothed image, from differences on its ground.
+def smoothed_noise(smooth: Grey, labels: NDArray[np.int32], width: float) -> float:
+    """Return the standard deviation of the noise of a smoothed image, from differences on its ground."""
+    apart = math.ceil(INDEPENDENT * width)
+    clear = ~binary_dilation(labels > 0, iterations=apart)
+    difference = (smooth[:, apart:] - smooth[:, :-apart])[clear[:, apart:] & clear[:, :-apart]]
+    return float(np.median(np.abs(difference))) / MAD / math.sqrt(2.0) if difference.size else 0.0
 
-    The image is divided into blocks that are so large that the middle pixels of neighbouring blocks have
-    independent noise. Only pairs of blocks that are away from contacts are used.
+
+def _regions(labels: NDArray[np.int32]) -> list[Any]:
+    from skimage.measure import regionprops
+
+    return list(regionprops(labels))  # type: ignore[no-untyped-call]
+
+
+def _at_edge(region: Any, shape: tuple[int, ...], margin: int = 0) -> bool:
+    """Return whether a region is within `margin` pixels of the frame's edge."""
+    top, left, bottom, right = region.bbox
+    return bool(min(top, left, shape[0] - bottom, shape[1] - right) <= margin)
+
+
+def _single(region: Any) -> bool:
+    """Return whether a region, after its holes are filled, is one contact and not two merged ones.
+
+    The compactness is the squared ratio of the area to the area of the ellipse with the same moments. It is 1
+    for ellipses, because no other shape of this area has smaller moments.
     """
-    size = int(np.ceil(INDEPENDENT * width))
-    rows, columns = (n // size for n in bordered.shape)
-    dark = np.zeros((rows, columns), dtype=bool)
-    for row in (0, size // 2, size - 1):
-        for column in (0, size // 2, size - 1):
-            dark |= labels[row::size, column::size][:rows, :columns] > 0
-    middle = bordered[size // 2 :: size, size // 2 :: size][:rows, :columns].astype(np.float64)
-    for distance in (2, 1, 0):
-        clear = ~np.asarray(binary_dilation(dark, iterations=distance) if distance else dark)
-        difference = np.concatenate(
-            [
-                np.diff(middle, axis=1)[clear[:, 1:] & clear[:, :-1]],
-                np.diff(middle, axis=0)[clear[1:] & clear[:-1]],
-            ]
-        )
-        if difference.size >= PAIRS:
-            break
-    if not difference.size:
-        return 0.0
-    # exclude large differences, which dust on the ground causes
-    scale = float(np.median(np.abs(difference))) / MAD
-    within = difference[np.abs(difference) <= 4.0 * scale]
-    return float(np.sqrt(np.mean(within**2) / 2.0))
+    (filled,) = _regions(region.image_filled.astype(np.int32))
+    ellipse = 0.25 * math.pi * float(filled.axis_major_length * filled.axis_minor_length)
+    return bool(filled.area**2 >= COMPACT * ellipse**2)
+
+
+def _window(smooth: Grey, labels: NDArray[np.int32], region: Any) -> Grey:
+    """Return the part of an image around a region, without other regions and with a border of ground."""
+    around = tuple(slice(max(s.start - MARGIN, 0), s.stop + MARGIN) for s in region.slice)
+    own = (labels[around] == 0) | (labels[around] == region.label)
+    return np.pad(np.where(own, smooth[around], np.float32(1.0)), 1, constant_values=1.0)
+
+
+class Contour(NamedTuple):
+    """Area within the contour of a region, without holes, total length, and number of holes [pixels]."""
+
+    area: float
+    length: float
+    holes: int
+
+
+def contour(window: Grey, level: float) -> Contour:
+    """Return the contour of the one region of a window that is darker than the level.
+
+    The contours are polygons from marching squares; they enclose less area than smooth contours
+    (`INTERPOLATION`). The longest one is the boundary of the region, and the others are its holes.
+    """
+    from skimage.measure import find_contours
+
+    lines = find_contours(window, level, fully_connected="high")  # type: ignore[no-untyped-call]
+    area = [abs(np.sum(y[:-1] * x[1:] - y[1:] * x[:-1])) / 2.0 for y, x in (line.T for line in lines)]
+    length = sum(float(np.hypot(*np.diff(line, axis=0).T).sum()) for line in lines)
+    whole = 2.0 * max(area, default=0.0) - sum(area)  # below 0 in an image of noise alone
+    return Contour(max(float(whole), 0.0), length, max(len(lines) - 1, 0))
+
+
+def enclosed(area: float, holes: int, total: float) -> float:
+    """Return the area of a contact from the `area` within its contour at the half level; `total` is s_t."""
+    variance = total**2 + INTERPOLATION
+    return area + math.pi * variance * (1.0 - holes) + (math.pi * total**2) ** 2 / (6.0 * area)
+
+
+def of_contour(
+    length: float, noise: float, smoothing: float, total: float, level: float, blur: float
+) -> float:
+    """Return the standard deviation of an area from the noise and the errors of the level and of s_t."""
+    from_noise = 2.0 * math.pi * total**2 * length * noise**2 / (2.0 * math.sqrt(math.pi) * smoothing)
+    from_level = math.sqrt(2.0 * math.pi) * total * length * level
+    return math.sqrt(from_noise + from_level**2 + (2.0 * math.pi * total * blur) ** 2)
 
 
 def _levels(ground: Ground) -> Levels:
-    """Return the levels of an image, measured in its widest contacts."""
-    image, variance = smoothed(ground.corrected, LEAST_SMOOTHING)
-    first = _darkness(ground, image)
-    labels, count = label(image < Levels(ground.level, first, 0.0).half)
+    """Return the levels of an image, measured in its widest contacts.
+
+    The blur follows from the areas within the contours at the two quarter levels, which are 2 x 0.6745
+    standard deviations apart at a straight edge.
+    """
+    smooth, variance = smoothed(ground.corrected, LEAST_SMOOTHING)
+    first = _darkness(ground, smooth)
+    levels = Levels(ground.level, first, LEAST_SMOOTHING)
+    labels, count = label(smooth < levels.half)
     if not count:
-        return Levels(ground.level, first, LEAST_SMOOTHING, narrow=True)
-    objects = find_objects(labels)
-    size = _pixels(labels, objects)
-    whole = [
-        i
-        for i in np.argsort(-size, kind="stable")[: 2 * MOST]
-        if not _at_edge(objects[i], image.shape) and boundary.single(labels[objects[i]] == i + 1)
-    ]
-    used = whole[:MOST] or [int(np.argmax(size))]
-    windows = [tuple(slice(max(s.start - 4, 0), s.stop + 4) for s in objects[i]) for i in used]
-    depths = [distance_transform_edt(labels[w] == i + 1) for i, w in zip(used, windows, strict=True)]
+        return levels._replace(doubt=NARROW)
+    regions = sorted(_regions(labels), key=lambda region: -region.area)
+    whole = [each for each in regions[: 2 * MOST] if not _at_edge(each, smooth.shape) and _single(each)]
+    used = whole[:MOST] or regions[:1]
+    depths = [distance_transform_edt(np.pad(region.image, 1))[1:-1, 1:-1] for region in used]
     deepest = max(float(depth.max()) for depth in depths)
-    chosen = [(w, d) for w, d in zip(windows, depths, strict=True) if d.max() >= AS_DEEP * deepest]
-    cores, pixels = np.array([_core(image[w], d) for w, d in chosen]).T
-    level = float(np.median(cores))
-    noise = smoothed_noise(image, labels, LEAST_SMOOTHING)
-    scatter = _scatter(cores, noise, pixels, math.sqrt(variance))
+    wide = [i for i, depth in enumerate(depths) if depth.max() >= AS_DEEP * deepest]
+    middles = [smooth[used[i].slice][depths[i] >= _core(depths[i])] for i in wide]
+    cores, pixels = np.array([[middle.mean(dtype=float), middle.size] for middle in middles]).T
+    scatter = _scatter(cores, smoothed_noise(smooth, labels, LEAST_SMOOTHING), pixels, variance)
+    levels = levels._replace(dark=float(np.median(cores)), dark_error=scatter)
     if not whole:
-        return Levels(ground.level, level, LEAST_SMOOTHING, scatter, UNKNOWN_BLUR, cut=True)
+        return levels._replace(blur_error=UNKNOWN_BLUR, doubt=CUT)
+    windows = [_window(smooth, labels, used[i]) for i in wide]
     for _ in range(CORRECTED):
-        edge, radius = np.array([_edge(image[w], d, level) for w, d in chosen]).T
+        edge, radius = np.array([_edge(window, levels.dark) for window in windows]).T
         total = float(np.median(edge))
         if deepest > 2.0 * DEEP * total:
             break
         # mean share of the contrast that the middle pixels of a smoothed circle retain
         shown = chndtr((radius / total) ** 2, 2.0, pixels / (2.0 * math.pi * total**2))
-        level = float(np.median(1.0 - (1.0 - cores) / shown))
-    error = float(np.median(np.abs(edge - total))) / MAD / math.sqrt(edge.size)
-    own = math.sqrt(max(total**2 - variance, 0.0))
+        levels = levels._replace(dark=float(np.median(1.0 - (1.0 - cores) / shown)))
+    blur = math.sqrt(max(total**2 - variance, 0.0))
     # the error of s follows from the error of s_t, since the variance of the smoothing is exact
-    return Levels(
-        ground.level, level, own, scatter, total / max(own, LEAST_SMOOTHING) * error, deepest < DEEP * total
-    )
+    error = float(np.median(np.abs(edge - total))) / MAD / math.sqrt(edge.size)
+    error *= total / max(blur, LEAST_SMOOTHING)
+    return levels._replace(blur=blur, blur_error=error, doubt=NARROW * (deepest < DEEP * total))
 
 
-def _darkness(ground: Ground, image: Grey) -> float:
+def _darkness(ground: Ground, smooth: Grey) -> float:
     """Return a first dark level: by Otsu's method or, within the noise, of the darkest region."""
-    threshold = otsu(np.clip(ground.corrected, *ground.span))
+    clean = np.clip(ground.corrected, *ground.span)
+    threshold = otsu(clean)
     noise = float(np.median(np.abs(ground.corrected - 1.0))) / MAD
-    if 1.0 - threshold <= IN_NOISE * noise:
-        darkest = float(gaussian_filter(np.clip(ground.corrected, *ground.span), WIDE, mode="nearest").min())
-        if 1.0 - threshold <= SHALLOW * (1.0 - darkest):
-            return darkest
-    return float(np.median(image[1:-1, 1:-1][ground.corrected < threshold]))
+    darkest = float(gaussian_filter(clean, WIDE, mode="nearest").min())
+    if 1.0 - threshold <= min(IN_NOISE * noise, SHALLOW * (1.0 - darkest)):
+        return darkest
+    return float(np.median(smooth[ground.corrected < threshold]))
 
 
-def _core(window: NDArray[np.float32], depth: FloatArray) -> tuple[float, int]:
-    """Return the mean grey level of the middle pixels of a contact, and the number of these pixels."""
+def _core(depth: FloatArray) -> float:
+    """Return the depth beyond which the pixels of a contact show its grey level."""
     deepest = float(depth.max())
-    middle = window[depth >= max(0.5 * deepest, min(deepest - 1.0, CORE))]
-    return float(middle.mean(dtype=np.float64)), middle.size
+    return max(0.5 * deepest, min(deepest - 1.0, CORE))
 
 
-def _scatter(cores: FloatArray, noise: float, pixels: FloatArray, width: float) -> float:
+def _scatter(cores: FloatArray, noise: float, pixels: FloatArray, variance: float) -> float:
     """Return the standard deviation of the dark level among contacts, including the error of their median.
 
-    After smoothing by a Gaussian of standard deviation w, the noise has one independent value per 4 pi w²
-    pixels.
+    After smoothing by a Gaussian of variance w², the noise has one independent value per 4 pi w² pixels.
     """
     spread = float(np.median(np.abs(cores - np.median(cores)))) / MAD
-    independent = np.maximum(pixels / (4.0 * math.pi * width**2), 1.0)
-    by_noise = float(np.mean(noise**2 / independent))
+    by_noise = float(np.mean(noise**2 / np.maximum(pixels / (4.0 * math.pi * variance), 1.0)))
     # the variance of a median is pi/2 times the variance of a mean
     error = 0.5 * math.pi * max(spread**2, by_noise) / cores.size
     # the square of a median absolute deviation of n values has the relative scatter 2.3/sqrt(n)
@@ -674,216 +761,14 @@ def _scatter(cores: FloatArray, noise: float, pixels: FloatArray, width: float) 
     return math.sqrt(max(spread**2 - chance, 0.0) + error)
 
 
-def _edge(window: NDArray[np.float32], depth: FloatArray, dark: float) -> tuple[float, float]:
-    """Return the standard deviation of the edge of a contact, and the radius of the contact [pixels].
-
-    The standard deviation follows from the areas within the contours at the two quarter levels. At a straight
-    edge these contours are 2 x 0.6745 standard deviations apart.
-    """
-    ring = []
-    for quarter in (0.75, 0.5, 0.25):
-        found = _ring(window, depth, dark + quarter * (1.0 - dark))
-        if found is None:
-            return LEAST_SMOOTHING, float(depth.max())
-        ring.append(found)
-    outer, middle, inner = ring
-    variance = float((outer.area - inner.area)[0] / (2.0 * MAD * middle.length[0])) ** 2
-    square = float(middle.area[0]) / math.pi + variance
-    variance -= boundary.EDGE_INTERPOLATION + boundary.EDGE_CURVATURE * variance**2 / square
+def _edge(window: Grey, dark: float) -> tuple[float, float]:
+    """Return the standard deviation of the edge of a contact, and the radius of the contact [pixels]."""
+    outer, middle, inner = (
+        contour(window, float(np.float32(dark + share * (1.0 - dark)))) for share in (0.75, 0.5, 0.25)
+    )
+    if not inner.area:
+        return LEAST_SMOOTHING, math.sqrt(outer.area / math.pi)
+    variance = ((outer.area - inner.area) / (2.0 * MAD * middle.length)) ** 2
+    square = middle.area / math.pi + variance
+    variance -= EDGE_INTERPOLATION + EDGE_CURVATURE * variance**2 / square
     return math.sqrt(max(variance, 0.0)), math.sqrt(square)
-
-
-def _ring(window: NDArray[np.float32], depth: FloatArray, level: float) -> boundary.Contours | None:
-    """Return the contour at a level around the deepest pixel of a contact, or None if there is no contour."""
-    level = float(np.float32(level))
-    bordered = np.pad(window, 1, constant_values=1.0)
-    labels, _ = label(bordered < level)
-    row, column = np.unravel_index(int(depth.argmax()), depth.shape)
-    region = labels[row + 1, column + 1]
-    if not region:
-        return None
-    return boundary.contours(bordered, (labels == region).astype(np.int32), level, 1)
-
-
-def _pixels(labels: NDArray[np.int32], windows: list[Any]) -> FloatArray:
-    """Return the number of pixels of each region 1, 2, ..., from its window."""
-    counts = [np.count_nonzero(labels[window] == number) for number, window in enumerate(windows, 1)]
-    return np.array(counts, dtype=np.float64)
-
-
-def _at_edge(window: tuple[slice, ...], shape: tuple[int, ...], margin: int = 1) -> bool:
-    """Return whether a region is within `margin` pixels of the frame's edge; the image has a border."""
-    return any(s.start <= margin or s.stop >= n - margin for s, n in zip(window, shape, strict=True))
-
-
-def _contacts(
-    values: NDArray[Any], ground: Ground, found: Levels, pixel: float, own: bool, hint: str
-) -> ContactAreas:
-    """Return the contacts of an image with known levels; `own` states that the levels are from this image."""
-    image, variance = smoothed(ground.corrected, max(found.blur, LEAST_SMOOTHING))
-    labels, count = label(image < found.half)
-    windows = find_objects(labels)
-    contrast = 1.0 - found.dark
-    scatter = smoothed_noise(image, labels, max(found.blur, LEAST_SMOOTHING))
-    if contrast < CONTRAST * max(scatter, 0.5 * ground.structure):
-        raise InvalidInput(
-            f"image shows no contacts, it is all dark or bright: its grey levels differ by {contrast:.2g} of "
-            f"the ground's, with noise of {scatter:.2g} after smoothing. {hint}If they "
-            "are very small, measure the image in a series with larger ones"
-        )
-    around = [
-        w
-        for w in windows
-        if all(s.start <= 1 and s.stop >= n - 1 for s, n in zip(w, image.shape, strict=True))
-    ]
-    whole = "a dark region reaches all four sides of the image, which no contact does."
-    refuse_if(around, f"{whole} {hint}Crop a dark frame")
-    # smoothing reduces white noise n to n/(2 sqrt(pi) w)
-    noise = 2.0 * math.sqrt(math.pi * variance) * scatter / contrast
-    total = math.sqrt(found.blur**2 + variance)
-    least = math.pi * (SMALLEST * total) ** 2
-    # regions that are certainly too small are excluded here, others after their contours are known
-    size = _pixels(labels, windows)
-    large = size >= max(0.5 * (least - math.pi * total**2), 4.0)
-    labels = np.concatenate([[0], np.where(large, np.cumsum(large), 0)]).astype(np.int32)[labels]
-    windows, size = [windows[i] for i in np.flatnonzero(large)], size[large]
-    shape = boundary.contours(image, labels, found.half, size.size)
-    area = boundary.enclosed(shape.area, shape.holes.astype(np.float64), total)
-    edge = np.array([_at_edge(w, image.shape, math.ceil(2.0 * total)) for w in windows], dtype=bool)
-    axes, angle = boundary.semi_axes(shape, total)
-    compact = boundary.compactness(shape.area, shape.moment) >= boundary.COMPACT
-    for i in np.flatnonzero(shape.holes):
-        compact[i] = boundary.single(labels[windows[i]] == i + 1)
-    enough, joined = area >= least, ~compact & ~edge
-    # integer grey levels are wrong by up to half a step, unless noise distributes a level over several steps
-    step = 1.0 / (abs(ground.level) * contrast) if values.dtype.kind in "ui" and noise else 0.0
-    steps = step / math.sqrt(6.0) * math.exp(-2.0 * (math.pi * noise / step) ** 2) if step else 0.0
-    drift = 0.0
-    if not own:
-        whole = enough & ~edge & ~joined & (shape.holes == 0) & (axes[:, 1] > DEEP * total)
-        common = math.hypot(ground.structure, steps * contrast)
-        drift = _drift(image, shape.centre[whole], axes[whole], total, found, scatter, common)
-    at_level = 0.5 * math.hypot(
-        found.dark_scatter / contrast, ground.structure / contrast, drift / contrast, steps
-    )
-    error = boundary.of_contour(
-        shape.length, noise, math.sqrt(variance), total, at_level, found.blur_error * found.blur / total
-    )
-    clipped_contacts = _saturated(values, labels[1:-1, 1:-1], size, not hint)
-    order = np.flatnonzero(enough)
-    result = ContactAreas(
-        area=area[order] * pixel**2,
-        area_error=error[order] * pixel**2,
-        centre=shape.centre[order] * pixel,
-        axes=axes[order] * pixel,
-        angle=angle[order],
-        edge=edge[order],
-        merged=joined[order],
-        saturated=clipped_contacts[order],
-        holes=shape.holes[order],
-        dark_level=found.dark,
-        blur=found.blur * pixel,
-        noise=noise,
-        pixel_size=pixel,
-        shape=(values.shape[0], values.shape[1]),
-        smallest_area=least * pixel**2,
-    )
-    return replace(result, notes=tuple(_notes(result, found, ground, count - len(order), drift / contrast)))
-
-
-def _drift(
-    image: Grey,
-    centre: FloatArray,
-    axes: FloatArray,
-    total: float,
-    found: Levels,
-    noise: float,
-    common: float,
-) -> float:
-    """Return the grey level of wide contacts minus the dark level, 0 if the difference is not significant."""
-    if not len(centre):
-        return 0.0
-    x, y = centre.T
-    # the border shifts the pixels by 1
-    level = image[(image.shape[0] - 1 - y).astype(int), x.astype(int) + 1].astype(np.float64)
-    # share of the contrast that a smoothed circle retains in its middle
-    level = 1.0 - (1.0 - level) / (1.0 - np.exp(-0.5 * axes.prod(axis=1) / total**2))
-    away = float(np.median(level)) - found.dark
-    spread = float(np.median(np.abs(level - np.median(level)))) / MAD
-    # the variance of a median is pi/2 times the variance of a mean
-    chance = math.sqrt(0.5 * math.pi / level.size) * max(spread, noise)
-    return away if abs(away) > CLEAR * math.hypot(chance, found.dark_scatter, common) else 0.0
-
-
-def _saturated(
-    values: NDArray[Any], labels: NDArray[np.int32], size: FloatArray, bright_contacts: bool
-) -> NDArray[np.bool_]:
-    """Return which contacts are saturated, (n,); all of them if the ground is saturated.
-
-    `size` holds the number of pixels of each contact. `labels` has no border.
-    """
-    in_contact, on_ground = clipped(values)[:: -1 if bright_contacts else 1]
-    result = np.zeros(size.size, dtype=bool)
-    if in_contact is not None:
-        result |= np.bincount(labels[in_contact], minlength=size.size + 1)[1:] > SATURATED * size
-    if on_ground is not None:
-        outside = np.count_nonzero(on_ground & (labels == 0))
-        result |= bool(outside > SATURATED * (labels.size - size.sum()))
-    return result
-
-
-def _notes(
-    found: ContactAreas, levels: Levels, ground: Ground, left_out: int, drift: float
-) -> Iterator[Note]:
-    """Return notes on excluded regions and on uncertain values.
-
-    `drift` is the grey level of the contacts minus the dark level in `levels`, over the contrast.
-    """
-    if levels.cut:
-        yield Note(
-            "all contacts are at the edge of the frame or merged: the blur is not measured; "
-            "measure the image in one series with one of whole contacts"
-        )
-    elif levels.narrow:
-        yield Note(
-            "no contact is wide enough to show its dark level: areas may be wrong by more "
-            "than their errors; measure the image in one series with larger contacts"
-        )
-    if left_out:
-        yield information(
-            f"{left_out} dark spot{'s' * (left_out > 1)} below {found.smallest_area:.2g} mm^2 left out"
-        )
-    contrast = 1.0 - levels.dark
-    if ground.structure > UNEVEN * contrast:
-        uneven = percent(ground.structure / contrast)
-        yield Note(f"the ground is uneven by {uneven} of the contrast after removing the gradient")
-    if drift:
-        yield Note(
-            f"the contacts are {'brighter' if drift > 0.0 else 'darker'} by {percent(abs(drift))} of the "
-            "contrast than in the image at the largest load, and the errors of the areas are increased "
-            "by what this may cause; keep lamp and exposure, or measure this image by itself"
-        )
-    yield from contact_notes(found)
-
-
-def contact_notes(found: ContactAreas) -> Iterator[Note]:
-    """Return notes that name contacts at the edge, merged, saturated or with bright spots inside."""
-    for flags, text in (
-        (found.edge, "at the edge of the frame; the area is what is seen of them"),
-        (found.merged, "merged with others, or not convex; the area is that of all in one"),
-        (found.saturated, "saturated: grey levels are cut off at an end of the scale; lower the exposure"),
-    ):
-        if flags.any():
-            yield Note(f"{_named(found, flags)}: {text}")
-    if (found.holes > 0).any():
-        yield information(f"{_named(found, found.holes > 0)}: bright spots inside are left out")
-
-
-def _named(found: ContactAreas, flags: NDArray[np.bool_]) -> str:
-    """Return the numbers and centres of the flagged contacts as text."""
-    which = np.flatnonzero(flags)
-    parts = [
-        f"{i + 1} at ({found.centre[i, 0]:.4g}, {found.centre[i, 1]:.4g}) mm" for i in which[:NAMED].tolist()
-    ]
-    more = f" and {which.size - NAMED} more" if which.size > NAMED else ""
-    return f"contact{'s' * (which.size > 1)} {', '.join(parts)}{more}"

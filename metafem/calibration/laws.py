@@ -13,7 +13,7 @@ from metafem import _validate as check
 from metafem._given import Given, shown
 from metafem._validate import FloatArray
 from metafem._values import span
-from metafem.calibration.contact_table import ContactTable, of_contacts
+from metafem.calibration.contact_table import of_contacts
 from metafem.calibration.statistics import PAPER, MeasurementErrors
 from metafem.drawing import MEASURED, calibration, name_law
 from metafem.errors import InvalidInput, refuse_if
@@ -23,6 +23,7 @@ from metafem.surface import Friction, Material
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from pandas import DataFrame
 
 # Quantities of a measured law, and names of all its arrays, including the standard deviations.
 QUANTITIES = ("load", "friction_force", "asperity_area", "area")
@@ -226,7 +227,7 @@ class MeasuredLaw(BaseLaw):
 
 
 def measured_law(
-    table: ContactTable,
+    table: DataFrame,
     material: Material,
     friction: Friction | None = None,
     *,
@@ -243,7 +244,8 @@ def measured_law(
 
     Parameters
     ----------
-    table : ContactTable
+    table : DataFrame
+        Contacts as `contact_table` returns them.
     material : Material
     friction : Friction, optional
     errors : MeasurementErrors
@@ -265,16 +267,14 @@ def measured_law(
 
     Examples
     --------
+    >>> import pandas as pd
     >>> from metafem import Material
-    >>> one, none = np.array([[0.1, 0.0]]), np.full((1, 2), np.nan)
-    >>> table = ContactTable(
-    ...     ("1.tif",), ("",), np.array([0.05]), np.array([np.nan]), np.array([[0.0, 0.0], [1.5, 0.0]]),
-    ...     np.arange(2), True, one, 0.01 * one, none, none,
-    ... )
+    >>> from metafem.calibration import contact_table
+    >>> forces = pd.DataFrame({"image": ["1.tif"], "test": "", "load": 0.05, "friction_force": np.nan})
+    >>> table = contact_table(forces, [[0.0, 0.0], [1.5, 0.0]], [0, 1], [[0.1, 0.0]], [[1e-3, 0.0]])
     >>> measured_law(table, Material(1.36)).area
     array([0.1])
     """
-    check.instance("table", table, ContactTable, "a metafem.calibration.ContactTable")
     numbers = None if sites is None else check.array("sites", sites, shape=(None,)).astype(np.int64)
     arrays, notes = of_contacts(table, friction is not None, numbers)
     return MeasuredLaw(

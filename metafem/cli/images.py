@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import math
-import re
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
@@ -24,119 +21,30 @@ from metafem.cli.options import (
     quantity,
     refuse_files,
 )
-from metafem.cli.output import notes_data, show
+from metafem.cli.output import Printed, notes_data, show
 from metafem.cli.progress import progress
-from metafem.errors import InvalidInput, refuse_if
-from metafem.notes import Note, information
+from metafem.errors import refuse_if
+from metafem.notes import Note
 from metafem.progress import doing
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-    from metafem.calibration import ContactAreas, DesignSites, TrackedContacts
-    from metafem.files import Images, Shot
 
 # Difference of a matched lattice's scale from 1 above which a warning is given: areas are then wrong by 2 %.
 SCALE = 0.01
 
 
-@dataclass(frozen=True)
-class Series:
-    """Measured images, with their forces and their contacts before and under shear."""
-
-    series: Sequence[Shot]
-    areas: Sequence[ContactAreas]
-    sheared: Sequence[ContactAreas | None]
-    tracked: TrackedContacts
-    pixel: float
-    notes: tuple[Note, ...]
-
-    @property
-    def failed(self) -> list[str]:
-        """Names of the images that could not be measured."""
-        files = [image for shot in self.series for image in (shot.image, shot.sheared)]
-        found = [areas for pair in zip(self.areas, self.sheared, strict=True) for areas in pair]
-        pairs = zip(files, found, strict=True)
-        return [image.name for image, areas in pairs if image and areas and areas.failed]
-
-    def lines(self) -> tuple[list[str], list[list[str]]]:
-        """Return the column titles and the rows of the printed table, without columns that are empty."""
-        rows = self.rows()
-        names = [name for name in rows[0] if any(row[name] not in (None, "") for row in rows)]
-        return [_title(name) for name in names], [[_text(row[name]) for name in names] for row in rows]
-
-    def rows(self) -> list[dict[str, Any]]:
-        """Return forces, numbers of contacts and areas of each image, for JSON and the printed table.
-
-        An area is the sum over the contacts that could be measured.
-        """
-        table, rows = self.tracked.table, []
-        for i, name in enumerate(table.image):
-            row = {"image": name, "test": table.test[i], "load_N": table.load[i]}
-            row["friction_force_N"] = table.friction_force[i]
-            row |= _numbers(self.areas[i], table.area[i], table.area_error[i])
-            sheared = _numbers(self.sheared[i], table.sheared_area[i], table.sheared_area_error[i])
-            row |= {f"sheared_{key}": value for key, value in sheared.items() if key.startswith("area")}
-            rows.append(mf.files.plain_data(row))
-        return rows
-
-    def sentences(self) -> Iterator[str]:
-        """Yield how the contacts were numbered or matched to sites, and the remarks on single contacts."""
-        table, match = self.tracked.table, self.tracked.match
-        name, count = table.image[self.tracked.reference], len(table.site)
-        if match is None:
-            yield f"{count} contacts, numbered from top to bottom of {name}"
-        else:
-            side = "block, mirrored against heights.csv" if match.mirrored else "glass"
-            yield (
-                f"{int((match.site >= 0).sum())} contacts of {name} matched to {count} sites, seen through "
-                f"the {side}: rotation {math.degrees(match.rotation):.2f}°, scale {match.scale:.4f}, rms "
-                f"distance {1e3 * match.residual:.3g} µm"
-            )
-        said = {str(note) for note in self.notes}
-        yield from (f"remark: {remark}" for remark in self.tracked.remarks if remark not in said)
-
-    def data(self, files: Sequence[Path]) -> dict[str, Any]:
-        """Return the results for JSON; `files` are the files that were written."""
-        table, match = self.tracked.table, self.tracked.match
-        matched = match and {
-            "image": table.image[self.tracked.reference],
-            "viewed_from": "block" if match.mirrored else "glass",
-            "rotation_deg": math.degrees(match.rotation),
-            "scale": match.scale,
-            "residual_mm": match.residual,
-            "ambiguous": match.ambiguous,
-        }
-        return {
-            "files": [str(path) for path in files],
-            "pixel_size_mm": self.pixel,
-            "images": self.rows(),
-            "match": matched,
-            "site": table.site.tolist(),
-            "area_mm2": mf.files.plain_data(table.area),
-            "failed": self.failed,
-            "remarks": list(self.tracked.remarks),
-            "notes": notes_data(self.notes),
-        }
+def file_option(name: str, metavar: str, text: str, **more: Any) -> Any:
+    """Return the option of a file or folder."""
+    return click.option(*name.split(), type=Name(), metavar=metavar, help=text, **more)
 
 
 @command(
     click.argument("source", type=Name(), nargs=-1, required=True, metavar="FOLDER|FILE..."),
-    quantity(
-        "pixel", "mm", "5.3 um", "Side of a pixel in the plane of the contacts, such as {}.", required=True
-    ),
-    click.option(
+    quantity("pixel", "mm", "5.3 um", "Side of a pixel in the plane of the contacts, {}.", required=True),
+    file_option(
         "--forces",
-        type=Name(),
-        metavar="FORCES.csv",
-        help="Table of the forces: image,load_mN and optionally friction_force_mN, sheared_image, test.",
+        "FORCES.csv",
+        "Table of the forces: image,load_mN and optionally friction_force_mN, sheared_image, test.",
     ),
-    click.option(
-        "--sites",
-        type=Name(),
-        metavar="DIR|HEIGHTS.csv",
-        help="Result folder of the design, or its table of heights: contacts are matched to its sites.",
-    ),
+    file_option("--sites", "DIR|HEIGHTS.csv", "Design, or its heights: contacts are matched to its sites."),
     click.option(
         "--viewed-from",
         type=click.Choice(["glass", "block"]),
@@ -145,29 +53,12 @@ class Series:
         "mirrored, x -> -x. Default: glass.",
     ),
     quantity(
-        "rotation",
-        "rad",
-        "90 deg",
-        "Rotation of the design in the images, anticlockwise, such as {}, to within 5°. Default: 0.",
-        default=0.0,
+        "rotation", "rad", "90 deg", "Rotation in the images, {}, to within 5°. Default: 0.", default=0.0
     ),
     click.option("--bright-contacts", is_flag=True, help="Contacts are brighter than the ground."),
-    click.option(
-        "-o",
-        "--output",
-        type=Name(),
-        metavar="CONTACTS.csv",
-        help="Write the table of contacts to this file.",
-    ),
-    click.option(
-        "--picture",
-        type=Name(),
-        metavar="FOUND.png",
-        help="Draw what was found in one image: a file .png or .svg.",
-    ),
-    click.option(
-        "--picture-of", metavar="IMAGE", help="Image that is drawn. Default: the one with most contacts."
-    ),
+    file_option("-o --output", "CONTACTS.csv", "Write the table of contacts to this file."),
+    file_option("--picture", "FOUND.png", "Draw what was found in one image: a file .png or .svg."),
+    click.option("--picture-of", metavar="IMAGE", help="This image. Default: the one with most contacts."),
     column_option,
     force_option,
     json_option,
@@ -204,174 +95,137 @@ def images(
     Example: metafem images pictures --pixel "5.3 um" --forces forces.csv -o contacts.csv --picture found.png
     """
     refuse_files(force, output, figure=picture)
-    needs = "--picture-of needs --picture FOUND.png, the file of the picture"
-    refuse_if(picture is None and options["picture_of"] is not None, needs)
+    within = picture is not None and any(picture.parent.resolve() == one.resolve() for one in source)
+    refuse_if(
+        within, "--picture is in the folder of the images, and would be one of them; give another folder"
+    )
     with progress():
         found = _measured(source, options)
+        tracked, failed = found["tracked"], found["failed"]
         if output is not None:
-            mf.files.write_text(output, mf.files.contacts_table(found.tracked.table), force=force)
+            mf.files.write_text(output, mf.files.contacts_table(tracked.table), force=force)
         if picture is not None:
             with doing("drawing the picture"):
                 mf.files.write_figure(picture, *_figure(found, options["picture_of"]), force=force)
     files = [path for path in (output, picture) if path is not None]
-    table = (*found.lines(), None)
-    show(as_json, found.data(files), tables=[table], lines=found.sentences(), notes=found.notes, files=files)
-    if found.failed:
+    data = {
+        "files": [str(path) for path in files],
+        "pixel_size_mm": options["pixel"],
+        "images": _rows(tracked.table),
+        "match": _match(tracked),
+        "failed": failed,
+        "notes": notes_data(found["notes"]),
+    }
+    tables = [printed(data["images"]), *([printed([data["match"]])] if data["match"] else [])]
+    show(as_json, data, tables=tables, notes=found["notes"], files=files)
+    if failed:
         click.get_current_context().exit(NOT_ACHIEVED)
 
 
-def _measured(source: tuple[Path, ...], options: dict[str, Any]) -> Series:
+def _measured(source: tuple[Path, ...], options: dict[str, Any]) -> dict[str, Any]:
     """Return the measured images with tracked contacts; images before and under shear share one threshold."""
     import numpy as np
 
-    from metafem import _validate as check
-
-    pixel, name = check.number("pixel", options["pixel"], above=0.0), options["picture_of"]
     with doing("opening the images"):
-        files = mf.files.find_images(source)
-        known = [None, *(file.name for file in files if not file.broken)]
-        refuse_if(name not in known, f"--picture-of = {name} is not among the images that can be read")
-        forces = options["forces"]
-        if forces is not None:
-            forces = mf.files.read_table(forces, columns_of(options["column"]))
-        series, notes = mf.files.shots(files, forces)
-    before = [shot.image for shot in series]
-    after = [i for i, shot in enumerate(series) if shot.sheared is not None]
-    load = np.array([shot.load for shot in series])
-    images = mf.files.Images([*before, *(shot.sheared for shot in series if shot.sheared is not None)])
-    bright = options["bright_contacts"]
-    with hinting(bright):
-        found = _areas(images, pixel, np.concatenate([load, load[after]]), bright)
-    areas, sheared = found[: len(before)], dict(zip(after, found[len(before) :], strict=True))
-    others = [sheared.get(i) for i in range(len(before))]
-    with doing("following the contacts"), hinting(bright):
-        tracked = mf.calibration.track_contacts(
-            areas,
-            [file.name for file in before],
-            test=[shot.test for shot in series],
-            load=load,
-            friction_force=[shot.friction_force for shot in series],
-            sheared=others,
-            sites=_sites(options),
-        )
-    more = [*notes, *_notes(images, areas, tracked, pixel)]
-    # warnings on the match come first, because the sentence on the match is printed before the notes
-    first = [note for note in tracked.notes if note.warns]
-    last = [note for note in tracked.notes if not note.warns]
-    return Series(series, areas, others, tracked, pixel, (*first, *more, *last))
-
-
-@contextmanager
-def hinting(bright: bool) -> Iterator[None]:
-    """Add to errors of the body that contacts may be brighter or darker than the ground."""
-    try:
-        yield
-    except InvalidInput as error:
-        hint = "if contacts are dark, leave out" if bright else "if contacts are bright, add"
-        raise InvalidInput(f"{error}; {hint} --bright-contacts") from None
-
-
-def _areas(images: Images, pixel: float, load: Any, bright: bool) -> list[ContactAreas]:
-    """Return the contacts of each image; their notes name images by their files."""
-    import numpy as np
-
-    known = np.isfinite(load)
+        files = {file.name: file for file in mf.files.find_images(source)}
+        name, table = options["picture_of"], options["forces"]
+        refuse_if(name not in (None, *files), f"--picture-of = {name} is not among the images")
+        if table is not None:
+            table = mf.files.read_table(table, columns_of(options["column"]))
+        forces, notes = mf.files.read_forces([*files], table)
+    sheared = forces["sheared_image"] != ""
+    names = [*forces["image"], *forces["sheared_image"][sheared]]
+    load = np.append(forces["load"], forces["load"][sheared])
     # the image at the largest load determines the threshold: images without a load get the smallest load, and
     # without any loads `stack_areas` uses the last image
-    order = np.where(known, load, load[known].min() - 1.0) if known.any() else None
-
-    def named(text: str, own: int | None = None) -> str:
-        """Return a text in which the files replace the entries of the argument `images`."""
-        names = [file.name for file in images.files]
-        names = ["this image" if i == own else name for i, name in enumerate(names)]
-        return re.sub(r"images\[(\d+)\]", lambda found: names[int(found[1])], text)
-
-    try:
-        found = mf.calibration.stack_areas(images, pixel, loads=order, bright_contacts=bright)
-    except InvalidInput as error:
-        raise InvalidInput(named(str(error))) from None
-    return [
-        replace(
-            areas,
-            notes=tuple(replace(note, text=named(note.text, i)) for note in areas.notes),
-        )
-        for i, areas in enumerate(found)
-    ]
+    order = np.nan_to_num(load, nan=np.nanmin(load) - 1.0) if np.isfinite(load).any() else None
+    images, bright = mf.files.Images([files[name] for name in names]), options["bright_contacts"]
+    areas, said = mf.calibration.stack_areas(
+        images, options["pixel"], order, names=names, bright_contacts=bright
+    )
+    found = dict(zip(names, areas, strict=True))
+    with doing("following the contacts"):
+        tracked = mf.calibration.track_contacts(found, forces, **_sites(options))
+    scale = 1.0 if tracked.match is None else tracked.match.scale
+    text = (
+        f"the sites are {scale:.4f} times as far apart as in the design: with pixels of "
+        f"{1e3 * options['pixel'] / scale:.4g} um they would agree, and areas would be "
+        f"{100.0 * (scale**-2 - 1.0):+.2g} % different"
+    )
+    notes = [*tracked.notes, *notes, *said, *[Note(text)] * (abs(scale - 1.0) > SCALE)]
+    failed = [name for name, areas in found.items() if areas is None]
+    return {"tracked": tracked, "areas": found, "files": files, "notes": notes, "failed": failed}
 
 
-def _notes(
-    images: Images, areas: Sequence[ContactAreas], tracked: TrackedContacts, pixel: float
-) -> Iterator[Note]:
-    """Yield the notes that concern all images."""
-    from metafem.calibration.contact_table import listed
-
-    if images.coloured:
-        names = listed(list(images.coloured))
-        yield information(f"in colour, the luminance of ITU-R BT.709 is measured: {names}")
-    smallest = max(one.smallest_area for one in areas if not one.failed)
-    if smallest > 0.0:
-        yield information(
-            f"contacts of less than {smallest:.2g} mm² are not found and count as open; ± is the standard "
-            "deviation of the sum over the closed ones"
-        )
-    match = tracked.match
-    if match is not None and abs(match.scale - 1.0) > SCALE:
-        yield Note(
-            f"the sites are {match.scale:.4f} times as far apart as in the design: with pixels of "
-            f"{1e3 * pixel / match.scale:.4g} um instead of {1e3 * pixel:.4g} um they would agree, and areas "
-            f"would be {100.0 * (match.scale**-2 - 1.0):+.2g} % different"
-        )
-
-
-def _sites(options: dict[str, Any]) -> DesignSites | None:
-    """Return the sites of a design, from its table of heights."""
+def _sites(options: dict[str, Any]) -> dict[str, Any]:
+    """Return the sites of a design, from its table of heights, as `track_contacts` takes them."""
     source = options["sites"]
     if source is None:
-        return None
+        return {}
     refuse_if(not source.exists(), f"--sites {source}: no such file or folder")
     position, number = mf.files.read_sites(source / "heights.csv" if source.is_dir() else source)
-    return mf.calibration.DesignSites(position, number, options["viewed_from"], options["rotation"])
+    view = {name: options[name] for name in ("viewed_from", "rotation")}
+    return {"site_position": position, "site_number": number, **view}
 
 
-def _figure(found: Series, name: str | None) -> tuple[Figure, str]:
+def _figure(found: dict[str, Any], name: str | None) -> tuple[Any, str]:
     """Return the figure of an image and its title; default: the image with the most contacts."""
     from metafem.calibration.figures import found_figure
 
-    name = name or found.tracked.table.image[found.tracked.reference]
-    index, file, areas, sheared = next(
-        (index, file, areas, file is shot.sheared)
-        for index, shot in enumerate(found.series)
-        for file, areas in ((shot.image, found.areas[index]), (shot.sheared, found.sheared[index]))
-        if file is not None and areas is not None and file.name == name
-    )
-    return found_figure(mf.files.Images([file])[0], areas, found.tracked, index, sheared), name
+    tracked = found["tracked"]
+    name = name or tracked.name
+    areas, placed = found["areas"].get(name), tracked.placed.get(name)
+    refuse_if(areas is None or placed is None, f"{name} has no contacts that could be drawn")
+    what = "contact" if tracked.match is None else "site"
+    number = tracked.table[what][: len(placed.position)].tolist()
+    title = f"{name}: numbers are those of the column {what}"
+    return found_figure(mf.files.Images([found["files"][name]])[0], areas, placed, number, title), name
 
 
-def _numbers(areas: ContactAreas | None, area: Any, error: Any) -> dict[str, Any]:
-    """Return the numbers of contacts, and the sum of their areas with its error; None if not measured.
+def _rows(table: Any) -> list[dict[str, Any]]:
+    """Return forces, numbers of contacts and the sum of the measured areas of each image.
 
     The errors of closed contacts are independent, so that their squares are added.
     """
     import numpy as np
 
-    measured = areas is not None and not areas.failed
-    values = {
-        "contacts": int(np.count_nonzero(area > 0.0)),
-        "open": int(np.count_nonzero(area == 0.0)),
-        "not_measured": int(np.count_nonzero(np.isnan(area))),
-        "area_mm2": float(np.nansum(area)),
-        "area_error_mm2": float(np.sqrt(np.square(error[area > 0.0]).sum())),
+    from metafem.calibration.contact_table import by_image
+
+    rows, areas = by_image(table)
+    rows = rows.rename(columns={"load": "load_N", "friction_force": "friction_force_N"})
+    area, known = areas["area"], np.isfinite(areas["area"])
+    rows["contacts"], rows["open"] = (area > 0.0).sum(axis=1), (area == 0.0).sum(axis=1)
+    rows["not_measured"] = (~known).sum(axis=1)
+    for name in ("area", "sheared_area"):
+        area, error = areas[name], areas[f"{name}_error"]
+        measured = np.isfinite(area).any(axis=1)
+        rows[f"{name}_mm2"] = np.where(measured, np.nansum(area, axis=1), np.nan)
+        squares = np.where(area > 0.0, error, 0.0) ** 2
+        rows[f"{name}_error_mm2"] = np.where(measured, np.sqrt(squares.sum(axis=1)), np.nan)
+    data: list[dict[str, Any]] = mf.files.plain_data(rows.to_dict("records"))
+    return data
+
+
+def _match(tracked: Any) -> dict[str, Any] | None:
+    """Return how the image with the most contacts was matched to the sites."""
+    match = tracked.match
+    return match and {
+        "image": tracked.name,
+        "matched": int((match.site >= 0).sum()),
+        "viewed_from": "block" if match.mirrored else "glass",
+        "rotation_deg": math.degrees(match.rotation),
+        "scale": match.scale,
+        "residual_mm": match.residual,
+        "ambiguous": match.ambiguous,
     }
-    return {name: value if measured else None for name, value in values.items()}
 
 
-def _title(name: str) -> str:
-    """Return the title of a column of the printed table."""
-    base, _, unit = name.rpartition("_")
-    units = {"N": "N", "mm2": "mm²"}
-    return f"{base.replace('_', ' ')} [{units[unit]}]" if unit in units else name.replace("_", " ")
+def printed(rows: Sequence[Mapping[str, Any]]) -> Printed:
+    """Return the printed table of rows of data, without columns that are empty."""
+    names = [name for name in rows[0] if any(row[name] not in (None, "") for row in rows)]
+    return names, [[_text(row[name]) for name in names] for row in rows], None
 
 
 def _text(value: Any) -> str:
-    """Return the text of an entry in the printed table."""
-    return "" if value is None else f"{value:.4g}" if isinstance(value, float) else str(value)
+    """Return the text of an entry in a printed table."""
+    return f"{value:.4g}" if isinstance(value, float) else str("" if value is None else value)

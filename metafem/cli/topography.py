@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,8 +10,9 @@ import click
 
 import metafem as mf
 from metafem._given import printable
+from metafem.cli.images import file_option, printed
 from metafem.cli.options import Name, command, force_option, json_option, refuse_files
-from metafem.cli.output import Printed, notes_data, show
+from metafem.cli.output import notes_data, show
 from metafem.cli.progress import loaded, progress
 from metafem.errors import InvalidInput
 
@@ -33,32 +33,20 @@ DIGITS = 6
 
 @command(
     click.argument("height_map", type=Name(), metavar="MAP"),
+    file_option("--design folder", "DIR", "Result folder of the design.", required=True),
     click.option(
-        "--design", "folder", type=Name(), metavar="DIR", required=True, help="Result folder of the design."
+        "--pixel", metavar="LENGTH", help='Distance of two pixels, "2 um", if MAP does not state it.'
     ),
     click.option(
-        "--pixel",
-        metavar="LENGTH",
-        help='Distance of two pixels, such as "2 um", if the map does not state it.',
-    ),
-    click.option(
-        "--height-unit",
-        metavar="UNIT",
-        help='Unit of the heights, such as "um", if the map does not state it.',
+        "--height-unit", metavar="UNIT", help='Unit of the heights, "um", if MAP does not state it.'
     ),
     click.option("--mould", is_flag=True, help="The map shows the mould: its holes are the caps."),
     click.option(
-        "--common-radius",
-        is_flag=True,
-        help="All caps have one radius; the errors of the heights are then halved.",
+        "--common-radius", is_flag=True, help="All caps have one radius; heights have half the errors."
     ),
     click.option("--keep-bow", is_flag=True, help="Subtract a plane only, no bow."),
-    click.option(
-        "-o", "--output", type=Name(), help="Write the made surface to this CSV file, for metafem predict."
-    ),
-    click.option(
-        "--picture", type=Name(), help="Draw height errors, residual map and laws: a file .svg or .png."
-    ),
+    file_option("-o --output", "MADE.csv", "Write the made surface to this file, for metafem predict."),
+    file_option("--picture", "MADE.png", "Draw height errors, residual map and laws: a file .svg or .png."),
     force_option,
     json_option,
     short_help="Measure a made surface on a height map.",
@@ -66,14 +54,11 @@ DIGITS = 6
 def topography(
     height_map: Path,
     folder: Path,
-    pixel: str | None,
-    height_unit: str | None,
-    keep_bow: bool,
     output: Path | None,
     picture: Path | None,
     force: bool,
     as_json: bool,
-    **options: bool,
+    **options: Any,
 ) -> None:
     """Measure heights, radii and positions of the asperities in MAP, and compare them with the design.
 
@@ -85,74 +70,51 @@ def topography(
     refuse_files(force, output, figure=picture)
     with progress():
         design = loaded(folder)
-        stored = mf.files.read_height_map(height_map, pixel, height_unit)
-        options["bow"] = not keep_bow
+        stated = options.pop("pixel"), options.pop("height_unit")
+        heights, sides = mf.files.read_height_map(height_map, *stated)
+        options["bow"] = not options.pop("keep_bow")
         try:
-            made = mf.calibration.made_surface(stored.values, stored.pixel, design.surface, **options)
+            made = mf.calibration.made_surface(heights, sides, design.surface, **options)
         except InvalidInput as error:
             raise InvalidInput(f"{printable(str(height_map))}: {error}") from None
         law = mf.friction_law(made.surface, design.law.model, load=design.law.load)
         if picture is not None:
             from metafem.calibration.figures import made_figure
 
-            heights = replace(stored, sign=-1.0 if options["mould"] else 1.0)
-            figure = made_figure(made, heights, design.law, law)
+            figure = made_figure(made, design.law, law)
             mf.files.write_figure(picture, figure, "made surface", force=force)
         if output is not None:
             mf.files.write_text(output, mf.files.made_table(made, design.sites), force=force)
     files = [path for path in (output, picture) if path is not None]
-    touching = design.law.area > 0.0
-    change = 100.0 * _rms(law.area[touching] / design.law.area[touching] - 1.0)
-    measured = f"{made.surface.count} of {made.design.count} asperities measured"
-    show(
-        as_json,
-        {**_data(design, made, law), "files": [str(path) for path in files]},
-        head=[f"{measured}, roughness (s.d.) {UM * made.roughness:.2g} um"],
-        tables=[_error_table(made), _law_table(design.law, law)],
-        lines=[
-            "law of the made surface: A0 differs from that of the design by "
-            f"{change:.2g} % (root mean square over the loads)"
-        ],
-        notes=made.notes,
-        files=files,
-    )
+    data = _data(design, made, law) | {"files": [str(path) for path in files]}
+    every = max(1, len(law.load) // LOADS)
+    shown = list(zip(law.load, design.law.area, law.area, strict=True))[every - 1 :: every]
+    names = ("load_N", "designed_area_mm2", "made_area_mm2")
+    tables = [printed(data["errors"]), printed([dict(zip(names, row, strict=True)) for row in shown])]
+    single = ("measured", "designed", "roughness_um", "area_change_percent")
+    tables.append(printed([{name: data[name] for name in single}]))
+    show(as_json, data, tables=tables, notes=made.notes, files=files)
 
 
-def _law_table(designed: FrictionLaw, made: FrictionLaw) -> Printed:
-    """Return the areas of both laws at some loads."""
-    areas = list(zip(made.load, designed.area, made.area, strict=True))
-    every = max(1, len(areas) // LOADS)
-    rows = [
-        (
-            *(f"{value:.4g}" for value in row),
-            f"{100.0 * (row[2] / row[1] - 1.0):+.2g} %" if row[1] > 0.0 else "-",
-        )
-        for row in areas[max(0, len(areas) // LOADS - 1) :: every]
-    ]
-    return ["load [N]", "designed area [mm²]", "made [mm²]", "change"], rows, None
-
-
-def _error_table(made: MadeSurface) -> Printed:
+def _errors(made: MadeSurface) -> list[dict[str, Any]]:
     """Return mean, standard deviation and largest value of the errors of heights, radii and positions."""
     x, y = UM * made.position_error.T
-    sd = UM * made.position_sd
     relative = 100.0 / made.design.radius[made.site]
-    rows = [
-        (
-            name,
-            f"{round(float(values.mean()), DIGITS) + 0.0:+.2g} {unit}",
-            f"{values.std():.2g} {unit}",
-            f"{values[abs(values).argmax()]:+.2g} {unit}",
-            f"{_rms(error):.2g} {unit}",
-        )
-        for name, values, error, unit in (
-            ("height", UM * made.height_error, UM * made.height_sd, "um"),
-            ("radius", relative * made.radius_error, 100.0 * made.radius_sd / made.surface.radius, "%"),
-            ("x", x, sd, "um"),
-            ("y", y, sd, "um"),
+    return [
+        {
+            "made_minus_designed": name,
+            "mean": round(float(values.mean()), DIGITS) + 0.0,
+            "sd": float(values.std()),
+            "largest": float(values[abs(values).argmax()]),
+            "standard_error": _rms(error),
+        }
+        for name, values, error in (
+            ("height_um", UM * made.height_error, UM * made.height_sd),
+            ("radius_percent", relative * made.radius_error, relative * made.radius_sd),
+            ("x_um", x, UM * made.position_sd),
+            ("y_um", y, UM * made.position_sd),
         )
     ]
-    return ["made minus designed", "mean", "s.d.", "largest", "standard error"], rows, None
 
 
 def _rms(values: Any) -> float:
@@ -160,26 +122,32 @@ def _rms(values: Any) -> float:
 
 
 def _data(design: Design, made: MadeSurface, law: FrictionLaw) -> dict[str, Any]:
-    """Return the made surface, and its friction law, for JSON."""
-    level = made.levelling
-    return {
-        "site": design.sites[made.site].tolist(),
-        "missing": design.sites[made.missing].tolist(),
-        "x_mm": made.surface.position[:, 0].tolist(),
-        "y_mm": made.surface.position[:, 1].tolist(),
-        "height_mm": made.surface.height.tolist(),
-        "radius_mm": made.surface.radius.tolist(),
-        "sd_position_mm": made.position_sd.tolist(),
-        "sd_height_mm": made.height_sd.tolist(),
-        "sd_radius_mm": made.radius_sd.tolist(),
-        "height_error_mm": made.height_error.tolist(),
-        "roughness_mm": made.roughness,
-        "rotation_rad": made.rotation,
-        "mirrored": made.mirrored,
-        "tilt_rad": level.tilt.tolist(),
-        "bow_per_mm": level.bow.tolist(),
-        "load_N": law.load.tolist(),
-        "designed_area_mm2": design.law.area.tolist(),
-        "made_area_mm2": law.area.tolist(),
-        "notes": notes_data(made.notes),
-    }
+    """Return the made surface, and its friction law beside that of the design."""
+    touching = design.law.area > 0.0
+    data: dict[str, Any] = mf.files.plain_data(
+        {
+            "measured": made.surface.count,
+            "designed": made.design.count,
+            "site": design.sites[made.site],
+            "missing": design.sites[made.missing],
+            "x_mm": made.surface.position[:, 0],
+            "y_mm": made.surface.position[:, 1],
+            "height_mm": made.surface.height,
+            "radius_mm": made.surface.radius,
+            "sd_position_mm": made.position_sd,
+            "sd_height_mm": made.height_sd,
+            "sd_radius_mm": made.radius_sd,
+            "height_error_mm": made.height_error,
+            "errors": _errors(made),
+            "roughness_um": UM * made.roughness,
+            "rotation_rad": made.rotation,
+            "tilt_rad": made.tilt,
+            "bow_per_mm": made.bow,
+            "load_N": law.load,
+            "designed_area_mm2": design.law.area,
+            "made_area_mm2": law.area,
+            "area_change_percent": 100.0 * _rms(law.area[touching] / design.law.area[touching] - 1.0),
+            "notes": notes_data(made.notes),
+        }
+    )
+    return data

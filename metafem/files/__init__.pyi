@@ -11,14 +11,13 @@ from .disk import write_figure as write_figure
 from .disk import write_text as write_text
 from .images import ImageFile as ImageFile
 from .images import Images as Images
-from .images import Shot as Shot
 from .images import find_images as find_images
-from .images import shots as shots
+from .images import read_forces as read_forces
+from .images import read_height_map as read_height_map
 from .laws import measured_pairs as measured_pairs
 from .laws import read_law as read_law
 from .laws import read_measured_law as read_measured_law
 from .laws import read_sites as read_sites
-from .maps import read_height_map as read_height_map
 from .measured import CalibrationData as CalibrationData
 from .measured import of_tables as of_tables
 from .measured import read_calibration as read_calibration

@@ -1,102 +1,85 @@
-"""Image files of contacts, whose grey values are read on access, and the forces at which they were taken."""
+"""Image files of contacts, the forces at which they were taken, and height maps of microscopes."""
 
 from __future__ import annotations
 
-import math
 import re
+import warnings
 from collections import Counter
 from collections.abc import Iterable, Sequence
-from contextlib import suppress
-from dataclasses import dataclass
-from difflib import get_close_matches
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from metafem import _validate as check
 from metafem._extras import refuse_missing
-from metafem._given import printable, shown
+from metafem._given import printable
+from metafem.calibration.contact_table import listed
 from metafem.errors import InvalidInput, refuse_if
-from metafem.files.disk import MARK, file_label
-from metafem.files.tables import Columns, Entries, Table
+from metafem.files.disk import file_label, refuse_unreadable
+from metafem.files.tables import Columns, Table
+from metafem.files.units import factor, quantity
 from metafem.notes import Note
-from metafem.progress import message
 
-# Extensions of the files that are read.
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+# Extensions of the image files that are read.
 FORMATS = (".tif", ".tiff", ".png")
 
 # Weights of red, green and blue in the luminance, from Recommendation ITU-R BT.709.
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
+FORCES = Columns(
+    "image,load_mN,friction_force_mN,sheared_image,test",
+    ("image,load",),
+    "image",
+    "image,load_mN (or in another unit), optionally with friction_force_mN, sheared_image and test",
+)
 
-@dataclass(frozen=True)
-class ImageFile:
-    """One image, which is a file or a page of a file.
 
-    `name` is the path of the file as it was given, or its name in the folder that was given. If the file has
-    several pages, the name ends with the number of the page, counted from 1, such as ``stack.tif:3``.
-    `broken` is the reason why the image cannot be read, or "".
-    """
+class ImageFile(NamedTuple):
+    """One image: its name, ``stack.tif:3`` for the third page of a file with several, its file and page."""
 
     name: str
     path: Path
-    broken: str = ""
     page: int = 0
 
 
 class Images(Sequence[NDArray[Any]]):
-    """A sequence of the grey values of images, (rows, columns) each, which are read from a file on access.
-
-    The grey values of an image in colour are its luminance. `coloured` holds the names of such images that
-    were read.
-    """
+    """A sequence of the grey values of images, (rows, columns) each, which are read on access."""
 
     def __init__(self, files: Sequence[ImageFile]) -> None:
         self.files = tuple(files)
-        self.coloured: dict[str, None] = {}
 
     def __len__(self) -> int:
         return len(self.files)
 
     def __getitem__(self, index: Any) -> Any:
-        if isinstance(index, slice):
-            return Images(self.files[index])
-        values, coloured = read_image(self.files[index])
-        if coloured:
-            self.coloured[self.files[index].name] = None
-        return values
+        return read_image(self.files[index])
 
 
 def find_images(sources: Iterable[str | Path]) -> list[ImageFile]:
-    """Return all images in files and folders; every page of a file is one image.
+    """Return all images in files and folders, in natural order; every page of a file is one image.
 
-    The files of a folder are in natural order, 2 before 10. A file that cannot be opened is returned as an
-    image that is `broken`. Raise InvalidInput for a name that does not exist, a file of another format, a
-    folder without an image, or two images of one name.
+    A file that cannot be opened is one image, whose reading fails. Raise InvalidInput for a name that does
+    not exist, a file of another format, a folder without an image, or two images of one name.
     """
     refuse_missing("imageio", "images", "reading images")
-    paths: list[Path] = []
+    found: list[ImageFile] = []
     for source in map(Path, sources):
-        paths += _in_folder(source) if source.is_dir() else [_checked(source)]
-    files = [image for path in paths for image in _pages(path)]
-    for name, count in Counter(image.name for image in files).items():
-        refuse_if(count > 1, f"two images have the name {printable(name)}; give them different names")
-    return files
-
-
-def read_image(image: ImageFile) -> tuple[NDArray[Any], bool]:
-    """Return the grey values, (rows, columns) with row 0 at the top, and whether the image is in colour.
-
-    Raise InvalidInput, which names the image, if the image cannot be read.
-    """
-    from imageio.v3 import imread
-
-    refuse_if(image.broken, f"{printable(image.name)}: {image.broken}")
-    try:
-        return _grey(imread(image.path, index=image.page, plugin="pillow"))
-    except (OSError, ValueError, SyntaxError, EOFError) as error:
-        raise InvalidInput(f"{printable(image.name)}: {_unreadable(error)}") from None
+        refuse_if(not source.exists(), f"{file_label(source)}: no such file or folder")
+        files = sorted(source.iterdir(), key=lambda path: natural(path.name)) if source.is_dir() else [source]
+        paths = [path for path in files if path.suffix.lower() in FORMATS and not path.name.startswith(".")]
+        refuse_if(not paths, f"{file_label(source)} is or holds no image that is read; save TIFF or PNG")
+        for path in paths:
+            count = _pages(path)
+            pages = [ImageFile(f"{path.name}:{page + 1}", path, page) for page in range(count)]
+            found += pages if count > 1 else [ImageFile(path.name, path)]
+    for name, number in Counter(image.name for image in found).items():
+        refuse_if(number > 1, f"two images have the name {printable(name)}; give them different names")
+    return found
 
 
 def natural(name: str) -> list[tuple[int, str]]:
@@ -105,163 +88,146 @@ def natural(name: str) -> list[tuple[int, str]]:
     return [(int(part), "") if i % 2 else (-1, part) for i, part in enumerate(parts)]
 
 
-def _grey(values: NDArray[Any]) -> tuple[NDArray[Any], bool]:
-    """Return the grey values, (rows, columns), and whether the colours of `values` differ.
-
-    The shape of `values` is (rows, columns) or (rows, columns, channels).
-    """
-    if values.ndim == 2:
-        return values.astype(values.dtype.newbyteorder("="), copy=False), False
-    colours = values[..., :3] if values.shape[2] > 2 else values[..., :1]
-    if (colours == colours[..., :1]).all():
-        return np.ascontiguousarray(colours[..., 0]), False
-    grey = colours @ LUMINANCE
-    # integers remain integers, because saturated pixels are recognised by the ends of the integer scale
-    return (np.rint(grey) if values.dtype.kind in "ui" else grey).astype(values.dtype), True
-
-
-def _in_folder(folder: Path) -> list[Path]:
-    """Return the paths of the images in a folder, in natural order; figures by metafem are left out."""
-    names = sorted(folder.iterdir(), key=lambda entry: (natural(entry.name), entry.name))
-    found = [entry for entry in names if entry.suffix.lower() in FORMATS and entry.is_file()]
-    found = [entry for entry in found if not entry.name.startswith(".")]
-    drawn = [entry for entry in found if _is_drawing(entry)]
-    if drawn:
-        which = printable(", ".join(entry.name for entry in drawn), 80)
-        message(f"{file_label(folder)}: not read, because they are drawings by metafem: {which}")
-    found = [entry for entry in found if entry not in drawn]
-    refuse_if(not found, f"{file_label(folder)} holds no TIFF or PNG image")
-    return found
-
-
-def _is_drawing(path: Path) -> bool:
-    """Return whether metafem wrote the file as a figure, for example in an earlier measurement."""
-    with suppress(OSError), path.open("rb") as file:
-        return MARK.encode() in file.read(200)
-    return False
-
-
-def _checked(path: Path) -> Path:
-    """Return the path; raise InvalidInput if there is no such file, or if its format is not read."""
-    exists = False
-    with suppress(OSError, ValueError):
-        exists = path.exists()
-    refuse_if(not exists, f"{file_label(path)}: no such file or folder")
-    must = "is no image that can be read; save it as TIFF or PNG"
-    refuse_if(path.suffix.lower() not in FORMATS, f"{file_label(path)} {must}")
-    return path
-
-
-def _pages(path: Path) -> list[ImageFile]:
-    """Return the images in a file; a file that cannot be opened is one broken image."""
+def _pages(path: Path) -> int:
+    """Return the number of pages of a file; 1 if it cannot be opened."""
     from imageio.v3 import improps
 
+    everything: Any = ...
     try:
-        everything: Any = ...
-        count = improps(path, index=everything, plugin="pillow").n_images or 1
+        return improps(path, index=everything, plugin="pillow").n_images or 1
+    except (OSError, ValueError, SyntaxError, EOFError):
+        return 1
+
+
+def read_image(image: ImageFile) -> NDArray[Any]:
+    """Return the grey values, (rows, columns) with row 0 at the top; the luminance of an image in colour."""
+    from imageio.v3 import imread
+
+    try:
+        values = imread(image.path, index=image.page, plugin="pillow")
     except (OSError, ValueError, SyntaxError, EOFError) as error:
-        return [ImageFile(path.name, path, _unreadable(error))]
-    if count == 1:
-        return [ImageFile(path.name, path)]
-    return [ImageFile(f"{path.name}:{page + 1}", path, page=page) for page in range(count)]
+        reason = printable(" ".join(str(error).split()), 200) or "it is damaged"
+        raise InvalidInput(f"{printable(image.name)} cannot be read: {reason}") from None
+    if values.ndim == 2:
+        return values.astype(values.dtype.newbyteorder("="), copy=False)
+    colours = values[..., :3] if values.shape[2] > 2 else values[..., [0, 0, 0]]
+    # integers remain integers, because saturated pixels are recognised by the ends of the integer scale
+    grey = colours @ LUMINANCE
+    return np.asarray(np.rint(grey) if values.dtype.kind in "ui" else grey).astype(values.dtype)
 
 
-def _unreadable(error: Exception) -> str:
-    reason = getattr(error, "strerror", None) or " ".join(str(error).split())
-    return f"cannot be read: {printable(reason, 200) or 'it is damaged'}"
+def read_forces(names: Sequence[str], source: str | Path | Table | None) -> tuple[DataFrame, list[Note]]:
+    """Return the forces of images, one row for each image before shear, and notes on what is left out.
 
-
-COLUMNS = Columns(
-    "image,load_mN,friction_force_mN,sheared_image,test",
-    ("image,load",),
-    "image",
-    "image,load_mN (or in another unit), optionally with friction_force_mN, sheared_image and test",
-)
-
-
-@dataclass(frozen=True)
-class Shot:
-    """An image with its forces [N]; `sheared` is the image at the peak of the friction force, if any."""
-
-    image: ImageFile
-    sheared: ImageFile | None = None
-    test: str = ""
-    load: float = math.nan
-    friction_force: float = math.nan
-
-
-def shots(
-    images: Sequence[ImageFile], forces: str | Path | Table | None = None
-) -> tuple[list[Shot], list[Note]]:
-    """Return the images with their forces, in the order of the images, and warnings on what is left out.
-
-    `forces` is a table. Its columns are ``image``, ``load`` with its unit, such as ``load_mN``, and
-    optionally ``friction_force`` with its unit, ``sheared_image`` and ``test``. An image is named by its
-    file, and a page of a stack as ``stack.tif:3``. A line is left out if its image does not exist, and a
-    sheared image is left out if it does not exist. Raise InvalidInput, with line and column, if an entry
-    cannot be read or if no line is left.
+    `names` are the names of all images. `source` is a table with the columns ``image``, ``load`` with its
+    unit, such as ``load_mN``, and optionally ``friction_force`` with its unit, ``sheared_image`` and
+    ``test``. Raise InvalidInput, with line and column, if an entry cannot be read, or if the table names none
+    of the images.
     """
-    from metafem.calibration.contact_table import listed
+    import pandas as pd
 
-    if forces is None:
-        return [Shot(image) for image in images], []
-    entries = COLUMNS.read(forces)
-    load, force = entries.numbers("load", empty=True), entries.numbers("friction_force", empty=True)
-    rows = zip(*(entries.texts(name) for name in ("image", "sheared_image", "test")), strict=True)
-    notes = _misspelt(entries)
-    names = {f"{image.name}:1": image for image in images} | {image.name: image for image in images}
-    used: dict[str, int] = {}
-    found: dict[str, Shot] = {}
-    absent: InvalidInput | None = None
-    for row, (first, second, test) in enumerate(rows):
-        for column, what, empty in (("image", "name", not first), ("load", "load", math.isnan(load[row]))):
-            if empty:
-                raise InvalidInput(f"{entries.cell(row, column)} is empty; write the {what} of the image")
-        both: list[ImageFile | None] = []
-        for column, name, what in (("image", first, "line"), ("sheared_image", second, "sheared image")):
-            image = names.get(name)
-            if image is not None:
-                if image.name in used:
-                    raise InvalidInput(
-                        f"{entries.cell(row, column)} = {shown(name, 60)} is in line {used[image.name]} too"
-                    )
-                used[image.name] = entries.table.rows[row][0]
-            elif name:
-                absent = InvalidInput(f"{entries.cell(row, column)} = {_absent(name, names)}")
-                notes.append(Note(f"the {what} is left out: {absent}"))
-            both.append(image)
-            if both[0] is None:
-                break
-        if both[0] is not None:
-            found[both[0].name] = Shot(both[0], both[1], test, float(load[row]), float(force[row]))
-    if absent is not None and not found:
-        raise absent
-    without = [image.name for image in images if image.name not in used]
-    if without:
-        are = "is" if len(without) == 1 else "are"
-        notes.append(Note(f"{listed(without)} {are} not in the table of forces: the load is empty"))
-    # a sheared image belongs to the Shot of its image before shear, and does not get its own Shot
-    leading = [image for image in images if image.name in found or image.name not in used]
-    return [found.get(image.name) or Shot(image) for image in leading], notes
+    texts, numbers = ("image", "test", "sheared_image"), ("load", "friction_force")
+    every = pd.DataFrame({"image": [*names], "test": "", "sheared_image": "", "load": np.nan})
+    every["friction_force"] = np.nan
+    if source is None:
+        return every, []
+    entries = FORCES.read(source)
+    found = pd.DataFrame(
+        {name: entries.texts(name) for name in texts}
+        | {name: entries.numbers(name, empty=True) for name in numbers}
+    )
+    shown = pd.concat([found["image"], found["sheared_image"][found["sheared_image"] != ""]])
+    twice = shown[shown.duplicated()]
+    for column, wrong, must in (
+        ("image", found["image"] == "", "is empty; write the name of the image"),
+        ("load", found["load"].isna(), "is empty; write the load of the image"),
+        ("image", found["image"].isin(twice), f"{listed(twice)} is named twice; name each image once"),
+        ("sheared_image", found["sheared_image"].isin(twice), f"{listed(twice)} is named twice"),
+    ):
+        for row in np.flatnonzero(wrong)[:1].tolist():
+            raise InvalidInput(f"{entries.cell(row, column)} {must}")
+    absent = [name for name in shown if name not in names]
+    kept = found[found["image"].isin(names)]
+    table = entries.table.name
+    words = f"{table}: {listed(absent)} is not among the images {listed(names)}; a page is named a.tif:1"
+    refuse_if(kept.empty, words)
+    kept = kept.assign(sheared_image=kept["sheared_image"].where(kept["sheared_image"].isin(names), ""))
+    without = every[~every["image"].isin(shown)]
+    order = {name: i for i, name in enumerate(names)}
+    result = pd.concat([kept, without]).sort_values("image", key=lambda image: image.map(order))
+    notes = [Note(words)] * (absent != [])
+    text = f"{listed(without['image'])}: not in the table of forces, so that the load is empty"
+    return result.reset_index(drop=True), notes + [Note(text)] * (not without.empty)
 
 
-def _absent(name: str, names: dict[str, ImageFile]) -> str:
-    """Return the error text for a name in the table that is not the name of an image."""
-    pages = list(dict.fromkeys(image.name for image in names.values() if image.name.startswith(f"{name}:")))
-    near = get_close_matches(name, list(names), 1)
-    hint = f"; did you mean {printable(near[0], 60)}?" if near else ""
-    if pages:
-        hint = f"; it has {len(pages)} pages, name one as {printable(pages[0], 60)}"
-    return f"{shown(name, 60)} is not among the images{hint}"
+def read_height_map(
+    path: str | Path, pixel: str | None = None, height_unit: str | None = None
+) -> tuple[NDArray[np.float32], tuple[float, float]]:
+    """Return the heights in a file, relative to their median, and the sides of a pixel along x and y [mm].
+
+    Parameters
+    ----------
+    path : str or Path
+        File in the format .npy (rows as in an image), or in a format that SurfaceTopography reads: .x3p,
+        .sur, .plux and others.
+    pixel : str, optional
+        Distance between neighbouring pixels, such as ``"2 um"``, for a file that does not state it.
+    height_unit : str, optional
+        Unit of the heights, such as ``"um"``, for a file that does not state it.
+
+    Raises
+    ------
+    InvalidInput
+        If the file cannot be read or holds no map, if the pixel or the unit is stated nowhere, or if an
+        argument states what the file already states.
+    """
+    name, array = file_label(path), Path(path).suffix.lower() == ".npy"
+    refuse_unreadable(path)
+    try:
+        heights, sides, unit = _array(path) if array else _instrument(path, name)
+    except (InvalidInput, MemoryError):
+        raise
+    except Exception as error:  # the readers raise exceptions of all types for damaged files
+        raise InvalidInput(
+            f"{name} cannot be read as a height map: {type(error).__name__}: {printable(str(error), 200)}"
+        ) from None
+    for option, example, what, stated, given in (
+        ("--pixel", "2 um", "the size of its pixels", sides, pixel),
+        ("--height-unit", "um", "the unit of its heights", unit, height_unit),
+    ):
+        refuse_if(stated and given, f"{name} states {what}; leave {option} out")
+        lacks = f'{name} does not state {what}; add for example {option} "{example}"'
+        refuse_if(not stated and not given, lacks)
+    try:
+        size = float(factor(unit or height_unit or "", "mm"))
+    except InvalidInput as error:
+        raise InvalidInput(f'--height-unit {error}; write for example "um"') from None
+    if pixel is not None:
+        width = check.number("--pixel", quantity("--pixel", pixel, "mm"), above=0.0)
+        sides = width / size, width / size
+    middle = np.nanmedian(heights)
+    return ((heights - middle) * size).astype(np.float32), (sides[0] * size, sides[1] * size)
 
 
-def _misspelt(entries: Entries) -> list[Note]:
-    """Return warnings on columns that are not read, but whose names resemble that of a missing column."""
-    known = {*COLUMNS.units, *COLUMNS.plain}
-    lacking = [COLUMNS.title(name) for name in sorted(known - entries.columns.keys())]
-    near = ((title, get_close_matches(title, lacking, 1)) for title in entries.unread)
-    return [
-        Note(f"{entries.table.name}: the column {printable(title, 40)} is not read; did you mean {names[0]}?")
-        for title, names in near
-        if names
-    ]
+def _array(path: str | Path) -> tuple[NDArray[Any], Any, str | None]:
+    """Return the heights in an .npy file, which states neither pixels nor unit."""
+    values = np.load(path, allow_pickle=False).astype(np.float64)
+    refuse_if(values.ndim != 2, f"{file_label(path)} holds no map of rows and columns of heights")
+    return values, None, None
+
+
+def _instrument(path: str | Path, name: str) -> tuple[NDArray[Any], Any, str | None]:
+    """Return the heights in a file of an instrument, the sides of a pixel, and their unit, if stated."""
+    refuse_missing("SurfaceTopography", "metrology", f"reading {name}")
+    with warnings.catch_warnings():  # its import warns of a missing mpi4py
+        warnings.simplefilter("ignore", ImportWarning)
+        from SurfaceTopography import IO
+    with IO.open_topography(str(path)) as reader:
+        maps = [each for each in reader.channels if each.dim == 2 and each.is_height_channel]
+        refuse_if(not maps, f"{name} holds no map of heights")
+        channel, sizes, points = maps[0], maps[0].physical_sizes, maps[0].nb_grid_pts
+        heights = channel.topography(**({} if sizes else {"physical_sizes": points})).heights()
+    unit = channel.unit if isinstance(channel.unit, str) and channel.unit else None
+    sides = (sizes[0] / points[0], sizes[1] / points[1]) if sizes and unit else None
+    # in SurfaceTopography the first index runs along x, and the second upwards along y
+    return np.ma.filled(np.ma.asarray(heights).astype(np.float64), np.nan).T[::-1], sides, unit

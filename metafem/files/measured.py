@@ -7,19 +7,22 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from itertools import chain
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from metafem._given import printable, unit_of
 from metafem._validate import FloatArray
-from metafem.calibration import ContactTable, at_peak, over_plateau
-from metafem.calibration.contact_table import pressed_images, sheared_points
+from metafem.calibration import at_peak, over_plateau
+from metafem.calibration.contact_table import by_image, pressed_images, sheared_points
 from metafem.errors import InvalidInput, refuse_if
 from metafem.files.contacts import contacts_of
 from metafem.files.disk import file_label
 from metafem.files.tables import NONE, SINGLE, Columns, Entries, is_of_contacts, read_table, row_of
 from metafem.notes import Note, information
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 COLUMNS = Columns(
     "test,load_mN,area_mm2,area_1_mm2,area_before_mm2,area_sheared_mm2,friction_force_mN,displacement_um",
@@ -227,18 +230,19 @@ def _pull(entries: Entries, sliding: bool) -> Shear:
     )
 
 
-def _of_contacts(
-    contacts: ContactTable, name: str, label: str, notes: list[Note]
-) -> list[Compression | Shear]:
+def _of_contacts(contacts: DataFrame, name: str, label: str, notes: list[Note]) -> list[Compression | Shear]:
     """Return the points of a table of contacts, and append notes on images that are left out."""
-    place = np.array([f"{name}, image {image}" for image in contacts.image])
-    test = np.array([each or label for each in contacts.test])
+    images, areas = by_image(contacts)
+    place = np.array([f"{name}, image {image}" for image in images["image"]])
+    test = np.array([each or label for each in images["test"]])
     used, left_out = pressed_images(contacts)
     points, image, without = sheared_points(contacts)
     found: list[Compression | Shear] = []
     if used.size:
         found.append(
-            Compression(contacts.load[used], contacts.area[used], tuple(test[used]), tuple(place[used]))
+            Compression(
+                images["load"].to_numpy()[used], areas["area"][used], tuple(test[used]), tuple(place[used])
+            )
         )
     if image.size:
         before, sheared, force = points
@@ -255,12 +259,12 @@ def _named(notes: Iterable[Note], file: str) -> list[Note]:
     return [replace(note, text=f"{file}: {note}") for note in notes]
 
 
-def _boundary(contacts: ContactTable) -> float | None:
+def _boundary(contacts: DataFrame) -> float | None:
     """Return the rms error of the contacts' boundary [mm] that explains the errors of the areas, or None."""
-    known = np.isfinite(contacts.area) & (contacts.area > 0.0)
-    if not known.any():
+    known = contacts[contacts["area"] > 0.0]
+    if known.empty:
         return None
-    errors = contacts.area_error[known] / (2.0 * np.sqrt(np.pi * contacts.area[known]))
+    errors = known["area_error"] / (2.0 * np.sqrt(np.pi * known["area"]))
     return float(np.sqrt(np.mean(errors**2))) or None
 
 

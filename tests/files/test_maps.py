@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.files.maps import read_height_map
+from metafem.files.images import read_height_map
 
 # Heights [um] of 6 rows and 5 columns with two holes; relative to their median 14.5.
 HEIGHTS = np.arange(30.0).reshape(6, 5)
@@ -29,11 +29,9 @@ def test_a_map_in_x3p(topography, tmp_path):
     topography.to_x3p(str(tmp_path / "map.x3p"))
     with warnings.catch_warnings():
         warnings.simplefilter("error")  # an importer without mpi warns nobody
-        stored = read_height_map(tmp_path / "map.x3p")
-    assert stored.pixel == pytest.approx((2e-3, 3e-3), rel=1e-12)
-    np.testing.assert_allclose(
-        stored.values, 1e-3 * (HEIGHTS - MIDDLE), atol=1e-9
-    )  # single precision of 15 um
+        heights, sides = read_height_map(tmp_path / "map.x3p")
+    assert sides == pytest.approx((2e-3, 3e-3), rel=1e-12)
+    np.testing.assert_allclose(heights, 1e-3 * (HEIGHTS - MIDDLE), atol=1e-9)  # single precision of 15 um
     for option in ({"pixel": "2 um"}, {"height_unit": "um"}):
         with pytest.raises(mf.InvalidInput, match="leave --"):
             read_height_map(tmp_path / "map.x3p", **option)
@@ -54,10 +52,10 @@ def sur_file(path):
 
 def test_a_map_of_digital_surf(tmp_path):
     sur_file(tmp_path / "map.sur")
-    stored = read_height_map(tmp_path / "map.sur")
+    heights, sides = read_height_map(tmp_path / "map.sur")
     # a header in single precision
-    assert stored.pixel == pytest.approx((2e-3, 3e-3), rel=1e-6)
-    np.testing.assert_allclose(stored.values, 1e-3 * (HEIGHTS - MIDDLE), atol=1e-8)
+    assert sides == pytest.approx((2e-3, 3e-3), rel=1e-6)
+    np.testing.assert_allclose(heights, 1e-3 * (HEIGHTS - MIDDLE), atol=1e-8)
 
 
 @pytest.mark.parametrize("name", ["map.sur", "map.x3p"])

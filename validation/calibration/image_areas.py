@@ -14,8 +14,7 @@ from scipy.ndimage import label
 from metafem._validate import FloatArray
 from metafem._values import percent
 from metafem.calibration import ContactAreas, contact_areas
-from metafem.calibration.contours import contours
-from metafem.calibration.images import otsu, smoothed
+from metafem.calibration.images import contour, otsu, smoothed
 from metafem.drawing import ACHIEVED, QUIET, TARGET
 from validation.check import Claim, Picture, Row, below, near, reported, rms
 from validation.figures import panels
@@ -97,7 +96,7 @@ def uncorrected(radius: float) -> tuple[float, float]:
     for centre in side / 2.0 + rng.uniform(-0.5, 0.5, (20, 2)):
         covered = coverage((side, side), [centre], [radius], blur=BLUR)
         image, variance = smoothed((1.0 - covered).astype(np.float32), EDGE)
-        enclosed.append(contours(image, (image < 0.5).astype(np.int32), 0.5, 1).area[0])
+        enclosed.append(contour(np.pad(image, 1, constant_values=1.0), 0.5).area)
     return float(np.mean(enclosed) / (math.pi * radius**2) - 1.0), by_curvature(radius, EDGE**2 + variance)
 
 

@@ -120,10 +120,8 @@ def _figure():
     friction laws as designed and as made.
     """
     from metafem.calibration.figures import made_figure
-    from metafem.calibration.topography import HeightMap
 
     part = _part(1)
-    heights = HeightMap(part.heights, (PIXEL, PIXEL))
     law = mf.friction_law(part.design)
     made = mf.friction_law(part.made.surface, load=law.load)
-    return made_figure(part.made, heights, law, made)
+    return made_figure(part.made, law, made)

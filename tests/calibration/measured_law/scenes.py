@@ -5,7 +5,8 @@ from functools import cache
 import numpy as np
 
 import metafem as mf
-from metafem.calibration import ContactTable, MeasuredLaw, MeasurementErrors
+from metafem.calibration import MeasuredLaw, MeasurementErrors
+from tests.calibration.contacts import table_of
 
 MATERIAL, FRICTION = mf.Material(1.36), mf.Friction(0.404, 0.85)
 ERRORS = MeasurementErrors()
@@ -30,7 +31,7 @@ def contacts(**changed):
         "matched": True, "area": area, "area_error": 0.01 * area,
         "sheared_area": np.full((3, 2), np.nan), "sheared_area_error": np.full((3, 2), np.nan),
     }  # fmt: skip
-    return ContactTable(**arrays | changed)
+    return table_of(*(arrays | changed).values())
 
 
 def two_branches(x=LOAD, noise=0.0, crossover=0.1, sx=3e-3, sy=8e-3, seed=0):

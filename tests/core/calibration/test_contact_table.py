@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from metafem.calibration import ContactTable, MeasurementErrors, shear
+from metafem.calibration import MeasurementErrors, shear
 from metafem.calibration.contact_table import pressed_images, sheared_points
+from tests.calibration.contacts import table_of
 
 LIMIT = 0.01
 
@@ -16,7 +17,7 @@ def pressed(area, load=None, matched=False):
     names = tuple(f"{i + 1}.tif" for i in range(count))
     load = np.full(count, 0.1) if load is None else np.array(load)
     position, site = np.zeros((contacts, 2)), 10 + np.arange(contacts)
-    return ContactTable(
+    return table_of(
         names, ("",) * count, load, load * np.nan, position, site, matched, area, 0.01 * area, none, none
     )
 
@@ -29,7 +30,7 @@ def sheared(before, after, force=None):
         np.where(area > 0.0, 0.01 * area, np.where(area == 0.0, LIMIT, np.nan)) for area in (before, after)
     ]
     names = tuple(f"{i + 1}.tif" for i in range(count))
-    return ContactTable(
+    return table_of(
         *(names, ("",) * count, force * np.nan, force, np.zeros((contacts, 2)), np.arange(contacts), False),
         *(before, errors[0], after, errors[1]),
     )

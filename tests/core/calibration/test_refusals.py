@@ -1,10 +1,10 @@
 """What calibrations refuse: the argument and the value that was given are in the message."""
 
 import numpy as np
+import pandas as pd
 
 import metafem as mf
 from metafem.calibration import (
-    DesignSites,
     MeasuredLaw,
     MeasurementErrors,
     Sample,
@@ -81,8 +81,9 @@ def matched(**given):
 
 def tracked(**given):
     """Follow the contacts of one image with changed arguments."""
-    one = {"areas": [images.contacts(seen(images.SITES), 0.1)], "image": ["a"]}
-    return lambda: track_contacts(**one | given)
+    one = {"areas": {"a": images.contacts(seen(images.SITES), 0.1)}}
+    forces = pd.DataFrame({"image": ["a"], "sheared_image": "", "load": 1.0})
+    return lambda: track_contacts(**one | {"forces": forces} | given)
 
 
 def mapped(**given):
@@ -149,7 +150,7 @@ REFUSALS = [
     (matched(centre=sites()[:2]), "2 contacts", "2"),
     (matched(site_position=np.zeros((4, 2))), "site", "coincident"),
     (matched(centre=seen(sites((8, 8), 1.2))), "64", "1.2"),
-    (tracked(areas=[images.contacts(np.zeros((0, 2)), 0.1)]), "contact", "a"),
+    (tracked(areas={"a": images.contacts(np.zeros((0, 2)), 0.1)}), "contact", "a"),
     (mapped(), "map", "0.526"),
     (mapped(design_surface=FOUR.replaced(cap=mf.Power(3))), "design_surface.cap", "3"),
     (lambda: aligned(0.7 * FOUR.position, FOUR.height, FOUR, False), "caps", "1.05"),
@@ -175,12 +176,9 @@ REFUSALS = [
     (lambda: grey_values(np.zeros((4, 50, 50))), "image", "(4, 50, 50)"),
     (lambda: grey_values(np.eye(50) * 1e38), "image", "1e+38"),
     (lambda: grey_values("picture.tif"), "image", "picture.tif"),
-    (lambda: stack_areas([np.zeros(SHAPE), np.ones(SHAPE)], PIXEL), "images", "1"),
+    (lambda: stack_areas([np.zeros(SHAPE), np.ones(SHAPE)], PIXEL), "image 1", "0"),
     (matched(viewed_from="below"), "viewed_from", "below"),
-    (tracked(areas=[]), "image", "1"),
-    (tracked(areas=[images.contacts(sites(), 0.1)] * 2, image=["a", "a"]), "image", "a"),
-    (tracked(sites=DesignSites(1.4 * sites())), "a", "2.1"),
-    (lambda: DesignSites(sites(), [1] * 64), "site", "64"),
+    (tracked(site_position=1.4 * sites()), "a", "2.1"),
     (
         lambda: aligned(FEW.position, FEW.height, lattice(np.random.default_rng(0), (5, 4)), False),
         "2 caps",

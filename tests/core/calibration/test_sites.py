@@ -3,13 +3,14 @@
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from metafem.calibration import DesignSites, match_sites, track_contacts
+from metafem.calibration import match_sites, track_contacts
+from metafem.calibration.contact_table import by_image
 from metafem.calibration.sites import complex_points, real_points, similarity
-from metafem.notes import Note
 from tests.calibration.sites.scenes import SITES, contacts, cropped, loading
 from validation.scenes.lattice_views import seen, trial
 
@@ -44,32 +45,36 @@ def test_any_arrangement(n, turn, scale, mirrored, seed):
 def test_an_open_outer_row_is_ambiguous():
     found = match_sites(seen(SITES[:56], turn=0.03, scale=1.02), SITES)
     assert found.ambiguous
-    assert "2 places" in str(found.notes[0])
+
+
+def tracked(found, load=np.nan, sheared=(), **given):
+    """Follow contacts in images a, b, c and so on, and under shear in A, B, C; return also the areas."""
+    names = [chr(97 + i) for i in range(len(found))]
+    under = {chr(65 + i): one for i, one in enumerate(sheared) if one is not None}
+    forces = pd.DataFrame({"image": names, "test": "1", "load": load, "friction_force": np.nan})
+    forces["sheared_image"] = [name.upper() if name.upper() in under else "" for name in names]
+    result = track_contacts(dict(zip(names, found, strict=True)) | under, forces, **given)
+    return result, by_image(result.table)[1]
 
 
 def test_areas_stand_at_their_sites_in_all_images():
     found, exact = loading(mirrored=True)
-    names = [f"{i}.tif" for i in range(6)]
-    tracked = track_contacts(
-        found, names, load=0.1 * np.arange(6), sites=DesignSites(SITES, viewed_from="block")
-    )
-    table = tracked.table
-    np.testing.assert_allclose(table.area, exact, rtol=1e-12)
-    np.testing.assert_allclose(table.area_error, 0.01 * exact, rtol=1e-12)
-    assert tracked.reference == 5
-    assert table.matched
-    assert table.site.tolist() == list(range(64))
-    assert tracked.remarks == ()
-    assert np.isnan(table.sheared_area).all()
-    np.testing.assert_array_equal(table.position, SITES)
-    for areas, placed in zip(found, tracked.placed, strict=True):
-        distance = np.linalg.norm(areas.centre - placed.position[placed.site], axis=1)
+    result, areas = tracked(found, 0.1 * np.arange(6), site_position=SITES, viewed_from="block")
+    np.testing.assert_allclose(areas["area"], exact, rtol=1e-12)
+    np.testing.assert_allclose(areas["area_error"], 0.01 * exact, rtol=1e-12)
+    assert result.name == "f"
+    assert result.table["site"].tolist() == [*range(64)] * 6
+    assert result.notes == []
+    assert np.isnan(areas["sheared_area"]).all()
+    np.testing.assert_array_equal(result.table[["x", "y"]][:64], SITES)
+    for one, placed in zip(found, result.placed.values(), strict=True):
+        distance = np.linalg.norm(one.centre - placed.position[placed.site], axis=1)
         assert distance.max() < 0.03
     few = np.arange(3, 64, 2)
-    areas = contacts(seen(SITES[few])[::-1], 0.1 + 0.001 * few[::-1])
-    table = track_contacts([areas], ["a"], sites=DesignSites(SITES[few], few)).table
-    assert table.site.tolist() == few.tolist()
-    np.testing.assert_allclose(table.area[0], np.pi * (0.1 + 0.001 * few) ** 2, rtol=1e-12)
+    own = contacts(seen(SITES[few])[::-1], 0.1 + 0.001 * few[::-1])
+    result, areas = tracked([own], site_position=SITES[few], site_number=few)
+    assert result.table["site"].tolist() == few.tolist()
+    np.testing.assert_allclose(areas["area"][0], np.pi * (0.1 + 0.001 * few) ** 2, rtol=1e-12)
 
 
 def test_without_sites_contacts_are_numbered_and_followed():
@@ -80,15 +85,15 @@ def test_without_sites_contacts_are_numbered_and_followed():
     shifts[-1] = 0.0
     closed = [[2], [2, 4], [4, 2, 0, 1], [0, 1, 2, 3, 4]]
     found = [contacts(caps[c] + d, 0.1 + 0.01 * np.array(c)) for c, d in zip(closed, shifts, strict=True)]
-    tracked = track_contacts(found, list("abcd"), test=["1"] * 4)
+    result, areas = tracked(found)
     exact = np.zeros((4, 5))
     for i, c in enumerate(closed):
         exact[i, c] = np.pi * (0.1 + 0.01 * np.array(c)) ** 2
-    np.testing.assert_allclose(tracked.table.area, exact, rtol=1e-12)
-    np.testing.assert_allclose(tracked.table.position, caps, atol=1e-12)
-    assert not tracked.table.matched
-    assert tracked.match is None
-    assert tracked.table.test == ("1",) * 4
+    np.testing.assert_allclose(areas["area"], exact, rtol=1e-12)
+    np.testing.assert_allclose(result.table[["x", "y"]][:5], caps, atol=1e-12)
+    assert result.table["site"].isna().all()
+    assert result.match is None
+    assert result.table["contact"].tolist() == [1, 2, 3, 4, 5] * 4
 
 
 def test_sheared_images_move_with_their_contacts():
@@ -97,12 +102,12 @@ def test_sheared_images_move_with_their_contacts():
         None if i % 2 else replace(each, centre=each.centre + np.array([0.4, 0.1]), area=0.85 * each.area)
         for i, each in enumerate(found)
     ]
-    table = track_contacts(found, list("abcdef"), sheared=moved, sites=DesignSites(SITES)).table
-    np.testing.assert_allclose(table.sheared_area[::2], 0.85 * exact[::2], rtol=1e-12)
-    assert np.isnan(table.sheared_area[1::2]).all()
+    _, areas = tracked(found, sheared=moved, site_position=SITES)
+    np.testing.assert_allclose(areas["sheared_area"][::2], 0.85 * exact[::2], rtol=1e-12)
+    assert np.isnan(areas["sheared_area"][1::2]).all()
 
 
-def test_what_cannot_be_measured_is_named():
+def test_what_cannot_be_measured_has_no_area():
     where = seen(SITES)
     # at the edge, merged with its neighbour to the right, saturated, and a region between the sites
     centre = np.vstack([where[:61], [0.5 * (where[61] + where[62])], where[63:], [where[9] + 0.7]])
@@ -110,18 +115,16 @@ def test_what_cannot_be_measured_is_named():
     axes = second.axes.copy()
     axes[61] = [0.9, 0.3]
     second = replace(second, axes=axes)
-    third = contacts(where[:0], 0.3, failed=True, notes=(Note("cannot be read: truncated"),))
     fourth = contacts(where[where[:, 1] < 12.0], 0.3, shape=(1200, 1400))
     beside = where.copy()
     beside[5] += 0.15
-    stack = [contacts(where, 0.3), second, third, fourth, contacts(beside, 0.3)]
-    found = track_contacts(stack, list("abcde"), sites=DesignSites(SITES))
-    assert [remark.partition(":")[0] for remark in found.remarks] == [
-        *("b, site 0", "b, site 61", "b, site 62", "c", "e, site 5"),
-    ]
-    assert [np.flatnonzero(np.isnan(area)).tolist() for area in found.table.area] == [
+    result, areas = tracked(
+        [contacts(where, 0.3), second, None, fourth, contacts(beside, 0.3)], site_position=SITES
+    )
+    assert [np.flatnonzero(np.isnan(area)).tolist() for area in areas["area"]] == [
         *([], [0, 61, 62], list(range(64)), list(range(56, 64)), [5]),
     ]
+    assert [note.text[:22] for note in result.notes] == ["b: 1 regions are on no", "e: 1 regions are on no"]
 
 
 def test_through_the_block_heights_csv_is_mirrored():
@@ -136,46 +139,20 @@ def test_through_the_block_heights_csv_is_mirrored():
     assert -1 in wrong.site  # the three in a row alone look the same from both sides
 
 
-def test_without_areas_the_design_is_centred():
-    centre = seen(SITES[:56])
-    assert match_sites(centre, SITES, frame=(12.0, 14.5)).site.tolist() == list(range(56))
-    assert match_sites(centre, SITES, frame=(12.0, 11.5)).site.tolist() == list(range(8, 64))
-
-
 def test_an_image_without_load_does_not_number_the_contacts():
     other = contacts(np.random.default_rng(0).uniform(0.5, 13.5, (90, 2)), 0.2)
     own = contacts(seen(SITES), 0.3)
-    assert track_contacts([other, own], ["a", "b"], load=[np.nan, 1.0]).reference == 1
-    assert track_contacts([other, own], ["a", "b"]).reference == 0
+    assert tracked([other, own], [np.nan, 1.0])[0].name == "b"
+    assert tracked([other, own])[0].name == "a"
 
 
-def test_a_shift_by_more_than_half_a_pitch_is_found_where_the_whole_lattice_is_seen():
-    found, exact = loading(drift=0.0)
-    moved = [replace(one, centre=one.centre + np.array([1.0, 0.0]), shape=(1400, 1600)) for one in found]
-    table = track_contacts([*found, moved[-1]], list("abcdefg"), sites=DesignSites(SITES)).table
-    np.testing.assert_allclose(table.area[-1], exact[-1], rtol=1e-12)
-
-
-@pytest.mark.parametrize("given", [{}, {"sites": DesignSites(SITES)}])
-def test_a_shift_by_one_pitch_that_matches_two_contacts_more_is_not_taken(given):
-    """Two of eight contacts stand beyond the upper row."""
+def test_a_shift_by_more_than_half_a_pitch_leaves_contacts_on_no_site_and_is_said():
     where = seen(SITES)
-    few = contacts(np.vstack([where[[56, 57]] + [0.0, 1.5], where[10:16]]), 0.1, shape=(1600, 1600))
-    tracked = track_contacts([few, contacts(where, 0.2, shape=(1600, 1600))], ["a", "b"], **given)
-    assert np.flatnonzero(tracked.table.area[0] > 0.0).tolist() == list(range(10, 16))
-    assert sum("may be shifted" in str(note) for note in tracked.notes) == 1
-
-
-@pytest.mark.parametrize(("drift", "unclear"), [(0.5, False), (0.7, True)])
-def test_a_shift_by_nearly_half_a_pitch_is_not_certain_for_few_contacts(drift, unclear):
-    where = seen(SITES)
-    few = contacts(where[[18, 27, 29, 37]] + [drift, 0.0], 0.1)
-    tracked = track_contacts([few, contacts(where, 0.2)], ["a", "b"], sites=DesignSites(SITES))
-    assert np.flatnonzero(tracked.table.area[0] > 0.0).tolist() == [18, 27, 29, 37]
-    assert any("may be shifted" in str(note) for note in tracked.notes) == unclear
-    all_of_them = contacts(where + np.array([drift, 0.0]), 0.1, shape=(1400, 1500))
-    tracked = track_contacts([all_of_them, contacts(where, 0.2)], ["a", "b"], sites=DesignSites(SITES))
-    assert not any("may be shifted" in str(note) for note in tracked.notes)
+    for drift, strays in ((0.7, 0), (1.0, 8)):
+        moved = contacts(where + np.array([drift, 0.0]), 0.1, shape=(1400, 1500))
+        result, _ = tracked([moved, contacts(where, 0.2)], [0.0, 1.0], site_position=SITES)
+        assert len(result.notes) == (strays > 0)
+        assert not strays or f"{strays} regions are on no site" in str(result.notes[0])
 
 
 def test_the_fit_of_a_pose_has_the_least_squares():
@@ -197,12 +174,12 @@ def test_the_fit_of_a_pose_has_the_least_squares():
 
 def test_contacts_cut_by_the_frame_at_large_load_do_not_shift_the_others():
     few, full, where, closed = cropped()
-    table = track_contacts([few, full], ["a", "b"]).table
-    assert len(table.site) == 64
-    near = np.array([np.argmin(np.hypot(*(where - p).T)) for p in table.position])
-    measured = table.area[0] > 0.0
+    result, areas = tracked([few, full])
+    table = result.table[:64]
+    assert len(result.table) == 2 * 64
+    near = np.array([np.argmin(np.hypot(*(where - p).T)) for p in table[["x", "y"]].to_numpy()])
+    measured = areas["area"][0] > 0.0
     assert near[measured].tolist() == sorted(closed)
-    np.testing.assert_allclose(table.area[0, measured], few.area[np.argsort(closed)], rtol=1e-12)
-    assert near[np.isnan(table.area[1])].tolist() == [39, 63]
-    alone = track_contacts([full], ["b"])
-    assert len(alone.table.site) == 62
+    np.testing.assert_allclose(areas["area"][0, measured], few.area[np.argsort(closed)], rtol=1e-12)
+    assert near[np.isnan(areas["area"][1])].tolist() == [39, 63]
+    assert len(tracked([full])[0].table) == 62

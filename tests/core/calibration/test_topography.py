@@ -8,18 +8,8 @@ from scipy.ndimage import gaussian_filter
 from scipy.special import ndtri
 
 import metafem as mf
-from metafem.calibration.figures import made_figure, residuals
-from metafem.calibration.topography import (
-    SD_OF_MEDIAN,
-    HeightMap,
-    aligned,
-    cells,
-    correlation,
-    lagged,
-    levelled,
-    pooled,
-    summed,
-)
+from metafem.calibration.figures import made_figure
+from metafem.calibration.topography import SD_OF_MEDIAN, _map, aligned, base_plane, correlated, pooled
 from tests.calibration.topography.scenes import FOUR, PIXEL, damaged, lattice, mapped
 from validation.scenes.height_maps import Placement, Roughness, height_map
 
@@ -35,7 +25,6 @@ def test_exact_caps_are_found_exactly():
     assert made.rotation == pytest.approx(0.01, abs=1e-6)
     assert np.abs(made.position_error).max() < 1e-6
     assert made.missing.size == 0
-    assert not made.mirrored
 
 
 def test_heights_radii_and_positions_of_rough_caps_and_of_a_mould():
@@ -44,11 +33,10 @@ def test_heights_radii_and_positions_of_rough_caps_and_of_a_mould():
     assert np.abs(made.height_error).max() < 4.0 * made.height_sd.max() < 1e-3
     assert np.abs(made.radius_error / made.radius_sd).max() < 4.0
     assert np.abs(made.position_error / made.position_sd[:, None]).max() < 4.0
-    assert made.levelling.tilt == pytest.approx([2e-3, -1e-3], abs=5e-5)
+    assert made.tilt == pytest.approx([2e-3, -1e-3], abs=5e-5)
     assert not made.notes
     mould = made_surface(-rough[:, ::-1], PIXEL, FOUR, mould=True)
     np.testing.assert_allclose(mould.surface.height, made.surface.height, atol=1e-4)
-    assert mould.mirrored
     common = made_surface(rough, PIXEL, FOUR, common_radius=True)
     assert (common.height_sd < made.height_sd).all()
     assert np.ptp(common.surface.radius) == 0.0
@@ -62,7 +50,6 @@ def test_a_turned_or_mirrored_map_gives_the_same_surface():
     for quarter, mirrored in ((3, True), (2, False)):
         turned = np.rot90(-rough[:, ::-1] if mirrored else rough, quarter)
         made = made_surface(turned, PIXEL, FOUR, mould=mirrored)
-        assert made.mirrored == mirrored
         assert np.abs(made.height_error).max() < 1e-3
         assert np.abs(made.position_error).max() < 2e-3
 
@@ -90,56 +77,15 @@ def test_damaged_maps_give_the_same_heights(kind):
     assert np.abs(made.position_error).max() < 1e-3
 
 
-def test_sums_over_lags_are_those_of_double_loops():
-    rng = np.random.default_rng(0)
-    columns = rng.normal(size=(2, 4, 5))
-    kernel = rng.normal(size=(5, 5))
-    kernel += kernel[::-1, ::-1]
-    expected = np.zeros((2, 2))
-    places = list(np.ndindex(4, 5))
-    for i in places:
-        for j in places:
-            lag = np.subtract(i, j) + 2
-            if lag.min() >= 0 and lag.max() <= 4:
-                expected += kernel[tuple(lag)] * np.outer(columns[:, *i], columns[:, *j])
-    np.testing.assert_allclose(summed(columns, kernel), expected, atol=1e-12)
-    assert lagged(columns[0], columns[0], 2)[2, 2] == pytest.approx((columns[0] ** 2).sum())
-    assert correlation([np.zeros((8, 8))], [np.ones((8, 8))], 1).sum() == 1.0
-
-
 def test_tilt_and_bow_of_an_exact_map_are_found_from_below():
-    exact = HeightMap(height_map(FOUR, (400, 400), 8e-3, rng=0, **EXACT), (8e-3, 8e-3))
-    level = levelled(exact, cells(exact, 4), True)
+    exact = _map(height_map(FOUR, (400, 400), 8e-3, rng=0, **EXACT), 8e-3, False)
+    level = base_plane(exact.cells(4), True)
     # cells that a foot crosses rise less than 4.5 s.d. only if the s.d. is not 0: single precision is left
-    np.testing.assert_allclose(level.tilt, [2e-3, -1e-3], atol=1e-7)
-    np.testing.assert_allclose(level.bow, [3e-4, 1e-4, -2e-4], atol=1e-7)
-    np.testing.assert_allclose(level.base(level.centre[:1], level.centre[1:]), 0.0, atol=1e-7)
+    np.testing.assert_allclose(level.coefficient, [0.0, 2e-3, -1e-3, 3e-4, 1e-4, -2e-4], atol=1e-7)
     assert ndtri(0.75) == pytest.approx(1.0 / SD_OF_MEDIAN, abs=1e-4)
     flat = height_map(FOUR, (400, 400), 8e-3, rng=0, bow=(0.0, 0.0, 0.0), **EXACT)
-    plane = HeightMap(flat, (8e-3, 8e-3))
-    level = levelled(plane, cells(plane, 4), False)
-    np.testing.assert_allclose(level.tilt, [2e-3, -1e-3], atol=1e-7)
-    assert not level.bow.any()
-
-
-def test_the_standard_error_of_the_base_plane_covers_its_error():
-    """The cells with caps are known here, so that the fit is one of least squares."""
-    scores = []
-    for rng in range(40):
-        rough = height_map(FOUR, (400, 400), 8e-3, rng=rng, roughness=Roughness(length=0.03), steepest=None)
-        rough = HeightMap(rough, (8e-3, 8e-3))
-        found = cells(rough, 4)
-        x, y = np.meshgrid(found.x, found.y)
-        caps = np.zeros(x.shape, dtype=bool)
-        for cx, cy in FOUR.position + 1.6:
-            caps |= np.hypot(x - cx, y - cy) < 0.52
-        level = levelled(rough, found, True, caps)
-        at = np.array([0.8]), np.array([2.4])
-        true = 2e-3 * -0.8 - 1e-3 * 0.8 + (3e-4 - 1e-4 - 2e-4) * 0.64
-        scores.append(float((level.base(*at) - true)[0] / level.base_sd(*at)[0]))
-    # 40 values of s.d. 1: their s.d. within three of its standard errors
-    assert np.std(scores) == pytest.approx(1.0, abs=3.0 / np.sqrt(80))
-    assert np.mean(scores) == pytest.approx(0.0, abs=3.0 / np.sqrt(40))
+    level = base_plane(_map(flat, 8e-3, False).cells(4), False)
+    np.testing.assert_allclose(level.coefficient, [0.0, 2e-3, -1e-3], atol=1e-7)
 
 
 def test_summits_are_matched_whichever_way_the_part_lay_on_the_map():
@@ -155,7 +101,6 @@ def test_summits_are_matched_whichever_way_the_part_lay_on_the_map():
             *(design, mirrored),
         )
         assert found.site.tolist() == summits.tolist()
-        assert found.mirrored == mirrored
         assert found.decided
         assert np.abs(found.position - design.position[summits]).max() < 1e-3
         turned = -degrees if mirrored else degrees
@@ -171,16 +116,13 @@ def test_an_exact_map_leaves_nothing_above_the_feet_and_is_drawn():
     exact = height_map(row, (160, 460), 0.01, **EXACT)
     exact[20:40, 20:40] += 5e-3
     made = made_surface(exact, 0.01, row)
-    shown = HeightMap(exact, (0.01, 0.01))
-    rest = residuals(shown, made)
-    np.testing.assert_allclose(shown.extent, (4.6, 1.6))
-    assert rest.shape == (80, 230)
+    np.testing.assert_allclose(made.extent, (4.6, 1.6))
+    assert made.residual.shape == (80, 230)
     # caps and feet leave nothing: the spheres are subtracted at the pixels, not at the middles of cells
-    assert np.abs(rest[25:]).max() < 1e-6
-    np.testing.assert_allclose(rest[11:19, 11:19], 5e-3, atol=1e-6)
-    np.testing.assert_allclose(residuals(HeightMap(-exact, (0.01, 0.01), -1.0), made), rest)
+    assert np.abs(made.residual[25:]).max() < 1e-6
+    np.testing.assert_allclose(made.residual[11:19, 11:19], 5e-3, atol=1e-6)
     law = mf.friction_law(row)
-    figure = made_figure(made, shown, law, mf.friction_law(made.surface, load=law.load))
+    figure = made_figure(made, law, mf.friction_law(made.surface, load=law.load))
     assert [ax.get_ylabel() != "" for ax in figure.axes[:4]] == [True] * 4
 
 
@@ -209,18 +151,10 @@ def test_the_correlation_of_fitted_residuals_gives_the_variance_of_the_fit(width
     fields = [gaussian_filter(rng.normal(size=(49, 49)), width)[8:41, 8:41] for _ in range(300)]
     means = np.array([(field * disc).sum() / disc.sum() for field in fields])
     rest = [(field - mean) * disc for field, mean in zip(fields, means, strict=True)]
-    found = correlation(rest, [disc] * len(rest), 1)
     variance = np.mean([(each**2).sum() for each in rest]) / disc.sum()
-    expected = variance * summed(disc[None], found)[0, 0] / disc.sum() ** 2
+    expected = variance * correlated(rest, 1, 5) / disc.sum()
     # the variance of 300 means has a relative standard error of sqrt(2 / 300), 8 %
     assert expected == pytest.approx(means.var(), rel=0.2)
-
-
-def test_windows_hold_the_pixels_around_a_point():
-    flat = HeightMap(np.zeros((10, 20)), (0.5, 1.0), -1.0)
-    rows, columns = flat.window(np.array([5.0, 2.0]), 1.0)
-    np.testing.assert_allclose(flat.x(columns), [4.25, 4.75, 5.25, 5.75])
-    np.testing.assert_allclose(flat.y(rows), [2.5, 1.5])
 
 
 def test_a_common_radius_is_the_joint_least_squares_estimate():

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.calibration import ContactTable, MeasurementErrors
+from metafem.calibration import MeasurementErrors
 from metafem.files.contacts import contacts_table
+from tests.calibration.contacts import table_of
 
 A = np.linspace(0.08, 0.4, 20)
 AREA = 5.0 * math.pi * A**2
@@ -86,7 +87,7 @@ def contacts():
     area = np.repeat(AREA[:, None] / 5.0, 5, axis=1)
     corner = 5.05 * np.array([[0.0, 0.0], [-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]])
     images, error = tuple(f"{i}.tif" for i in range(20)), 1e-3 * np.sqrt(math.pi * area)
-    return ContactTable(
+    return table_of(
         *(images, ("",) * 20, LOAD, 0.3145 * AREA, corner, np.arange(5), False),
         *(area, error, 0.85 * area, error),
     )

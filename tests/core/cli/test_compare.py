@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.calibration import ContactTable
 from metafem.files.contacts import contacts_table
+from tests.calibration.contacts import table_of
 
 
 @pytest.fixture
@@ -87,7 +87,7 @@ def write_contacts(design, made):
     area = np.array([mf.equilibrium(made, design.law.model, load=each).asperity_area for each in load])
     friction = surface.friction
     force = friction.shear_strength * friction.area_ratio * area.sum(axis=1)
-    table = ContactTable(
+    table = table_of(
         *(("0.20.tif", "0.80.tif"), ("", ""), load, force, surface.position, design.sites, True),
         *(area, 2.8e-3 * np.sqrt(math.pi * area), np.nan * area, np.nan * area),
     )

@@ -8,8 +8,10 @@ import xarray as xr
 
 import metafem as mf
 from metafem import files
-from metafem.calibration import ContactTable, fit_compression, shear
+from metafem.calibration import fit_compression, shear
 from metafem.files.calibrated import calibration_data
+from metafem.files.result import plain_data
+from tests.calibration.contacts import table_of
 from tests.core.files.specs import small, text
 
 MATERIAL, BLOCK = mf.Material(1.36), mf.Block(8.0, 8.0, 4.0)
@@ -20,7 +22,7 @@ MIXED = mf.Surface.square_lattice(
     friction=mf.Friction(0.4, 0.85),
 )  # fmt: skip
 NONE = np.full((2, 2), np.nan)
-CONTACTS = ContactTable(
+CONTACTS = table_of(
     ('1, "a".tif:1', "#2.tif"), ("", "b"), np.array([0.1 / 3.0, np.nan]), np.array([np.nan, 1e-7]),
     np.array([[0.0, -1.0 / 3.0], [1.5e3, 0.0]]), np.array([7, 3]), True,
     np.array([[0.1, 0.0], [np.nan, 2.0 / 3.0]]),
@@ -66,8 +68,9 @@ FILES = {
         lambda: MIXED.replaced(height=[0.1, 0.11, 0.147, 0.13]),  # without the rounding error of a sum
     ),
     "contacts.csv": (
-        lambda path: path.write_text(files.contacts_table(CONTACTS), "utf-8"), files.read_contacts,
-        lambda: CONTACTS,
+        lambda path: path.write_text(files.contacts_table(CONTACTS), "utf-8"),
+        lambda path: plain_data(files.read_contacts(path).to_dict("list")),
+        lambda: plain_data(CONTACTS.to_dict("list")),
     ),
     "calibration.json": (
         write_calibration, lambda path: of_parameters(files.read_parameters(path)), parameters,

@@ -3,7 +3,6 @@
 import os
 import tomllib
 from functools import partial
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -285,16 +284,16 @@ TABLES = {
     files.read_contacts: [
         (f"{IMAGES}\n,.05,1,3,0,0,.1,.01\n", "line 2: image", "empty"),
         (f"{FIRST}a,.05,0,4,1,0,.1,.01\n", "line 3: contact", "'0'"),
-        (f"{FIRST}a,.05,1,4,1,0,.1,.01\n", "line 3: contact", "line 2"),
-        (f"{FIRST}b,.05,2,4,1,0,.1,.01\n", "image a", "contact 2"),
+        (f"{FIRST}a,.05,1,4,1,0,.1,.01\n", "line 3: contact", "'1'"),
+        (f"{FIRST}b,.05,2,4,1,0,.1,.01\n", "t.csv", "image a"),
         (f"{FIRST}a,.05,2,4,1,0,-.2,.01\n", "line 3: area_mm2", "-.2"),
         (f"{FIRST}a,.05,2,4,1,0,,.01\n", "line 3: area_mm2", "area_error_mm2"),
         (f"{FIRST}a,.05,2,4,,0,.1,.01\n", "line 3: x_mm", "empty"),
         (f"{FIRST}a,.06,2,4,1,0,.1,.01\n", "line 3: load_N", "'.06'"),
         (f"{FIRST}b,.05,1,3,1,0,.1,.01\n", "line 3: x_mm", "'1'"),
-        (f"{FIRST}a,.05,2,3,1,0,.1,.01\n", "line 3: site", "3 is"),
+        (f"{FIRST}a,.05,2,3,1,0,.1,.01\n", "line 2: site", "'3'"),
         ("image,load_N,contact,x_mm,y_mm,area_error_mm2,area_mm2,sheared_area_mm2\na,1,1,0,0,1,1,1\n",
-        "sheared_area_error_mm2", "lacks"),
+        "line 2: sheared_area_error", "empty"),
     ],
     calibration: [
         ("load_mN,height_um\n1,2\n", "height_um", "load_mN,area_mm2"),
@@ -305,12 +304,11 @@ TABLES = {
         (f"{IMAGES}\na,,1,3,0,0,.1,.01\n", "t.csv", "no image has a load"),
     ],
     partial(calibration, sliding=True): [("load_mN,area_mm2\n1,2\n", "--sliding", "displacement_um")],
-    partial(files.shots, [files.ImageFile(name, Path("a")) for name in ("1.tif", "s.tif:1", "s.tif:2")]): [
+    partial(files.read_forces, ["1.tif", "s.tif:1", "s.tif:2"]): [
         ("image,load_mN\n1.tif,\n", "line 2: load_mN", "empty"),
-        ("image,load_mN\n3.tif,5\n", "line 2: image", "1.tif?"),
-        ("image,load_mN\ns.tif,5\n", "line 2: image", "2 pages"),
-        ("image,load_mN\n1.tif,5\n1.tif,6\n", "line 3: image", "line 2"),
-        ("image,load_mN,sheared_image\n1.tif,5,1.tif\n", "line 2: sheared_image", "'1.tif'"),
+        ("image,load_mN\ns.tif,5\n", "t.csv", "s.tif is not among the images 1.tif, s.tif:1"),
+        ("image,load_mN\n1.tif,5\n1.tif,6\n", "line 2: image", "1.tif"),
+        ("image,load_mN,sheared_image\n1.tif,5,1.tif\n", "line 2: image", "1.tif"),
     ],
 }  # fmt: skip
 
