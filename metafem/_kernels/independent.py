@@ -20,6 +20,9 @@ from metafem._kernels.vectors import add
 # Relative error of the load at which the iteration ends: the rounding of the logarithms in the tables.
 ROUNDING = 32.0 * np.finfo(np.float64).eps
 
+# Least stiffness [mm] by which is divided; open contacts have none.
+TINY = np.finfo(np.float64).tiny
+
 
 @partial(compiled, any_order=True)
 def hertz_block(radius, gap, start, stop, base, depth):
@@ -156,3 +159,47 @@ def rates(law, indentation, load, stiffness, area, area_slope):
                 p = contact.LOAD / contact.STIFFNESS * rate * d
             load[j, i], stiffness[j, i] = p, rate
             area[j, i], area_slope[j, i] = math.pi * square, math.pi * widening
+
+
+@partial(compiled, any_order=True)
+def sink(law, indentation, stiffness, area_slope, displacement, carried, load, results):
+    """Let the base sink, at fixed loads `carried` (k,), under displacements (k, n) of the contacts.
+
+    indentation, stiffness, area_slope: those without the displacements. Fill the loads of the contacts
+    (k, n), and `results` (3, k): the sinking, the change of its derivative by the load due to the curvature
+    of the laws, and the area. The derivative of dP/dd = 2 a, of every elastic law, is 2/pi (dA/dd)/(dP/dd).
+    """
+    n = indentation.shape[1]
+    rate = np.empty(n)
+    for j in range(indentation.shape[0]):
+        z, u, own, p = indentation[j], displacement[j], stiffness[j], load[j]
+        sinking = whole = bend = total = slope = area = wider = 0.0
+        for i in range(n):
+            whole += own[i]
+            sinking += own[i] * u[i]
+        sinking /= whole
+        for i in range(n):
+            bend += area_slope[j, i] * (u[i] - sinking) / max(own[i], TINY)
+        if law.data.size:
+            for i in range(n):
+                d, p[i], rate[i] = z[i] - (u[i] - sinking), 0.0, 0.0
+                if d > 0.0:
+                    p[i], rate[i], square, by_load = contact.pressed(law.data, law.which[i], law.scale[i], d)
+                    area += square
+                    wider += by_load * rate[i]
+        else:
+            for i in range(n):
+                d = max(z[i] - (u[i] - sinking), 0.0)
+                square = law.radius[i] * d
+                rate[i] = contact.STIFFNESS * math.sqrt(square)
+                p[i] = contact.LOAD / contact.STIFFNESS * rate[i] * d
+                area += square
+                wider += law.radius[i] if d > 0.0 else 0.0
+        for i in range(n):
+            total += p[i]
+            slope += rate[i]
+        missing = (carried[j] - total) / slope
+        for i in range(n):
+            p[i] += rate[i] * missing
+        results[0, j], results[1, j] = sinking, 2.0 / math.pi * bend / (whole * whole)
+        results[2, j] = math.pi * (area + wider * missing)

@@ -17,6 +17,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -186,33 +187,18 @@ def independent_errors(
         return curve, np.zeros(len(curve.load))
     bound, base = law.bound(surface), substrate.for_surface(surface)
     equation, radius, displaced = load_equation(bound), bound.summits(surface), displacements(surface, base)
-    at, load, area, approach = curve.load, curve.load[rows], curve.area[rows], curve.approach[rows, None]
-    z = approach - surface.gap
-    own, rate, areas, _ = equation.rates(z, radius)
-    weight = rate / rate.sum(axis=1, keepdims=True)
-
-    def moved(u: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return A0 (m,), the loads of the contacts, and ``u - U``, after displacements u, (m, n) each."""
-        u = u - (weight * u).sum(axis=1, keepdims=True)
-        pressed, slope, areas, area_slope = equation.rates(z - u, radius)
-        missing = (load - pressed.sum(axis=1)) / slope.sum(axis=1)
-        return (areas.sum(axis=1) + area_slope.sum(axis=1) * missing, pressed + slope * missing[:, None], u)
-
-    u = displaced(own)
-    first, pressed, apart = moved(u)
-    second = moved(displaced(pressed))[0]
+    load, area, z = curve.load[rows], curve.area[rows], curve.approach[rows, None] - surface.gap
+    own, rate, areas, area_rate = equation.rates(z, radius)
+    sunk = partial(equation.sunk, z, radius, rate, area_rate, load)
+    pressed, (sinking, bend, first) = sunk(displaced(own))
+    second = sunk(displaced(pressed))[1][2]
     error = SAFETY * (np.abs(second - area) + 0.5 * np.abs(second - first)) / area
     error += _higher_orders(bound, surface, base, own, areas)
-    step = 1e-6 * approach
-    bend = (equation.rates(z + step, radius)[1] - rate) / step
-    slope = (weight * displaced(weight)).sum(axis=1) + (bend * apart).sum(axis=1) / rate.sum(axis=1) ** 2
-    sunk = replace(
-        curve,
-        approach=curve.approach + at * np.interp(at, load, (weight * u).sum(axis=1) / load),
-        stiffness=curve.stiffness / (1.0 + np.interp(at, load, slope) * curve.stiffness),
-        compute_last=lambda: curve.last,
-    )
-    return sunk, np.interp(at, load, error)
+    slope = bend + np.einsum("ij,ij->i", rate, displaced(rate)) / rate.sum(axis=1) ** 2
+    at = curve.load
+    error, depth, slope = (np.interp(at, load, part) for part in (error, sinking / load, slope))
+    approach, stiffness = curve.approach + at * depth, curve.stiffness / (1.0 + slope * curve.stiffness)
+    return replace(curve, approach=approach, stiffness=stiffness, compute_last=lambda: curve.last), error
 
 
 def _higher_orders(
