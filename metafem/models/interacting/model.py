@@ -41,28 +41,21 @@ class Interacting:
       changes the areas of other caps, in second order by ``-2 (a D''/D' - 1) (g/D')^2``, where g is the slope
       and D(a) the indentation of the cap.
 
-    To first order in the shifts, these terms are the gradient of one energy. For very flat contacts, whose
-    slope D' at the edge is below 0.005, D' = 0.005 is used in the tilt. Both orders include the regular self
-    terms of the substrate.
+    To first order in the shifts, these terms are the gradient of one energy. Both orders include the regular
+    self terms of the substrate. The stiffness of a curve has a relative error below 1e-6.
 
     Errors are measured against resolved contacts. For paraboloids on a half-space, up to a/pitch = 0.32, the
-    error of order 3 is at most 0.03 % in the total load at fixed approach, and 0.25 % in A0 at fixed load
-    (0.12 % for up to nine contacts). The error of order 1 in A0 reaches 3 %. For nine spheres or power caps
-    with powers up to 4, order 3 is off by at most 0.04 % in the load and 0.15 % in A0. On a bonded layer with
-    nu = 0.5, the error of order 3 in A0 is at most 0.2 % up to a/t = 0.3. This error increases as (a/t)^5,
-    and is smaller for smaller Poisson's ratios.
+    error of order 3 is at most 0.03 % in the total load at fixed approach, and 0.25 % in A0 at fixed load;
+    that of order 1 in A0 reaches 3 %. For nine spheres or power caps with powers up to 4, order 3 is off by
+    at most 0.04 % in the load and 0.15 % in A0. On a bonded layer with nu = 0.5, the error of order 3 in A0
+    is at most 0.2 % up to a/t = 0.3, and increases as (a/t)^5. The notes of a state or law warn if contacts
+    overlap, or if the estimated error of order 3 in A0 exceeds 4 %.
 
     If the surface has a periodic cell, all displacements are sums over the periods, including those of an
     asperity by its own images. On a half-space they are relative to their mean, so that the separation is
-    measured from the mean plane of the deformed surface; a note states this. Above 2000 asperities the sites
-    must form a rectangular grid that divides the cell. Against finite elements of the unit cell of a square
-    lattice, the load of order 3 at a given contact radius is off by at most 0.03 % up to a/pitch = 0.19.
-
-    The stiffness of a curve has a relative error below 1e-6, because the loads of its tangent are solved to
-    1e-4.
-
-    The notes of a state or law warn if contacts overlap, or if the estimated error of order 3 in A0 exceeds
-    4 %, and state this error above 1 %.
+    measured from the mean plane of the deformed surface. Above 2000 asperities the sites must form a
+    rectangular grid that divides the cell. Against finite elements of the unit cell of a square lattice, the
+    load of order 3 at a given contact radius is off by at most 0.03 % up to a/pitch = 0.19.
 
     Parameters
     ----------
