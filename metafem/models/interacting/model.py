@@ -31,15 +31,13 @@ class Interacting:
     asperities. Load and area of each contact follow from its law; for Hertz's law
     ``P_i = 4/3 E* sqrt(R_i) d_i^(3/2)``. Lengths are in mm, loads in N, moduli in MPa.
 
-    Order 1 represents the other asperities by point loads, ``u_i = sum_j P_j/E* G(r_ij)``. Order 3 adds the
-    three terms of the next order:
+    Order 1 represents the other asperities by point loads, ``u_i = sum_j P_j/E* G(r_ij)``. Order 3 adds:
 
     - the finite size of the sources, ``M_j/4 lap G`` with the second moment M of their pressure, which is
       ``a_j^2/10 lap G`` per load for Hertz contacts;
     - the curvature of the field, ``sum_j P_j/E* lap G/2``, which is added to the curvature of the summit;
-    - the slope of the field, which tilts the contact and shifts Hertz contacts by ``-R grad u``. It also
-      changes the areas of other caps, in second order by ``-2 (a D''/D' - 1) (g/D')^2``, where g is the slope
-      and D(a) the indentation of the cap.
+    - the slope of the field, which tilts the contact and shifts Hertz contacts by ``-R grad u``. It changes
+      the areas of other caps by ``-2 (a D''/D' - 1) (g/D')^2``, with the slope g and the cap's indentation D.
 
     To first order in the shifts, these terms are the gradient of one energy. Both orders include the regular
     self terms of the substrate. The stiffness of a curve has a relative error below 1e-6.
