@@ -17,17 +17,18 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 from typing import Any
 
 import numpy as np
 import scipy
 
+from metafem._kernels import independent as kernel
 from metafem._validate import FloatArray, IntArray
 from metafem.contact import Contact
 from metafem.contact.elastic import PARABOLOID
 from metafem.contact.law import area_change, sizes_of
 from metafem.errors import MetafemError
+from metafem.models.contact_tables import tables
 from metafem.models.curve import Curve, ModelError
 from metafem.models.independent import Independent, load_equation
 from metafem.models.interacting.influence import close_pairs, displacements, nearest_distance, neighbours
@@ -186,12 +187,13 @@ def independent_errors(
     if not rows.size:
         return curve, np.zeros(len(curve.load))
     bound, base = law.bound(surface), substrate.for_surface(surface)
-    equation, radius, displaced = load_equation(bound), bound.summits(surface), displacements(surface, base)
+    table, displaced = tables(bound, bound.summits(surface)), displacements(surface, base)
     load, area, z = curve.load[rows], curve.area[rows], curve.approach[rows, None] - surface.gap
-    own, rate, areas, area_rate = equation.rates(z, radius)
-    sunk = partial(equation.sunk, z, radius, rate, area_rate, load)
-    pressed, (sinking, bend, first) = sunk(displaced(own))
-    second = sunk(displaced(pressed))[1][2]
+    own, rate, areas, area_rate, pressed, again = np.empty((6, *z.shape))
+    (sinking, bend, first), (_, _, second) = results = np.empty((2, 3, len(load)))
+    kernel.rates(table, z, own, rate, areas, area_rate)
+    kernel.sink(table, z, rate, area_rate, displaced(own), load, pressed, results[0])
+    kernel.sink(table, z, rate, area_rate, displaced(pressed), load, again, results[1])
     error = SAFETY * (np.abs(second - area) + 0.5 * np.abs(second - first)) / area
     error += _higher_orders(bound, surface, base, own, areas)
     slope = bend + np.einsum("ij,ij->i", rate, displaced(rate)) / rate.sum(axis=1) ** 2

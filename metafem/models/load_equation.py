@@ -93,16 +93,6 @@ class LoadEquation:
         kernel.rates(table, indentation, *results)
         return results
 
-    def sunk(
-        self, indentation: FloatArray, radius: FloatArray, stiffness: FloatArray, area_rate: FloatArray,
-        load: FloatArray, displacement: FloatArray,
-    ) -> tuple[FloatArray, FloatArray]:  # fmt: skip
-        """Return the loads of contacts (k, n) and the results (3, k) of `kernel.sink`, at loads (k,)."""
-        table = tables(self.law, np.broadcast_to(radius, indentation.shape[1:]))
-        pressed, results = np.empty_like(indentation), np.empty((3, len(load)))
-        kernel.sink(table, indentation, stiffness, area_rate, displacement, load, pressed, results)
-        return pressed, results
-
     def _solved(
         self, height: FloatArray, load: FloatArray, radius: FloatArray
     ) -> tuple[tuple[FloatArray, ...], FloatArray, FloatArray]:

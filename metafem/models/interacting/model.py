@@ -58,12 +58,11 @@ class Interacting:
     Parameters
     ----------
     order : {1, 3}
-        Order of the coupling, as described above; default: 3.
+        Default: 3.
     substrate : Substrate
         `HalfSpace()` (default), `BondedLayer()`, or any other substrate.
     contact : Contact
-        Law of one contact; default: `Hertz()`. Laws of adhesive and plastic contacts, and
-        tables of P(d) and A(d), need order 1.
+        Default: `Hertz()`. Adhesive and plastic contacts, and tables of P(d) and A(d), need order 1.
     pedestal : bool
         Whether to add the compliance of spherical caps in the limit of light loads, tabulated up to
         h/R = 0.6; default: False.
