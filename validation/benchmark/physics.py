@@ -104,8 +104,6 @@ class Worker:
 
     def seconds(self, work: str) -> float:
         """Return the seconds of a work."""
-        assert self.process.stdin is not None
-        assert self.process.stdout is not None
         self.process.stdin.write(f"{work}\n")
         self.process.stdin.flush()
         return float(self.process.stdout.readline())
@@ -171,8 +169,6 @@ def random_scenes() -> Iterator[Row]:
 def sizes() -> Iterator[Row]:
     """Count the lines, files and constants of the core."""
     spec = importlib.util.spec_from_file_location("count", ROOT / ".ci/count.py")
-    assert spec is not None
-    assert spec.loader is not None
     counting = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(counting)
     places = [ROOT / "metafem" / name for name in CORE.split()]
