@@ -40,7 +40,8 @@ def compiled(function, *, any_order=False):
     any_order: whether sums may be evaluated in any order, which vector instructions need. The last bits of
     the results then depend on the processor.
     """
-    fast = {"reassoc"} if any_order else False
+    # a product and a sum may be one instruction, which rounds once
+    fast = {"contract", "reassoc"} if any_order else {"contract"}
     options: Any = {"nogil": True, "no_cfunc_wrapper": True, "fastmath": fast, "error_model": "numpy"}
     dispatcher: Any = njit(**options)(function)
     dispatcher._cache = _Kept(function)

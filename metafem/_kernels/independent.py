@@ -14,11 +14,14 @@ from functools import partial
 import numpy as np
 
 from metafem._kernels import law as contact
-from metafem._kernels.compiled import compiled
-from metafem._kernels.vectors import add
+from metafem._kernels.compiled import compiled, inlined
+from metafem._kernels.vectors import add, total_of
 
 # Relative error of the load at which the iteration ends: the rounding of the logarithms in the tables.
 ROUNDING = 32.0 * np.finfo(np.float64).eps
+
+# Least stiffness [mm] by which is divided; open contacts have none.
+TINY = np.finfo(np.float64).tiny
 
 
 @partial(compiled, any_order=True)
@@ -139,20 +142,57 @@ def curve_at_approach(law, gap, approach, load, area, slope):
             load[j], slope[j], area[j] = sums(law, gap, last, depth)
 
 
-@compiled
+@inlined
+def press(law, z, load, stiffness, area, area_slope):
+    """Fill P/E* [mm^2], dP/dd [mm], area [mm^2] and dA/dd [mm] of contacts at indentations z (n,)."""
+    for i in range(z.size):  # vector instructions need loops that fill few arrays
+        stiffness[i] = contact.STIFFNESS * math.sqrt(law.radius[i] * max(z[i], 0.0))
+    for i in range(z.size):
+        load[i] = contact.LOAD / contact.STIFFNESS * stiffness[i] * max(z[i], 0.0)
+    for i in range(z.size):
+        area_slope[i] = math.pi * law.radius[i] if z[i] > 0.0 else 0.0
+    for i in range(z.size):
+        area[i] = area_slope[i] * z[i]
+    for i in range(z.size if law.data.size else 0):
+        if z[i] > 0.0:
+            p, rate, square, by_load = contact.pressed(law.data, law.which[i], law.scale[i], z[i])
+            load[i], stiffness[i], area[i], area_slope[i] = (
+                p,
+                rate,
+                math.pi * square,
+                math.pi * by_load * rate,
+            )
+
+
+@partial(compiled, any_order=True)
 def rates(law, indentation, load, stiffness, area, area_slope):
-    """Fill P/E* [mm^2], dP/dd [mm], area [mm^2] and dA/dd [mm] of contacts at indentations (k, n)."""
+    """Fill the results of `press` for indentations (k, n)."""
     for j in range(indentation.shape[0]):
-        for i in range(indentation.shape[1]):
-            d = indentation[j, i]
-            p = rate = square = widening = 0.0
-            if d > 0.0 and law.data.size:
-                p, rate, square, by_load = contact.pressed(law.data, law.which[i], law.scale[i], d)
-                widening = by_load * rate
-            elif d > 0.0:
-                widening = law.radius[i]
-                square = widening * d
-                rate = contact.STIFFNESS * math.sqrt(square)
-                p = contact.LOAD / contact.STIFFNESS * rate * d
-            load[j, i], stiffness[j, i] = p, rate
-            area[j, i], area_slope[j, i] = math.pi * square, math.pi * widening
+        press(law, indentation[j], load[j], stiffness[j], area[j], area_slope[j])
+
+
+@partial(compiled, any_order=True)
+def sink(law, indentation, stiffness, area_slope, displacement, carried, load, results):
+    """Let the base sink, at fixed loads `carried` (k,), under displacements (k, n) of the contacts.
+
+    indentation, stiffness, area_slope: those without the displacements. Fill the loads of the contacts
+    (k, n), and `results` (3, k): the sinking, the part of its derivative by the load that is due to the
+    curvature of P(d), and the area. For every elastic law dP/dd = 2 a, with the derivative 2/pi
+    (dA/dd)/(dP/dd).
+    """
+    d, rate, area, wider = np.empty((4, indentation.shape[1]))
+    for j in range(carried.size):
+        sinking = bend = 0.0
+        whole = total_of(stiffness[j])
+        for i in range(d.size):
+            sinking += stiffness[j, i] * displacement[j, i] / whole
+        for i in range(d.size):
+            apart = displacement[j, i] - sinking
+            d[i] = indentation[j, i] - apart
+            bend += area_slope[j, i] * apart / max(stiffness[j, i], TINY)
+        press(law, d, load[j], rate, area, wider)
+        missing = (carried[j] - total_of(load[j])) / total_of(rate)
+        for i in range(d.size):
+            load[j, i] += rate[i] * missing
+        results[0, j], results[1, j] = sinking, 2.0 / math.pi * bend / (whole * whole)
+        results[2, j] = total_of(area) + total_of(wider) * missing

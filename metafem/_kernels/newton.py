@@ -44,7 +44,7 @@ MAX_STEPS = 60
 
 # Relative residual of the linear solver, about the relative size of the terms that the matrix omits; and
 # maximum number of its steps. The next Newton step corrects an inexact solution.
-INNER = 1e-5
+INNER = 1e-4
 MAX_INNER = 400
 
 # Maximum number of halvings of a step; smaller steps change the energy by less than rounding.

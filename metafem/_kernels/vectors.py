@@ -2,37 +2,27 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 from metafem._kernels.compiled import compiled
 
 
-@compiled
+@partial(compiled, any_order=True)
 def dot(a, b):
-    """Return the inner product of a and the leading elements of b, computed as four partial sums."""
-    s0 = s1 = s2 = s3 = 0.0
-    whole = a.size - a.size % 4
-    for i in range(0, whole, 4):
-        s0 += a[i] * b[i]
-        s1 += a[i + 1] * b[i + 1]
-        s2 += a[i + 2] * b[i + 2]
-        s3 += a[i + 3] * b[i + 3]
-    for i in range(whole, a.size):
-        s0 += a[i] * b[i]
-    return (s0 + s1) + (s2 + s3)
+    """Return the inner product of a and the leading elements of b."""
+    total = 0.0
+    for i in range(a.size):
+        total += a[i] * b[i]
+    return total
 
 
-@compiled
+@partial(compiled, any_order=True)
 def total_of(a):
-    """Return the sum of a, computed as four partial sums."""
-    s0 = s1 = s2 = s3 = 0.0
-    whole = a.size - a.size % 4
-    for i in range(0, whole, 4):
-        s0 += a[i]
-        s1 += a[i + 1]
-        s2 += a[i + 2]
-        s3 += a[i + 3]
-    for i in range(whole, a.size):
-        s0 += a[i]
-    return (s0 + s1) + (s2 + s3)
+    """Return the sum of a."""
+    total = 0.0
+    for i in range(a.size):
+        total += a[i]
+    return total
 
 
 @compiled

@@ -22,11 +22,13 @@ from typing import Any
 import numpy as np
 import scipy
 
+from metafem._kernels import independent as kernel
 from metafem._validate import FloatArray, IntArray
 from metafem.contact import Contact
 from metafem.contact.elastic import PARABOLOID
 from metafem.contact.law import area_change, sizes_of
 from metafem.errors import MetafemError
+from metafem.models.contact_tables import tables
 from metafem.models.curve import Curve, ModelError
 from metafem.models.independent import Independent, load_equation
 from metafem.models.interacting.influence import close_pairs, displacements, nearest_distance, neighbours
@@ -185,34 +187,20 @@ def independent_errors(
     if not rows.size:
         return curve, np.zeros(len(curve.load))
     bound, base = law.bound(surface), substrate.for_surface(surface)
-    equation, radius, displaced = load_equation(bound), bound.summits(surface), displacements(surface, base)
-    at, load, area, approach = curve.load, curve.load[rows], curve.area[rows], curve.approach[rows, None]
-    z = approach - surface.gap
-    own, rate, areas, _ = equation.rates(z, radius)
-    weight = rate / rate.sum(axis=1, keepdims=True)
-
-    def moved(u: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return A0 (m,), the loads of the contacts, and ``u - U``, after displacements u, (m, n) each."""
-        u = u - (weight * u).sum(axis=1, keepdims=True)
-        pressed, slope, areas, area_slope = equation.rates(z - u, radius)
-        missing = (load - pressed.sum(axis=1)) / slope.sum(axis=1)
-        return (areas.sum(axis=1) + area_slope.sum(axis=1) * missing, pressed + slope * missing[:, None], u)
-
-    u = displaced(own)
-    first, pressed, apart = moved(u)
-    second = moved(displaced(pressed))[0]
+    table, displaced = tables(bound, bound.summits(surface)), displacements(surface, base)
+    load, area, z = curve.load[rows], curve.area[rows], curve.approach[rows, None] - surface.gap
+    own, rate, areas, area_rate, pressed, again = np.empty((6, *z.shape))
+    (sinking, bend, first), (_, _, second) = results = np.empty((2, 3, len(load)))
+    kernel.rates(table, z, own, rate, areas, area_rate)
+    kernel.sink(table, z, rate, area_rate, displaced(own), load, pressed, results[0])
+    kernel.sink(table, z, rate, area_rate, displaced(pressed), load, again, results[1])
     error = SAFETY * (np.abs(second - area) + 0.5 * np.abs(second - first)) / area
     error += _higher_orders(bound, surface, base, own, areas)
-    step = 1e-6 * approach
-    bend = (equation.rates(z + step, radius)[1] - rate) / step
-    slope = (weight * displaced(weight)).sum(axis=1) + (bend * apart).sum(axis=1) / rate.sum(axis=1) ** 2
-    sunk = replace(
-        curve,
-        approach=curve.approach + at * np.interp(at, load, (weight * u).sum(axis=1) / load),
-        stiffness=curve.stiffness / (1.0 + np.interp(at, load, slope) * curve.stiffness),
-        compute_last=lambda: curve.last,
-    )
-    return sunk, np.interp(at, load, error)
+    slope = bend + np.einsum("ij,ij->i", rate, displaced(rate)) / rate.sum(axis=1) ** 2
+    at = curve.load
+    error, depth, slope = (np.interp(at, load, part) for part in (error, sinking / load, slope))
+    approach, stiffness = curve.approach + at * depth, curve.stiffness / (1.0 + slope * curve.stiffness)
+    return replace(curve, approach=approach, stiffness=stiffness, compute_last=lambda: curve.last), error
 
 
 def _higher_orders(

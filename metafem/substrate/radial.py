@@ -154,12 +154,15 @@ class Radial(ABC):
                 full[j, i], full[i, j] = sign * part, part  # the gradients are antisymmetric
             matrix, slope_x, slope_y, laplacian = whole
             return matrix, slope_x, slope_y, laplacian
-        r = np.hypot(dx, dy)
+        r = np.sqrt(dx * dx + dy * dy)
         np.fill_diagonal(r, 1.0 if len(r) == 1 else r[0, 1])  # not used
-        matrix, first, second = bound.influence(r, derivatives=True)
+        matrix, first, second = bound.regular_derivatives(r)
+        inverse = 1.0 / r
+        point = inverse / math.pi
+        matrix = matrix + point
         np.fill_diagonal(matrix, bound.self_influence)
-        first /= r
-        laplacian = second + first
+        first = (first - point * inverse) * inverse
+        laplacian = first + second + 2.0 * point * inverse * inverse
         np.fill_diagonal(laplacian, 2.0 * bound.self_curvature)
         return matrix, first * dx, first * dy, laplacian
 

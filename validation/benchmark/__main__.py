@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import inspect
 from functools import partial
+from typing import Any
 
 import click
 
@@ -14,7 +16,9 @@ SPEEDS = "speeds"
 
 @click.command(cls=Listed, listed=partial(groups, "rows"))
 @click.argument("names", nargs=-1)
-def main(names: tuple[str, ...]) -> None:
+@click.option("--commit", help="Commit beside whose times those of physics are stated.")
+@click.option("--long", is_flag=True, help="Also measure what takes minutes.")
+def main(names: tuple[str, ...], **options: Any) -> None:
     """Measure NAMES, by default the table of speeds."""
     from rich.console import Console
     from rich.table import Table
@@ -23,7 +27,9 @@ def main(names: tuple[str, ...]) -> None:
     console = Console()
     for name in chosen(names or (SPEEDS,), "rows"):
         table = Table("quantity", "at most", "measured", "unit", title=name, title_justify="left")
-        for row in module(name, "rows").rows():
+        rows = module(name, "rows").rows
+        given = {key: options[key] for key in inspect.signature(rows).parameters if options[key]}
+        for row in rows(**given):
             style = None if row.measured <= row.required else "red"
             cells = (row.what, f"{row.required:g}", f"{row.measured:.3g}", row.unit)
             table.add_row(*map(Text, cells), style=style)

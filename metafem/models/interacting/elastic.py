@@ -161,13 +161,14 @@ class ElasticCoupling(Coupled):
                 scene = rows_of(law, row), self_term[row], gap[row]
                 equations = ContactEquations(sums, self.order, *scene, coarse)
                 last = equations.follow(control, by_load, part, indentation)
-            self._refuse_deep(rows_of(law, -1), last)
+            self._refuse_deep(law, -1, last)
             notes = (information(sums.note),)
             by_height = partial(equations.area_gradients, indentation)
             return Solution(results, height[-1], last, FAST_TOLERANCE, by_height, notes)
         coupling, regular = coupling_between(surface, bound, self.order)
         self_term += regular
-        tolerance = np.append(np.full(len(control) - 1, ON_CURVE), TOLERANCE)  # those of the kernel
+        tolerance = np.full(len(control), ON_CURVE)  # those of the kernel
+        tolerance[-1] = TOLERANCE
         control = np.array(control)  # a read-only array would compile the kernel again
         states = {}
 
@@ -187,7 +188,7 @@ class ElasticCoupling(Coupled):
         else:
             run_rows(partial(run, loads=slice(0, len(control))), len(gap), pairs, PAIRS_PER_THREAD)
         for (end, _), state in states.items():
-            self._refuse_deep(rows_of(law, end - 1), state)
+            self._refuse_deep(law, end - 1, state)
 
         def gradients() -> FloatArray:
             found = np.empty_like(indentation)
@@ -209,11 +210,11 @@ class ElasticCoupling(Coupled):
         size = 0 if self.order == 1 else self.surface.count
         return np.zeros((size, size))
 
-    def _refuse_deep(self, law: Law, state: State) -> None:
-        """Raise InvalidInput if an indentation exceeds the range of the law."""
+    def _refuse_deep(self, law: Law, row: int, state: State) -> None:
+        """Raise InvalidInput if an indentation of a surface exceeds the range of the law."""
         if not law.data.size:
             return
-        limit = deepest(law)
+        limit = deepest(rows_of(law, row))
         if (state.z > limit).any():
             i = int((state.z > limit).argmax())
             raise InvalidInput(

@@ -31,48 +31,38 @@ class Interacting:
     asperities. Load and area of each contact follow from its law; for Hertz's law
     ``P_i = 4/3 E* sqrt(R_i) d_i^(3/2)``. Lengths are in mm, loads in N, moduli in MPa.
 
-    Order 1 represents the other asperities by point loads, ``u_i = sum_j P_j/E* G(r_ij)``. Order 3 adds the
-    three terms of the next order:
+    Order 1 represents the other asperities by point loads, ``u_i = sum_j P_j/E* G(r_ij)``. Order 3 adds:
 
     - the finite size of the sources, ``M_j/4 lap G`` with the second moment M of their pressure, which is
       ``a_j^2/10 lap G`` per load for Hertz contacts;
     - the curvature of the field, ``sum_j P_j/E* lap G/2``, which is added to the curvature of the summit;
-    - the slope of the field, which tilts the contact and shifts Hertz contacts by ``-R grad u``. It also
-      changes the areas of other caps, in second order by ``-2 (a D''/D' - 1) (g/D')^2``, where g is the slope
-      and D(a) the indentation of the cap.
+    - the slope of the field, which tilts the contact and shifts Hertz contacts by ``-R grad u``. It changes
+      the areas of other caps by ``-2 (a D''/D' - 1) (g/D')^2``, with the slope g and the cap's indentation D.
 
-    To first order in the shifts, these terms are the gradient of one energy. For very flat contacts, whose
-    slope D' at the edge is below 0.005, D' = 0.005 is used in the tilt. Both orders include the regular self
-    terms of the substrate.
+    To first order in the shifts, these terms are the gradient of one energy. Both orders include the regular
+    self terms of the substrate. The stiffness of a curve has a relative error below 1e-6.
 
     Errors are measured against resolved contacts. For paraboloids on a half-space, up to a/pitch = 0.32, the
-    error of order 3 is at most 0.03 % in the total load at fixed approach, and 0.25 % in A0 at fixed load
-    (0.12 % for up to nine contacts). The error of order 1 in A0 reaches 3 %. For nine spheres or power caps
-    with powers up to 4, order 3 is off by at most 0.04 % in the load and 0.15 % in A0. On a bonded layer with
-    nu = 0.5, the error of order 3 in A0 is at most 0.2 % up to a/t = 0.3. This error increases as (a/t)^5,
-    and is smaller for smaller Poisson's ratios.
+    error of order 3 is at most 0.03 % in the total load at fixed approach, and 0.25 % in A0 at fixed load;
+    that of order 1 in A0 reaches 3 %. For nine spheres or power caps with powers up to 4, order 3 is off by
+    at most 0.04 % in the load and 0.15 % in A0. On a bonded layer with nu = 0.5, the error of order 3 in A0
+    is at most 0.2 % up to a/t = 0.3, and increases as (a/t)^5. The notes of a state or law warn if contacts
+    overlap, or if the estimated error of order 3 in A0 exceeds 4 %.
 
     If the surface has a periodic cell, all displacements are sums over the periods, including those of an
     asperity by its own images. On a half-space they are relative to their mean, so that the separation is
-    measured from the mean plane of the deformed surface; a note states this. Above 2000 asperities the sites
-    must form a rectangular grid that divides the cell. Against finite elements of the unit cell of a square
-    lattice, the load of order 3 at a given contact radius is off by at most 0.03 % up to a/pitch = 0.19.
-
-    The stiffness of a curve has a relative error below 1e-6, because the loads of its tangent are solved to
-    1e-4.
-
-    The notes of a state or law warn if contacts overlap, or if the estimated error of order 3 in A0 exceeds
-    4 %, and state this error above 1 %.
+    measured from the mean plane of the deformed surface. Above 2000 asperities the sites must form a
+    rectangular grid that divides the cell. Against finite elements of the unit cell of a square lattice, the
+    load of order 3 at a given contact radius is off by at most 0.03 % up to a/pitch = 0.19.
 
     Parameters
     ----------
     order : {1, 3}
-        Order of the coupling, as described above; default: 3.
+        Default: 3.
     substrate : Substrate
         `HalfSpace()` (default), `BondedLayer()`, or any other substrate.
     contact : Contact
-        Law of one contact; default: `Hertz()`. Laws of adhesive and plastic contacts, and
-        tables of P(d) and A(d), need order 1.
+        Default: `Hertz()`. Adhesive and plastic contacts, and tables of P(d) and A(d), need order 1.
     pedestal : bool
         Whether to add the compliance of spherical caps in the limit of light loads, tabulated up to
         h/R = 0.6; default: False.

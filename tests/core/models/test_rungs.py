@@ -30,3 +30,15 @@ def test_the_choice_on_random_scenes():
     ratio = found.estimate[large] / found.error[large]
     assert large.sum() > 60
     assert 0.9 < ratio.min() < ratio.max() < 3.0
+
+
+def test_the_stiffness_is_the_slope_of_the_load_where_a_contact_is_shallow():
+    surface = mf.Surface.square_lattice(
+        [0.2, 0.2, 0.1 + 2e-5, 0.15], (2, 2), 10.0, radius=0.5, material=mf.Material(1.36), cap=mf.Power(4.0)
+    )
+    end = mf.Independent(mf.Elastic()).curve(surface, approach=np.array([0.1])).load[0]
+    model = mf.Automatic(0.1, contact=mf.Elastic())
+    curve = model.curve(surface, end * np.array([1.0 - 1e-6, 1.0, 1.0 + 1e-6]))
+    assert "independent" in curve.notes[0].text
+    slope = (curve.load[2] - curve.load[0]) / (curve.approach[2] - curve.approach[0])
+    assert abs(curve.stiffness[1] / slope - 1.0) < 1e-5
