@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -12,19 +12,16 @@ from numpy.typing import NDArray
 
 from metafem._validate import FloatArray
 from metafem.calibration.topography import HeightMap, cells
-from metafem.drawing import calibration as lines
+from metafem.drawing import calibration as drawn
 from metafem.drawing import contacts as drawing
 from metafem.drawing import new_figure
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from metafem.calibration.compression import ContactCalibration
-    from metafem.calibration.full_contact import StrengthFit
     from metafem.calibration.images import ContactAreas
-    from metafem.calibration.sheared import ShearCalibration
     from metafem.calibration.sites import TrackedContacts
+    from metafem.calibration.statistics import Calibration
     from metafem.calibration.topography import MadeSurface
     from metafem.prediction import FrictionLaw
 
@@ -32,28 +29,16 @@ if TYPE_CHECKING:
 MOST = 300
 
 
-def calibration_figure(
-    contact: ContactCalibration | None, shear: ShearCalibration | None, strength: StrengthFit | None = None
-) -> Figure:
-    """Return a figure of the calibrations that are not None, with their residuals."""
-    fits: list[tuple[Callable[[Axes], Any], FloatArray, FloatArray, str]] = []
-    if contact is not None:
-        title = f"E* = {contact.composite_modulus:.4g} MPa"
-        fits.append((contact.plot, contact.load, contact.residual, title))
-    if shear is not None:
-        area, friction = (partial(shear.plot, line=line) for line in ("area", "friction"))
-        title = f"σ = {shear.shear_strength:.4g} MPa"
-        fits.append((area, shear.area_before, shear.area_residual, f"B = {shear.area_ratio:.4g}"))
-        fits.append((friction, shear.area_sheared, shear.friction_residual, title))
-    if strength is not None:
-        title = f"full contact: σ = {strength.shear_strength:.4g} MPa"
-        fits.append((strength.plot, strength.area, strength.residual, title))
-    figure, axes = lines.with_residuals(len(fits))
-    for (law, below), (plot, x, residual, title) in zip(axes, fits, strict=True):
-        plot(law)
-        lines.residuals(below, x, residual)
-        law.set_title(title)
-        below.set_xlabel(law.get_xlabel())
+def calibration_figure(found: Sequence[Calibration]) -> Figure:
+    """Return a figure of the lines of calibrations, with their residuals."""
+    lines = [(each, i) for each in found for i in range(len(each.lines))]
+    figure, axes = drawn.with_residuals(len(lines))
+    for (law, below), (each, i) in zip(axes, lines, strict=True):
+        each.plot(law, i)
+        line = each.lines[i]
+        drawn.residuals(below, line.x, line.residual)
+        law.set_title(line.name)
+        below.set_xlabel(line.axes[0])
         law.set_xlabel("")
     return figure
 
@@ -128,8 +113,8 @@ def made_figure(
     figure = new_figure(10.0, 8.4)
     (sites, residual), (heights, laws) = figure.subplots(2, 2)
     design = made.design
-    lines.height_errors(sites, design.position[made.site], made.height_error, design.position[made.missing])
-    lines.residual_map(residual, residuals(height_map, made), *height_map.extent)
-    lines.errors_over_height(heights, design.height[made.site], made.height_error, made.height_sd)
-    lines.made_law(laws, designed.rescaled_load, designed.area, law.area)
+    drawn.height_errors(sites, design.position[made.site], made.height_error, design.position[made.missing])
+    drawn.residual_map(residual, residuals(height_map, made), *height_map.extent)
+    drawn.errors_over_height(heights, design.height[made.site], made.height_error, made.height_sd)
+    drawn.made_law(laws, designed.rescaled_load, designed.area, law.area)
     return figure

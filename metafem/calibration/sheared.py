@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -37,7 +37,7 @@ from metafem.notes import Note, information
 from metafem.prediction import equilibrium, friction_law
 from metafem.surface import Surface
 
-# Excess of B over 1, in standard deviations, above which a note is added. One normal error in a hundred is
+# Excess of B over 1, in standard deviations, above which a fit is refused. One normal error in a hundred is
 # larger.
 ABOVE_ONE = 2.33
 
@@ -140,8 +140,8 @@ class ShearCalibration(Calibration):
 
     @property
     def friction(self) -> Friction:
-        """Friction with the fitted area ratio and shear strength."""
-        return Friction(self.shear_strength, self.area_ratio)
+        """Friction with the fitted area ratio, or 1 if errors make it larger, and the shear strength."""
+        return Friction(self.shear_strength, min(self.area_ratio, 1.0))
 
     @property
     def parameter_covariance(self) -> FloatArray:
@@ -223,6 +223,12 @@ def shear(
     value = np.full(len(before), np.nan)
     value[used] = fit.abscissa[:, 0]
     refuse_if(strength <= 0.0, f"friction_force is not positive: sigma = {strength:.4g} MPa; {RESIST}")
+    sd = math.sqrt(covariance[0, 0])
+    refuse_if(
+        ratio > 1.0 + ABOVE_ONE * sd,
+        f"area_ratio = {ratio:.4g} ± {sd:.2g} is above 1, but contacts shrink under shear; check that "
+        "area_before and area_sheared are not exchanged",
+    )
     tests = each_test(test, len(before), lambda rows: shear(*points[:, rows], errors=errors))
     fitted = [each for each in tests.values() if each is not None]
     found = ShearCalibration(
@@ -235,7 +241,9 @@ def shear(
             [each.covariance for each in fitted],
         ),
     )
-    return replace(found, notes=(*found.doubts(), *_notes(found)))
+    unused = int((~used).sum())
+    words = f"{unused} of {len(used)} points hold less than two quantities and are not used"
+    return replace(found, notes=(*found.doubts(), *([information(words)] if unused else ())))
 
 
 def parameters(points: FloatArray, errors: MeasurementErrors) -> tuple[FloatArray, FloatArray, variables.Fit]:
@@ -270,20 +278,6 @@ def _lines(
         refuse_if(falls, f"{contradicts} and their units")
         found.append(line)
     return found[0], found[1]
-
-
-def _notes(found: ShearCalibration) -> Iterator[Note]:
-    """Return notes on areas that grow, and on points that lack a quantity."""
-    ratio, sd, _ = found.estimates["area_ratio"]
-    if ratio > 1.0 + ABOVE_ONE * sd:
-        yield Note(
-            f"B = {ratio:.4g} is above 1 by {(ratio - 1.0) / sd:.2g} standard deviations, but the areas "
-            "of soft contacts shrink under shear; compare area_before and area_sheared, and "
-            "check that they are not exchanged"
-        )
-    unused, count = int(np.isnan(found.area_fitted).sum()), len(found.area_fitted)
-    if unused:
-        yield information(f"{unused} of {count} points hold less than two quantities and are not used")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
