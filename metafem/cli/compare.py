@@ -93,7 +93,7 @@ class Pair:
     click.option(
         "--calibration",
         type=Name(),
-        metavar="FILE.json",
+        metavar="FILE.toml",
         help="E*, σ and B of the part with their errors and correlations, from metafem calibrate.",
     ),
     *quantities(PAIR),
@@ -119,7 +119,7 @@ def compare(folder: Path, table: Path, explain: bool, force: bool, as_json: bool
     The results are written to DIR/measured.nc and DIR/explained.nc, and `metafem report DIR` adds them to the
     report.
 
-    Example: metafem compare linear measured.csv --calibration calibration.json --explain
+    Example: metafem compare linear measured.csv --calibration calibration.toml --explain
     """
     from metafem.studies.measured import answers, explained, features, measured
     from metafem.studies.summary import summary

@@ -138,9 +138,9 @@ OPTIONS: dict[str, list[Decorator]] = {
         click.option(
             "--calibration",
             type=Name(),
-            metavar="FILE.json",
+            metavar="FILE.toml",
             help="Errors of E*, B, σ and the radius with their correlations, from metafem calibrate -o "
-            "FILE.json; --sd adds other inputs.",
+            "FILE.toml; --sd adds other inputs.",
         ),
         click.option(
             "--measured",
@@ -294,7 +294,7 @@ def uncertainty(design: Design, **options: Any) -> Dataset:
     if options["measured"] is not None:
         arguments["load"] = mf.files.measured_pairs(options["measured"])
     deviations: Any = given_deviations(options["sd"], INPUTS, design.surface.material)
-    example = "--sd radius=2um, or --calibration calibration.json"
+    example = "--sd radius=2um, or --calibration calibration.toml"
     if options["calibration"] is not None:
         deviations = with_calibration(options["calibration"], deviations, design.surface)
     refuse_if(not deviations, f"no error is given by --sd; write for example {example}")

@@ -6,7 +6,7 @@ import json
 import math
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from itertools import chain
 from pathlib import Path
@@ -349,10 +349,8 @@ def _keys(section: Mapping[str, Any]) -> list[str]:
 def read_parameters(path: str | Path) -> CalibratedParameters:
     """Return the parameters in a file of ``metafem calibrate``, with their values and covariance."""
     label, found = file_label(path), None
-    try:
+    with suppress(UnicodeDecodeError, tomllib.TOMLDecodeError, RecursionError):
         found = tomllib.loads(read_bytes(path, TABLE).decode("utf-8-sig")).get("covariance")
-    except (UnicodeDecodeError, tomllib.TOMLDecodeError, RecursionError):
-        pass
     if not isinstance(found, dict):
         raise InvalidInput(
             f"{label} is not a calibration; write one with metafem calibrate DATA.csv -o calibration.toml"
