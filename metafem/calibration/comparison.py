@@ -199,11 +199,10 @@ def compare(
     check.instance("measured", measured, MeasuredLaw, "a metafem.calibration.MeasuredLaw")
     check.instance("design", design, Design, "a metafem.Design")
     names, matrix = checked_covariance(parameters, covariance, PARAMETERS)
+    without = set(parameters) - {"composite_modulus"} and measured.friction is None
+    must = "parameters of the friction have no effect on a law without a Friction; leave them out"
+    refuse_if(without, must)
     refuse_if(parameters and covariance is None, "parameters need a covariance")
-    without = set(names) - {"composite_modulus"} and measured.friction is None
-    refuse_if(
-        without, "parameters of the friction have no effect on a law without a Friction; leave them out"
-    )
     point, notes = _compared(measured, design)
     predicted, slope = _predicted(measured, point, design)
     found, x = measured.rescaled_friction[point], measured.rescaled_load[point]
@@ -219,7 +218,7 @@ def compare(
     total = np.diag(found_sd**2 + (slope * sd) ** 2) + jacobian @ matrix @ jacobian.T
     features, missing = _slopes(x, predicted, deviation, total, design)
     # if the design's law is correct, the whitened residuals are independent
-    residual = np.linalg.solve(np.linalg.cholesky(total), deviation)
+    residual = np.asarray(np.linalg.solve(np.linalg.cholesky(total), deviation))
     return Comparison(
         measured=measured,
         point=point,

@@ -436,7 +436,7 @@ class _Points:
     @property
     def alike(self) -> int:
         """Number of equal contacts for which an area stands."""
-        return self.sample.contacts // self.area.shape[1]
+        return self.sample.contacts // len(self.area[0])
 
     def law(self, adhesive: bool = True, scale: float = 1.0) -> AreaLaw:
         """Return the law of the areas, of caps that are larger by a factor in all dimensions."""

@@ -178,7 +178,7 @@ def explain(
     off, slopes = fit.whitened(dict.fromkeys(sd, 0.0))
     misfit = float(off @ off)
     for share in SHARES:
-        covariance = np.linalg.inv(slopes.T @ slopes + np.diag(scale**-2))
+        covariance = np.asarray(np.linalg.inv(slopes.T @ slopes + np.diag(scale**-2)))
         # the errors are measured values of 0
         change = covariance @ (slopes.T @ off - error / scale**2)
         error = np.clip(error + share * change, -ends, ends)

@@ -334,6 +334,11 @@ class StrengthFit(Calibration):
         return (self.line,)
 
     @property
+    def notes(self) -> tuple[Note, ...]:
+        """Note on a line that does not fit."""
+        return tuple(self.doubts())
+
+    @property
     def friction(self) -> Friction:
         """Friction with the fitted shear strength and the area ratio that was used."""
         return Friction(self.shear_strength, self.area_ratio)

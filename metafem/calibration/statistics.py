@@ -211,6 +211,10 @@ class Calibration(Value):
             """Fitted laws with their points."""
 
         @property
+        def notes(self) -> tuple[Note, ...]:
+            """What the result is to be read with."""
+
+        @property
         def parameters(self) -> tuple[str, ...]:
             """Names of the rows of `parameter_covariance`."""
 
@@ -288,7 +292,7 @@ def keyed(name: str, what: str = "") -> str:
     return f"{name}{what}" if unit == "1" else f"{name}{what}_{unit}"
 
 
-def each_test(test: Any, count: int, fit: Callable[[FloatArray], Any]) -> dict[str, Any]:
+def each_test(test: Any, count: int, fit: Callable[[Any], Any]) -> dict[str, Any]:
     """Return the fits to the points of each test by its label, None without a fit; {} for a single test.
 
     `test` holds the label of each of `count` points, and `fit` takes the numbers of the points.
@@ -317,7 +321,7 @@ def scatter(value: ArrayLike, covariance: ArrayLike) -> Verdict | None:
     """
     if len(value := np.asarray(value)) < 2:
         return None
-    weight = np.linalg.inv(covariance)
+    weight = np.linalg.inv(np.asarray(covariance))
     mean = np.linalg.solve(weight.sum(axis=0), (weight @ value[..., None]).sum(axis=0))
     off = value - mean[:, 0]
     return Verdict(float(np.einsum("ti,tij,tj", off, weight, off)), off.size - off.shape[1])
@@ -369,16 +373,16 @@ def checked_covariance(
     of no parameters.
     """
     names = tuple(names)
-    wrong = set(names) - {*known, ignored} or len(set(names)) < len(names)
-    refuse_if(wrong, f"parameters = {shown(names)} must be different names of {', '.join(known)}")
+    unknown = set(names) - {*known, ignored} or len(set(names)) < len(names)
+    refuse_if(unknown, f"parameters = {shown(names)} must be different names of {', '.join(known)}")
     if covariance is None:
         return (), np.zeros((0, 0))
     matrix = check.array("covariance", covariance, shape=(len(names), len(names)))
     # check the correlation matrix, which has no units
     scale = np.sqrt(np.abs(np.diagonal(matrix)))
     scaled = matrix / np.outer(*[np.where(scale > 0.0, scale, 1.0)] * 2)
-    wrong = not np.allclose(scaled, scaled.T, rtol=0.0, atol=ASYMMETRY)
-    wrong = wrong or (len(names) and np.linalg.eigvalsh(scaled).min() < -ASYMMETRY)
+    symmetric = np.allclose(scaled, scaled.T, rtol=0.0, atol=ASYMMETRY)
+    wrong = not symmetric or np.linalg.eigvalsh(scaled).min(initial=0.0) < -ASYMMETRY
     must = f"of {', '.join(names)} must be symmetric and positive semidefinite"
     refuse_if(wrong, f"covariance = {shown(matrix.tolist())} {must}")
     rows = [i for i, name in enumerate(names) if name != ignored]

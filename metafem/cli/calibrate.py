@@ -179,7 +179,8 @@ def _contact(
             unusual=options["unusual"],
             **given,
         )
-        return mf.calibration.fit_compression(*points.values, radius, sample, errors=errors, test=points.test)
+        load, area = points.values
+        return mf.calibration.fit_compression(load, area, radius, sample, errors=errors, test=points.test)
 
 
 def _shear(

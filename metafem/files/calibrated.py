@@ -308,9 +308,8 @@ def calibration_text(
         modulus, energy = contact.estimates.values()
         lines += ["", "[material]", _stated("composite_modulus", modulus, contact.line)]
         cap = cap or {"kind": "hertz"}
-        energy = Estimate(*(each / ENERGY for each in energy[:2]), tuple(end / ENERGY for end in energy[2]))
-        low, high = energy.interval
-        energy = energy._replace(sd=0.5 * (high - low))
+        low, high = (end / ENERGY for end in energy.interval)
+        energy = Estimate(energy.value / ENERGY, 0.5 * (high - low), (low, high))
         lines += ["", "[contact]"]
         if contact.adhesive and cap["kind"] != "tabulated":
             lines += ['kind = "jkr"', _stated("adhesion_energy", energy, contact.line, "mJ/m^2")]

@@ -220,6 +220,7 @@ def _specification(name: str, raw: bytes, source: Source) -> Specification:
     """Return the specification in the UTF-8 text `raw`; errors call it `name`, `source` holds its tables."""
     text = raw.decode("utf-8")
     table = toml_table(text, name)
+    table.pop("covariance", None)  # that of a calibration, which studies read
     try:
         kept = fill(table, source)
         sections = Sections.model_validate(table)
