@@ -1,9 +1,8 @@
-"""Figures of calibrations, of the contacts found in an image, and of made surfaces."""
+"""Figures of the contacts found in an image, and of made surfaces."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +11,7 @@ from numpy.typing import NDArray
 
 from metafem._validate import FloatArray
 from metafem.calibration.topography import HeightMap, cells
-from metafem.drawing import calibration as drawn
+from metafem.drawing import calibration as lines
 from metafem.drawing import contacts as drawing
 from metafem.drawing import new_figure
 
@@ -21,26 +20,11 @@ if TYPE_CHECKING:
 
     from metafem.calibration.images import ContactAreas
     from metafem.calibration.sites import TrackedContacts
-    from metafem.calibration.statistics import Calibration
     from metafem.calibration.topography import MadeSurface
     from metafem.prediction import FrictionLaw
 
 # Largest number of cells along an axis of the residual map. The means over cells are less noisy than pixels.
 MOST = 300
-
-
-def calibration_figure(found: Sequence[Calibration]) -> Figure:
-    """Return a figure of the lines of calibrations, with their residuals."""
-    lines = [(each, i) for each in found for i in range(len(each.lines))]
-    figure, axes = drawn.with_residuals(len(lines))
-    for (law, below), (each, i) in zip(axes, lines, strict=True):
-        each.plot(law, i)
-        line = each.lines[i]
-        drawn.residuals(below, line.x, line.residual)
-        law.set_title(line.name)
-        below.set_xlabel(line.axes[0])
-        law.set_xlabel("")
-    return figure
 
 
 def found_figure(
@@ -113,8 +97,8 @@ def made_figure(
     figure = new_figure(10.0, 8.4)
     (sites, residual), (heights, laws) = figure.subplots(2, 2)
     design = made.design
-    drawn.height_errors(sites, design.position[made.site], made.height_error, design.position[made.missing])
-    drawn.residual_map(residual, residuals(height_map, made), *height_map.extent)
-    drawn.errors_over_height(heights, design.height[made.site], made.height_error, made.height_sd)
-    drawn.made_law(laws, designed.rescaled_load, designed.area, law.area)
+    lines.height_errors(sites, design.position[made.site], made.height_error, design.position[made.missing])
+    lines.residual_map(residual, residuals(height_map, made), *height_map.extent)
+    lines.errors_over_height(heights, design.height[made.site], made.height_error, made.height_sd)
+    lines.made_law(laws, designed.rescaled_load, designed.area, law.area)
     return figure

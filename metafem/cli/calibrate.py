@@ -107,7 +107,6 @@ PRINTED = {
         help="Write sections of a specification, with the covariance for metafem study uncertainty "
         "--calibration and metafem compare --calibration.",
     ),
-    click.option("--figure", type=Name(), help="Draw the lines and their residuals: a file .svg or .png."),
     force_option,
     json_option,
     short_help="Measure E*, adhesion energy, B and σ from tables of tests.",
@@ -115,7 +114,6 @@ PRINTED = {
 def calibrate(
     data: tuple[Path, ...],
     output: Path | None,
-    figure: Path | None,
     force: bool,
     as_json: bool,
     **options: Any,
@@ -132,7 +130,7 @@ def calibrate(
     """
     wrong = output is not None and output.suffix.lower() != ".toml"
     refuse_if(wrong, f"--output {output} must end with .toml")
-    refuse_files(force, output, figure=figure)
+    refuse_files(force, output)
     sources = [str(path) for path in (*data, options["full_contact"]) if path is not None]
     refuse_if(not sources, "no table is given; write for example metafem calibrate compression.csv shear.csv")
     with progress():
@@ -149,15 +147,11 @@ def calibrate(
             cap = mf.files.section_named(options["contact"].split()) if options["contact"] else None
             text = mf.files.calibration_text(contact, shear, strength, sources=sources, cap=cap)
             mf.files.write_text(output, text, force=force)
-        if figure is not None:
-            from metafem.calibration.figures import calibration_figure
-
-            mf.files.write_figure(figure, calibration_figure(found), "calibration", force=force)
     results = {"files": sources, **mf.files.calibration_data(contact, shear, strength)}
     table = ("quantity", "value", "68 % interval", "unit", "± standard deviation"), [*_rows(found)], None
     lines = [text for each in found for text in _verdicts(each)]
     data_of_notes = {"notes": notes_data(notes)}
-    show(as_json, results | data_of_notes, tables=[table], lines=lines, notes=notes, files=[output, figure])
+    show(as_json, results | data_of_notes, tables=[table], lines=lines, notes=notes, files=[output])
 
 
 def _contact(

@@ -69,7 +69,6 @@ REFUSALS = [
     (("calibrate", "shear.csv", "--load-error", "5 mm"), "--load-error", "5 mm"),
     (("calibrate", "shear.csv", "--friction-relative-error", "3"), "--friction-relative-error", "3"),
     (("calibrate", "shear.csv", "-o", "a.txt"), "a.txt", ".toml"),
-    (("calibrate", "shear.csv", "--figure", "a.gif"), "a.gif", ".svg"),
     (("calibrate", "negative.csv", *RADIUS), "negative.csv, line 3", "area = -1 mm^2"),
     ((*MAP[:2], "--design", "linear"), "part.npy", "pixels"),
     ((*MAP, "--picture", "made.pdf"), "made.pdf", ".svg"),
