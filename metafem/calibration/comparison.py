@@ -170,8 +170,7 @@ def compare(
     ------
     InvalidInput
         If a parameter is unknown, the matrix is not positive semidefinite, sigma or B have errors but the law
-        has no Friction, no load is within the range of the design, or all loads are below the range of its
-        target.
+        has no Friction, or no load is within the range of the design.
     NotConverged
         If the model of the design has no solution at a measured load.
 
@@ -235,20 +234,12 @@ def compare(
 def _compared(measured: MeasuredLaw, design: Design) -> tuple[NDArray[np.intp], list[Note]]:
     """Return the numbers of the points within the design's loads, and notes on the omitted points."""
     end, modulus = float(design.law.rescaled_load[-1]), measured.material.composite_modulus
-    first = min([float(design.target_law.load[0]), *(branch.load_range[0] for branch, _ in design.fits)])
     known, load = ~np.isnan(measured.rescaled_friction), measured.rescaled_load
     point = np.flatnonzero(known & (load <= end))
-    for wrong, at, which, own in (
-        (not point.size, end, "exceed the largest load of the design", measured.known().load[0]),
-        (
-            load[point].max(initial=0.0) < first,
-            first,
-            "lie below the first load of the target",
-            load[-1] * modulus,
-        ),
-    ):
-        limit = f"P/E* = {at:.4g} mm^2 or {modulus * at:.4g} N"
-        refuse_if(wrong, f"all measured loads {which}, {limit}; one is {own:.4g} N")
+    limit = (
+        f"P/E* = {end:.4g} mm^2 or {modulus * end:.4g} N; the smallest is {measured.known().load[0]:.4g} N"
+    )
+    refuse_if(not point.size, f"all measured loads exceed the largest load of the design, {limit}")
     left_out = (
         (~known, "the area of a contact is unknown"),
         (known & (load > end), f"the law of the design ends at P/E* = {end:.4g} mm^2"),
@@ -281,16 +272,12 @@ def _predicted(
 def _exchanged(measured: MeasuredLaw, law: FrictionLaw, relative: FloatArray) -> Iterator[Note]:
     """Yield a note if the law agrees much better after an exchange of loads and friction forces."""
     before, stress = float(np.sqrt(np.mean(relative**2))), measured.stress_of_forces
-    if not stress or not before > EXCHANGED:
-        return
     x = measured.rescaled_friction * stress / measured.material.composite_modulus
     inside = (x > law.rescaled_load[0]) & (x <= law.rescaled_load[-1])
+    if not stress or not before > EXCHANGED or not inside.any():
+        return
     expected = np.interp(x[inside], law.rescaled_load, law.rescaled_friction)
-    after = (
-        float(np.sqrt(np.mean((measured.load[inside] / stress / expected - 1.0) ** 2)))
-        if inside.any()
-        else np.inf
-    )
+    after = float(np.sqrt(np.mean((measured.load[inside] / stress / expected - 1.0) ** 2)))
     if after < BETTER * before:
         yield Note(
             f"the friction forces differ from the design by {percent(before)}, and by {percent(after)} if "
