@@ -35,6 +35,14 @@ def fitted(ax: Axes, x: FloatArray, y: FloatArray, label: str | None = None) -> 
     ax.plot(x, y, color=TARGET, lw=1.2, label=label, zorder=2.0)
 
 
+def residuals(ax: Axes, x: FloatArray, residual: FloatArray, colour: str = ACHIEVED) -> None:
+    """Draw residuals in units of their standard deviations, with a band from -1 to 1."""
+    ax.axhspan(-1.0, 1.0, color=QUIET, alpha=0.2, lw=0.0)
+    ax.axhline(0.0, color=TARGET, lw=1.2)
+    ax.plot(x, residual, "o", ms=3.5, color=colour)
+    ax.set_ylabel("residual / sd")
+
+
 def height_errors(ax: Axes, position: FloatArray, error: FloatArray, missing: FloatArray) -> None:
     """Draw height errors (n,) [mm] at their sites (n, 2) as circles, and missing sites (m, 2) as rings."""
     diameter = LARGEST_DOT * drawing.spacing(position)

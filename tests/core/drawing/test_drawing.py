@@ -158,6 +158,8 @@ def test_fits_have_their_points_and_bars(ax):
     np.testing.assert_allclose(across, np.column_stack([0.9 * X, 1.1 * X]))
     np.testing.assert_allclose(up, np.column_stack([1.8 * X, 2.2 * X]))
     assert points(ax.lines[-1]) == np.column_stack([X, 2.0 * X]).tolist()
+    calibration.residuals(ax, X, X - 2.0)
+    assert points(ax.lines[-1]) == np.column_stack([X, X - 2.0]).tolist()
 
 
 def test_errors_of_a_part_are_drawn_in_their_units(ax):
