@@ -25,8 +25,6 @@ from .sites import SiteMatch as SiteMatch
 from .sites import TrackedContacts as TrackedContacts
 from .sites import match_sites as match_sites
 from .sites import track_contacts as track_contacts
-from .statistics import Estimate as Estimate
-from .statistics import Line as Line
 from .statistics import MeasurementErrors as MeasurementErrors
 from .statistics import Verdict as Verdict
 from .statistics import joint_covariance as joint_covariance

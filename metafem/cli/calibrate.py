@@ -224,11 +224,13 @@ def _strength(
 
 def _rows(found: list[Any]) -> Iterator[list[str]]:
     """Yield the row of each quantity."""
+    from metafem.calibration.statistics import Estimate
+
     for each in found:
         for name, (value, sd, (low, high)) in each.estimates.items():
             label, unit, size = PRINTED[name]
             full = isinstance(each, mf.calibration.StrengthFit)
-            scaled = mf.calibration.Estimate(value / size, sd / size, (low / size, high / size))
+            scaled = Estimate(value / size, sd / size, (low / size, high / size))
             if name == "adhesion_energy":  # whose interval is asymmetric
                 scaled = scaled._replace(sd=0.5 * (high - low) / size)
             number, deviation = (mf.files.rounded(part, scaled.sd) for part in scaled[:2])

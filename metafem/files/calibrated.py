@@ -19,8 +19,6 @@ from metafem._given import printable, unit_of
 from metafem._validate import FloatArray
 from metafem.calibration import (
     ContactCalibration,
-    Estimate,
-    Line,
     ShearCalibration,
     StrengthFit,
     at_peak,
@@ -28,7 +26,7 @@ from metafem.calibration import (
     over_plateau,
 )
 from metafem.calibration.contact_table import pressed_images, sheared_points
-from metafem.calibration.statistics import UNITS, checked_covariance
+from metafem.calibration.statistics import UNITS, Estimate, Line, checked_covariance
 from metafem.errors import InvalidInput, refuse_if
 from metafem.files.contacts import contacts_of
 from metafem.files.reading import TABLE, file_label, read_bytes
