@@ -117,7 +117,7 @@ def test_measurements_print_what_it_shows(tmp_path, monkeypatch):
             printed += [" ".join(line.split()) for line in result.stdout.splitlines()]
             if command.startswith("metafem calibrate"):
                 Path("part.toml").write_text(
-                    Path("material.toml").read_text() + Path("lab/wanted.toml").read_text()
+                    Path("calibration.toml").read_text() + Path("lab/wanted.toml").read_text()
                 )
             if command.startswith("metafem design"):
                 assert runner.invoke(laboratory.main, ["lab", "--part", "part"]).exit_code == 0

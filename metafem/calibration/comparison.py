@@ -135,7 +135,7 @@ class Comparison(Value):
 
 def compare(
     measured: MeasuredLaw,
-    design: Design | FrictionLaw,
+    design: Design,
     *,
     parameters: Sequence[str] = (),
     covariance: ArrayLike | None = None,
@@ -154,9 +154,8 @@ def compare(
     Parameters
     ----------
     measured : MeasuredLaw
-    design : Design or FrictionLaw
-        The law of a Design is computed at the measured loads, and the target of the Design defines the
-        features. A FrictionLaw is interpolated and has no features.
+    design : Design
+        Its law is computed at the measured loads, and its target defines the features.
     parameters : sequence of str
         Names of the parameters with errors, in the order of the rows of `covariance`: ``composite_modulus``,
         ``shear_strength`` and ``area_ratio``; default: none.
@@ -171,8 +170,7 @@ def compare(
     ------
     InvalidInput
         If a parameter is unknown, the matrix is not positive semidefinite, sigma or B have errors but the law
-        has no Friction, no load is within the range of the design, or all loads are below the range of its
-        target.
+        has no Friction, or no load is within the range of the design.
     NotConverged
         If the model of the design has no solution at a measured load.
 
@@ -198,154 +196,111 @@ def compare(
     (7.33, 0.19, 7.12, 6.87)
     """
     check.instance("measured", measured, MeasuredLaw, "a metafem.calibration.MeasuredLaw")
-    if not isinstance(design, FrictionLaw):
-        check.instance("design", design, Design, "a metafem.Design or a metafem.FrictionLaw")
-    names, matrix = _parameters(measured, parameters, covariance)
+    check.instance("design", design, Design, "a metafem.Design")
+    names, matrix = checked_covariance(parameters, covariance, PARAMETERS)
+    without = set(parameters) - {"composite_modulus"} and measured.friction is None
+    must = "parameters of the friction have no effect on a law without a Friction; leave them out"
+    refuse_if(without, must)
+    refuse_if(parameters and covariance is None, "parameters need a covariance")
     point, notes = _compared(measured, design)
     predicted, slope = _predicted(measured, point, design)
-    deviation = measured.rescaled_friction[point] - predicted
-    x, sd = measured.rescaled_load[point], measured.rescaled_load_sd[point]
-    total = np.diag(measured.rescaled_friction_sd[point] ** 2 + (slope * sd) ** 2)
-    if names:
-        changes = {"composite_modulus": slope * x / measured.material.composite_modulus}
-        if measured.friction is not None:
-            # areas do not depend on the shear strength and the area ratio
-            by_force = -measured.rescaled_friction[point] if measured.by_force else np.zeros(len(point))
-            changes["shear_strength"] = by_force / measured.friction.shear_strength
-            changes["area_ratio"] = by_force / measured.friction.area_ratio
-        jacobian = np.column_stack([changes[name] for name in names])
-        total = total + jacobian @ matrix @ jacobian.T
+    found, x = measured.rescaled_friction[point], measured.rescaled_load[point]
+    sd, found_sd = measured.rescaled_load_sd[point], measured.rescaled_friction_sd[point]
+    deviation = found - predicted
+    changes = {"composite_modulus": slope * x / measured.material.composite_modulus}
+    if measured.friction is not None:
+        # areas do not depend on the shear strength and the area ratio
+        by_force = -found if measured.by_force else np.zeros(len(point))
+        changes["shear_strength"] = by_force / measured.friction.shear_strength
+        changes["area_ratio"] = by_force / measured.friction.area_ratio
+    jacobian = np.array([changes[name] for name in names]).reshape(len(names), len(point)).T
+    total = np.diag(found_sd**2 + (slope * sd) ** 2) + jacobian @ matrix @ jacobian.T
+    features, missing = _slopes(x, predicted, deviation, total, design)
     # if the design's law is correct, the whitened residuals are independent
-    residual = np.linalg.solve(np.linalg.cholesky(total), deviation)
-    parts = list(_slopes(x, predicted, deviation, total, design)) if isinstance(design, Design) else []
-    missing = [part for part in parts if isinstance(part, Note)]
+    residual = np.asarray(np.linalg.solve(np.linalg.cholesky(total), deviation))
     return Comparison(
         measured=measured,
         point=point,
         predicted=predicted,
         deviation=deviation,
         covariance=total,
-        features=tuple(part for part in parts if isinstance(part, Feature)),
+        features=features,
         verdict=judged(residual, parameters=0),
         parameters=dict(zip(names, np.sqrt(np.diag(matrix)).tolist(), strict=True)),
-        notes=(
-            *_exchanged(measured, _law_of(design), deviation / predicted),
-            *measured.notes,
-            *notes,
-            *missing,
-        ),
+        notes=(*_exchanged(measured, design.law, deviation / predicted), *measured.notes, *notes, *missing),
     )
 
 
-def _compared(
-    measured: MeasuredLaw, design: Design | FrictionLaw
-) -> tuple[NDArray[np.intp], tuple[Note, ...]]:
+def _compared(measured: MeasuredLaw, design: Design) -> tuple[NDArray[np.intp], list[Note]]:
     """Return the numbers of the points within the design's loads, and notes on the omitted points."""
-    end, first = float(_law_of(design).rescaled_load[-1]), 0.0
-    if isinstance(design, Design):
-        starts = [branch.load_range[0] for branch, _ in design.fits]
-        first = min([float(design.target_law.load[0]), *starts])
-    known, within = ~np.isnan(measured.rescaled_friction), measured.rescaled_load <= end
-    point = np.flatnonzero(known & within)
-    modulus, smallest = measured.material.composite_modulus, measured.known().load[0]
-    refuse_if(
-        not point.size,
-        f"all measured loads exceed the largest load of the design, P/E* = {end:.4g} mm^2 or "
-        f"{modulus * end:.4g} N; the smallest is {smallest:.4g} N",
+    end, modulus = float(design.law.rescaled_load[-1]), measured.material.composite_modulus
+    known, load = ~np.isnan(measured.rescaled_friction), measured.rescaled_load
+    point = np.flatnonzero(known & (load <= end))
+    limit = (
+        f"P/E* = {end:.4g} mm^2 or {modulus * end:.4g} N; the smallest is {measured.known().load[0]:.4g} N"
     )
-    last = float(measured.rescaled_load[point].max())
-    refuse_if(
-        last < first,
-        f"all measured loads lie below the first load of the target, P/E* = {first:.4g} mm^2 or "
-        f"{modulus * first:.4g} N; the largest is {modulus * last:.4g} N",
-    )
+    refuse_if(not point.size, f"all measured loads exceed the largest load of the design, {limit}")
     left_out = (
         (~known, "the area of a contact is unknown"),
-        (known & ~within, f"the law of the design ends at P/E* = {end:.4g} mm^2"),
+        (known & (load > end), f"the law of the design ends at P/E* = {end:.4g} mm^2"),
     )
-    return point, tuple(
-        Note(f"{_points_at(measured.load[which])} left out: {why}") for which, why in left_out if which.any()
-    )
-
-
-def _points_at(load: FloatArray) -> str:
-    if len(load) == 1:
-        return f"the point at {load[0]:.4g} N is"
-    return f"{len(load)} points at {span(load, 'N')} are"
+    return point, [
+        Note(f"points at {span(measured.load[which], 'N')} are left out: {why}")
+        for which, why in left_out
+        if which.any()
+    ]
 
 
 @doing("computing the law of the design at the measured loads")
 def _predicted(
-    measured: MeasuredLaw, point: NDArray[np.intp], design: Design | FrictionLaw
+    measured: MeasuredLaw, point: NDArray[np.intp], design: Design
 ) -> tuple[FloatArray, FloatArray]:
     """Return the rescaled friction and the mean slope of a design at measured points, (m,) each."""
     x, sd = measured.rescaled_load[point], measured.rescaled_load_sd[point]
-    end = float(_law_of(design).rescaled_load[-1])
+    end, modulus = float(design.law.rescaled_load[-1]), measured.material.composite_modulus
     middle, low, high = (np.clip(each, 0.0, end) for each in (x, x - sd, x + sd))
     # if an error bar lies entirely below 0, use the slope at the smallest loads
     high = np.where(high > low, high, np.minimum(sd, end))
     loads, place = np.unique(np.concatenate([middle, low, high]), return_inverse=True)
-    if isinstance(design, FrictionLaw):
-        load, friction = (np.append(0.0, each) for each in (design.rescaled_load, design.rescaled_friction))
-        friction = np.interp(loads, load, friction)
-    else:
-        # use the material of the part, because the effect of adhesion depends on E*
-        surface = design.surface.replaced(material=measured.material)
-        load = measured.material.composite_modulus * loads
-        friction = friction_law(surface, design.law.model, load=load).rescaled_friction
+    # use the material of the part, because the effect of adhesion depends on E*
+    surface = design.surface.replaced(material=measured.material)
+    friction = friction_law(surface, design.law.model, load=modulus * loads).rescaled_friction
     predicted, at_low, at_high = friction[place].reshape(3, -1)
     return predicted, (at_high - at_low) / (high - low)
 
 
-def _law_of(design: Design | FrictionLaw) -> FrictionLaw:
-    return design.law if isinstance(design, Design) else design
-
-
-def _parameters(
-    measured: MeasuredLaw, parameters: Sequence[str], covariance: ArrayLike | None
-) -> tuple[tuple[str, ...], FloatArray]:
-    """Return the names of the parameters that have an error, and their covariance matrix."""
-    names, known = tuple(parameters), ", ".join(PARAMETERS)
-    for name in names:
-        refuse_if(name not in PARAMETERS, f"parameters: {name!r:.40} is unknown; the names are {known}")
-        without = f"parameters: {name} has no effect on a law without a Friction; leave it out"
-        refuse_if(name != "composite_modulus" and measured.friction is None, without)
-    refuse_if(names and covariance is None, "parameters need a covariance")
-    return names, checked_covariance(names, covariance) if names and covariance is not None else np.zeros(
-        (0, 0)
-    )
-
-
 def _exchanged(measured: MeasuredLaw, law: FrictionLaw, relative: FloatArray) -> Iterator[Note]:
-    """Return a note if the law agrees much better after an exchange of loads and friction forces."""
-    rms = float(np.sqrt(np.mean(relative**2)))
-    if not measured.by_force or not rms > EXCHANGED or measured.friction is None:
-        return
-    x = measured.rescaled_friction * measured.friction.stress / measured.material.composite_modulus
-    y = measured.load / measured.friction.stress
+    """Yield a note if the law agrees much better after an exchange of loads and friction forces."""
+    before, stress = float(np.sqrt(np.mean(relative**2))), measured.stress_of_forces
+    x = measured.rescaled_friction * stress / measured.material.composite_modulus
     inside = (x > law.rescaled_load[0]) & (x <= law.rescaled_load[-1])
-    other = y[inside] / np.interp(x[inside], law.rescaled_load, law.rescaled_friction) - 1.0
-    if inside.any() and float(np.sqrt(np.mean(other**2))) < BETTER * rms:
+    if not stress or not before > EXCHANGED or not inside.any():
+        return
+    expected = np.interp(x[inside], law.rescaled_load, law.rescaled_friction)
+    after = float(np.sqrt(np.mean((measured.load[inside] / stress / expected - 1.0) ** 2)))
+    if after < BETTER * before:
         yield Note(
-            f"the friction forces differ from the design by {percent(rms)}, and by "
-            f"{percent(float(np.sqrt(np.mean(other**2))))} if they are exchanged with the loads: check "
-            "whether the columns of the table are exchanged"
+            f"the friction forces differ from the design by {percent(before)}, and by {percent(after)} if "
+            "they are exchanged with the loads: check whether the columns of the table are exchanged"
         )
 
 
 def _slopes(
     x: FloatArray, predicted: FloatArray, deviation: FloatArray, covariance: FloatArray, design: Design
-) -> Iterator[Feature | Note]:
+) -> tuple[tuple[Feature, ...], list[Note]]:
     """Return the slope of each branch, from a least-squares line through the points within its loads."""
+    found, notes = [], []
     for i, (branch, _) in enumerate(design.fits):
         low, high = branch.load_range
         chosen = (x >= low) & (x <= high)
         number = f" {i + 1}" if len(design.fits) > 1 else ""
         name = f"slope{number}, P/E* = {low:.3g} to {high:.3g} mm²"
         if chosen.sum() < FEWEST or np.ptp(x[chosen]) == 0.0:
-            yield information(f"{name}: {int(chosen.sum())} measured points; a slope needs at least {FEWEST}")
+            text = f"{name}: {int(chosen.sum())} measured points; a slope needs at least {FEWEST}"
+            notes.append(information(text))
             continue
         centred = np.where(chosen, x - x[chosen].mean(), 0.0)
         weight = centred / (centred**2).sum()
         own, sd = float(weight @ predicted), math.sqrt(float(weight @ covariance @ weight))
-        yield Feature(name, own + float(weight @ deviation), sd, own, branch.slope)
+        found.append(Feature(name, own + float(weight @ deviation), sd, own, branch.slope))
+    return tuple(found), notes

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import minimize_scalar
 
 from metafem import _validate as check
 from metafem._validate import FloatArray, IntArray
@@ -13,7 +14,6 @@ from metafem.calibration import errors_in_variables as variables
 from metafem.calibration.laws import MeasuredLaw
 from metafem.calibration.statistics import WIDTH, Verdict, judged
 from metafem.errors import refuse_if
-from metafem.notes import Note, information
 
 # Smallest number of points, four parameters and at least three points on each side of the crossover, and
 # smallest number of different loads.
@@ -22,9 +22,12 @@ FEWEST, DIFFERENT = 7, 4
 # Growth of chi-square at the ends of a 68 % interval.
 GROWTH = WIDTH**2
 
-# Number of crossovers of a grid, and number of grids, each between the neighbours of the best of the one
-# before: four grids find a crossover to a hundred-thousandth of the range.
-TRIED, GRIDS = 81, 4
+# Number of crossovers of a grid, and number of grids, of which each covers the interval that the one before
+# finds: two find its ends to a hundredth of its length.
+TRIED, GRIDS = 101, 2
+
+# Error of the crossover over the range of the loads.
+ROUNDING = 1e-6
 
 # Sides of a point, beside 0 for a point at the kink, and number of fits between which sides may change.
 LEFT, RIGHT, ROUNDS = 1, 2, 3
@@ -47,8 +50,8 @@ class Crossover(Value):
     residual : ndarray, (k,)
         Distances of the points from the lines in standard deviations, with the sign of the friction.
     verdict : Verdict
-    notes : tuple of Note
-        Note on a crossover that the points do not limit.
+    ambiguous : bool
+        Whether the points do not bound the crossover: its interval ends at the third load from an end.
 
     Examples
     --------
@@ -66,8 +69,12 @@ class Crossover(Value):
     crossover_interval: tuple[float, float]
     slope_intervals: tuple[tuple[float, float], tuple[float, float]]
     residual: FloatArray
-    verdict: Verdict
-    notes: tuple[Note, ...] = ()
+    ambiguous: bool
+
+    @property
+    def verdict(self) -> Verdict:
+        """Whether two lines fit the points."""
+        return judged(self.residual, parameters=4)
 
     def __repr__(self) -> str:
         slopes = " and ".join(
@@ -123,36 +130,39 @@ def crossover(law: MeasuredLaw) -> Crossover:
     refuse_if(count < FEWEST, f"law has {count} points; two lines that meet need at least {FEWEST}")
     few = f"law has {different} different loads; two lines that meet need {DIFFERENT}"
     refuse_if(different < DIFFERENT or law.load[0] == law.load[2] or law.load[-1] == law.load[-3], few)
-    points = np.array(
-        [law.rescaled_load, law.rescaled_friction, law.rescaled_load_sd, law.rescaled_friction_sd]
+    x, y = law.rescaled_load, law.rescaled_friction
+    points = np.array([x, y, law.rescaled_load_sd, law.rescaled_friction_sd])
+    first, last = float(x[2]), float(x[-3])
+    low, high = first, last
+    for _ in range(GRIDS):  # the last grid covers the interval of the one before
+        kinks = np.linspace(low, high, TRIED)
+        fit = bent(points, kinks)
+        square = fit.chi_square.sum(axis=-1)
+        room = square.min() + GROWTH - square
+        inside = np.flatnonzero(room >= 0.0)
+        low, high = float(kinks[max(inside[0] - 1, 0)]), float(kinks[min(inside[-1] + 1, TRIED - 1)])
+    best = int(square.argmin())
+    found = minimize_scalar(
+        lambda kink: bent(points, np.array([kink])).chi_square.sum(),
+        bounds=kinks[[max(best - 1, 0), min(best + 1, TRIED - 1)]],
+        method="bounded",
+        options={"xatol": ROUNDING * (last - first)},
     )
-    kinks = np.linspace(points[0, 2], points[0, -3], TRIED)
-    fit = bent(points, kinks)
-    square = fit.chi_square.sum(axis=-1)
-    limit, place = float(square.min()) + GROWTH, int(square.argmin())
-    best, own = kinks, fit
-    for _ in range(GRIDS - 1):
-        best = np.linspace(best[max(place - 1, 0)], best[min(place + 1, TRIED - 1)], TRIED)
-        own = bent(points, best)
-        place = int(own.chi_square.sum(axis=-1).argmin())
-    limit = min(limit, float(own.chi_square[place].sum()) + GROWTH)
-    level, *slopes = own.parameter[place].tolist()
-    interval = _within(kinks, square, limit, float(best[place]))
-    bounds = _slopes(fit, limit - square), _slopes(own, limit - own.chi_square.sum(axis=-1))
-    lows, highs = (pick([ends[i] for ends in bounds], axis=0) for i, pick in enumerate((np.min, np.max)))
-    off = points[1] - level - np.where(points[0] <= best[place], *slopes) * (points[0] - best[place])
-    residual = np.sign(off) * np.sqrt(own.chi_square[place])
-    bound = interval[0] > kinks[0] and interval[1] < kinks[-1]
-    text = "the points do not bound the crossover: its interval ends at the third load from an end"
+    own = bent(points, np.array([found.x]))
+    kink, (level, below, above) = float(found.x), own.parameter[0].tolist()
+    slope, variance = fit.parameter[inside, 1:], np.diagonal(fit.covariance, axis1=-2, axis2=-1)[inside, 1:]
+    spread = np.sqrt(room[inside, None] * variance)
+    ends = (slope - spread).min(axis=0).tolist(), (slope + spread).max(axis=0).tolist()
+    off = y - level - np.where(x <= kink, below, above) * (x - kink)
+    interval = float(kinks[inside[0]]), float(kinks[inside[-1]])
     return Crossover(
-        crossover_load=float(best[place]),
+        crossover_load=float(found.x),
         crossover_friction=level,
-        slopes=(slopes[0], slopes[1]),
+        slopes=(below, above),
         crossover_interval=interval,
-        slope_intervals=((lows[0], highs[0]), (lows[1], highs[1])),
-        residual=residual,
-        verdict=judged(residual, parameters=4),
-        notes=() if bound else (information(text),),
+        slope_intervals=((ends[0][0], ends[1][0]), (ends[0][1], ends[1][1])),
+        residual=np.sign(off) * np.sqrt(own.chi_square[0]),
+        ambiguous=interval[0] <= first or interval[1] >= last,
     )
 
 
@@ -201,27 +211,3 @@ def _of_sides(
         (np.zeros((len(kink), 3)), measured[..., :1]) if guess is None else (guess.parameter, guess.abscissa)
     )
     return variables.fit(model, measured, lambda _: sd, *start)
-
-
-def _within(grid: FloatArray, value: FloatArray, limit: float, estimate: float) -> tuple[float, float]:
-    """Return the smallest and the largest crossover whose chi-square is at most `limit`."""
-    inside = np.flatnonzero(value <= limit)
-    if not inside.size:
-        return estimate, estimate
-    ends = []
-    for at, step in ((int(inside[0]), -1), (int(inside[-1]), 1)):
-        beyond = min(max(at + step, 0), len(grid) - 1)
-        rise = value[beyond] - value[at]
-        # interpolate: chi-square is nearly linear over a step of the grid
-        share = max((limit - value[at]) / rise, 0.0) if rise > 0.0 else 0.0
-        ends.append(float(grid[at] + share * (grid[beyond] - grid[at])))
-    return min(ends[0], estimate), max(ends[1], estimate)
-
-
-def _slopes(fit: variables.Fit, left: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the smallest and the largest slopes (2,), where chi-square may grow by `left` at each kink."""
-    room = np.sqrt(np.maximum(left, 0.0))[:, None]
-    inside = (left >= 0.0)[:, None]
-    slope, sd = fit.parameter[:, 1:], np.sqrt(np.einsum("kii->ki", fit.covariance)[:, 1:])
-    low = np.where(inside, slope - room * sd, np.inf).min(axis=0)
-    return low, np.where(inside, slope + room * sd, -np.inf).max(axis=0)

@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.optimize import least_squares
 
 from metafem import _validate as check
 from metafem._given import shown
@@ -16,7 +15,7 @@ from metafem._values import Value, percent
 from metafem.calibration.laws import MeasuredLaw
 from metafem.calibration.statistics import Verdict, judged
 from metafem.contact.elastic import usual_law
-from metafem.errors import refuse_if
+from metafem.errors import NotConverged, refuse_if
 from metafem.inversion import Design
 from metafem.models import Independent, Model
 from metafem.models.model import checked_model, contact_of
@@ -47,9 +46,9 @@ NAMES = {
 # error that is found.
 WIDEST, MOST = 1.0 / 3.0, 0.9
 
-# Step of central differences, in expected standard deviations, so wide that contacts which open and close
-# do not spoil the slopes; number of fits, each with the covariance at the errors of the one before.
-STEP, ROUNDS = 0.03, 2
+# Steps of the fit: the full length at first, and half of it where contacts that open and close make it swing.
+# It ends when no error changes by more than ENOUGH of its standard deviation.
+SHARES, ENOUGH = (1.0,) * 12 + (0.5,) * 18, 1e-2
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -115,8 +114,9 @@ def explain(
     The tilt, a common factor of all heights, E* and sigma B are fitted by least squares to friction forces,
     and to the areas of the single contacts or to their sum. The errors count as measured values of 0 with
     their expected standard deviations. The covariance of the measured values includes the errors of the loads
-    and of the single heights, which are linearised for contacts without interaction. Tarantola, Inverse
-    Problem Theory (SIAM, 2005), doi:10.1137/1.9780898717921, section 3.2.3.
+    and of the single heights. Values are those of the model; their derivatives are those of contacts without
+    interaction, so that each step solves the model once. Tarantola, Inverse Problem Theory (SIAM, 2005),
+    doi:10.1137/1.9780898717921, section 3.2.3.
 
     Parameters
     ----------
@@ -139,7 +139,7 @@ def explain(
     InvalidInput
         If an argument is invalid, a site is not in the design, or friction forces have no Friction.
     NotConverged
-        If the model has no solution at a load.
+        If the model has no solution at a load, or the fit does not converge.
 
     Examples
     --------
@@ -169,66 +169,58 @@ def explain(
     last = 0 if measured.site is None else int(measured.site.max())
     refuse_if(last >= surface.count, f"site names asperity {last}; the design has {surface.count}, from 0")
     stress = friction.stress if friction is not None and measured.friction_force is not None else None
-    law = _Values(measured, stress, usual if model is None else checked_model(model), prior["height"])
+    fit = _Fit(measured, surface, usual if model is None else checked_model(model), stress, prior["height"])
     sd = {name: prior.get(name, prior["angle"]) for name in NAMES if name != "friction" or stress is not None}
     sd = {name: value for name, value in sd.items() if value > 0.0}
     scale = np.array(list(sd.values()))
-
-    def made(z: FloatArray) -> tuple[Surface, float]:
-        error = dict.fromkeys(NAMES, 0.0) | dict(zip(sd, (scale * z).tolist(), strict=True))
-        modulus = measured.material.composite_modulus * (1.0 + error["composite_modulus"])
-        part = surface.replaced(
-            height=surface.height * (1.0 + error["height_scale"]),
-            material=replace(measured.material, composite_modulus=modulus),
-        )
-        return part.tilted(error["angle_x"], error["angle_y"]), 1.0 + error["friction"]
-
-    def residual(z: FloatArray) -> FloatArray:
-        part, factor = made(z)
-        return np.append(np.linalg.solve(root, law.own() - law.of(law.areas(part), factor)), z)
-
-    def jacobian(z: FloatArray) -> FloatArray:
-        sides = [(residual(z + step), residual(z - step)) for step in STEP * np.eye(len(z))]
-        return np.array([(high - low) / (2.0 * STEP) for high, low in sides]).T
-
-    z, slopes = np.zeros(len(sd)), np.empty((0, 0))
-    root = law.root(*made(z))
-    misfit = float((residual(z) ** 2).sum())
-    ends = np.array([STEEPEST if name.startswith("angle") else MOST for name in sd]) / scale - STEP
-    for _ in range(ROUNDS if len(sd) else 0):
-        fit = least_squares(residual, np.zeros(len(sd)), jacobian, (-ends, ends))
-        z, slopes = fit.x, fit.jac
-        root = law.root(*made(z))
-    covariance = np.asarray(np.linalg.inv(slopes.T @ slopes) * np.outer(scale, scale))
-    mean, spread = (
-        dict(zip(sd, of.tolist(), strict=True)) for of in (scale * z, np.sqrt(np.diagonal(covariance)))
-    )
-    verdict = judged(residual(z), len(sd))
-    return Explanation(sd, mean, spread, covariance, misfit, verdict, made(z)[0], law.model)
+    ends = np.array([STEEPEST if name.startswith("angle") else MOST for name in sd])
+    error = np.zeros(len(sd))
+    off, slopes = fit.whitened(dict.fromkeys(sd, 0.0))
+    misfit = float(off @ off)
+    for share in SHARES:
+        covariance = np.asarray(np.linalg.inv(slopes.T @ slopes + np.diag(scale**-2)))
+        # the errors are measured values of 0
+        change = covariance @ (slopes.T @ off - error / scale**2)
+        error = np.clip(error + share * change, -ends, ends)
+        spread, mean = np.sqrt(np.diagonal(covariance)), dict(zip(sd, error.tolist(), strict=True))
+        off, slopes = fit.whitened(mean)
+        if (np.abs(change) <= ENOUGH * spread).all():
+            break
+    else:
+        raise NotConverged("the fit of the errors that explain the measured law does not converge", error)
+    deviation = dict(zip(sd, spread.tolist(), strict=True))
+    verdict = judged(np.append(off, error / scale), len(sd))
+    return Explanation(sd, mean, deviation, covariance, misfit, verdict, fit.part(mean), fit.model)
 
 
 @dataclass(frozen=True, eq=False)
-class _Values:
+class _Fit:
     """The measured values of a law, and the same values of a part under a model; `stress` is sigma B."""
 
     law: MeasuredLaw
-    stress: float | None
+    surface: Surface
     model: Model
+    stress: float | None
     height_sd: float
 
-    def areas(self, part: Surface) -> FloatArray:
-        """Return the areas of the contacts of a part at the measured loads [mm^2], (k, n)."""
-        loads = self.law.load.tolist()
-        return np.array([equilibrium(part, self.model, load=load).asperity_area for load in loads])
+    def part(self, error: Mapping[str, float]) -> Surface:
+        """Return the part with errors."""
+        modulus = self.law.material.composite_modulus * (1.0 + error.get("composite_modulus", 0.0))
+        part = self.surface.replaced(
+            height=self.surface.height * (1.0 + error.get("height_scale", 0.0)),
+            material=replace(self.law.material, composite_modulus=modulus),
+        )
+        tilt = error.get("angle_x", 0.0), error.get("angle_y", 0.0)
+        return part.tilted(*tilt) if any(tilt) else part
 
-    def of(self, area: FloatArray, factor: float) -> FloatArray:
+    def values(self, area: FloatArray, factor: float) -> FloatArray:
         """Return the values at areas (k, n, ...), or their derivatives at those of the areas."""
         law = self.law
         parts = [] if self.stress is None else [factor * self.stress * area.sum(axis=1)]
         if law.asperity_area is not None:
             parts.append(area[:, law.site][np.isfinite(law.asperity_area)])
         elif law.area is not None:
-            parts.append(area.sum(axis=1))
+            parts.append(area.sum(axis=1)[np.isfinite(law.area)])
         return np.concatenate(parts)
 
     def own(self, suffix: str = "") -> FloatArray:
@@ -238,24 +230,43 @@ class _Values:
         known = ((getattr(self.law, name), getattr(self.law, name + suffix)) for name in names)
         return np.concatenate([value[np.isfinite(own)] for own, value in known if own is not None])
 
-    def root(self, part: Surface, factor: float) -> FloatArray:
-        """Return the Cholesky factor of the covariance of the values of a part."""
-        law, contact, area = self.law, contact_of(self.model), self.areas(part)
+    def whitened(self, error: Mapping[str, float]) -> tuple[FloatArray, FloatArray]:
+        """Return the differences of the values in standard deviations, and derivatives of those of the part.
+
+        The derivatives of the areas are those of contacts without interaction at a fixed load.
+        """
+        law, part, factor = self.law, self.part(error), 1.0 + error.get("friction", 0.0)
+        loads, contact = law.load, contact_of(self.model)
+        area = np.array([equilibrium(part, self.model, load=p).asperity_area for p in loads.tolist()])
         bound, summits, size = contact.bound(part), contact.summits(part), np.sqrt(area / math.pi)
         with np.errstate(divide="ignore", invalid="ignore"):
             stiffness, slope = (
                 np.where(area > 0.0, of(size, summits), 0.0) for of in (bound.stiffness, bound.area_slope)
             )
-        total = stiffness.sum(axis=1)[:, None, None]
-        by_height = slope[:, :, None] * (np.eye(area.shape[1]) - stiffness[:, None, :] / total)
-        by_load = slope[:, :, None] / (part.material.composite_modulus * total) * np.eye(len(area))[:, None]
-        change = np.concatenate([self.height_sd * by_height, law.load_sd * by_load], axis=2)
-        change = self.of(change, factor)
+        total = stiffness.sum(axis=1, keepdims=True)
+        by_height = slope[:, :, None] * (np.eye(area.shape[1]) - (stiffness / total)[:, None, :])
+        by_load = slope / (part.material.composite_modulus * total)
+        x, y = part.position.T
+        by_error = {
+            "angle_x": by_height @ x,
+            "angle_y": by_height @ y,
+            "height_scale": by_height @ self.surface.height,
+            "composite_modulus": -by_load * loads[:, None] / (1.0 + error.get("composite_modulus", 0.0)),
+        }
+        value = self.values(area, factor)
+        slopes = [self.values(by_error.get(name, 0.0 * area), factor) for name in error]
+        for name, column in zip(error, slopes, strict=True):
+            if name == "friction" and self.stress is not None:
+                column[: len(loads)] = value[: len(loads)] / factor
+        by_loads = by_load[:, :, None] * law.load_sd * np.eye(len(loads))[:, None]
+        change = self.values(np.concatenate([self.height_sd * by_height, by_loads], axis=2), factor)
         # a contact that is found or computed to be open has at least the area error of a touching contact
         least = law.errors.of_open + self.height_sd * float(slope.max())
-        opened = np.minimum(self.own(), self.of(area, factor)) <= 0.0
-        sd = np.maximum(self.own("_sd"), np.where(opened, least, 0.0))
-        return np.asarray(np.linalg.cholesky(np.diag(sd**2) + change @ change.T))
+        sd = np.maximum(self.own("_sd"), np.where(np.minimum(self.own(), value) <= 0.0, least, 0.0))
+        root = np.linalg.cholesky(np.diag(sd**2) + change @ change.T)
+        right = np.column_stack([self.own() - value, *slopes])
+        found = np.linalg.solve(root, right)
+        return found[:, 0], found[:, 1:]
 
 
 def row(name: str, mean: float, sd: float, expected: float) -> tuple[str, str, str]:

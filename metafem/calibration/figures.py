@@ -1,56 +1,24 @@
-"""Figures of calibrations, of the contacts found in an image, and of made surfaces."""
+"""Figures of the contacts found in an image, and of made surfaces."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from functools import partial
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from metafem._validate import FloatArray
 from metafem.drawing import calibration as lines
 from metafem.drawing import contacts as drawing
 from metafem.drawing import new_figure
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from metafem.calibration.compression import ContactCalibration
-    from metafem.calibration.full_contact import StrengthFit
     from metafem.calibration.images import ContactAreas
-    from metafem.calibration.sheared import ShearCalibration
     from metafem.calibration.sites import Placed
     from metafem.calibration.topography import MadeSurface
     from metafem.prediction import FrictionLaw
-
-
-def calibration_figure(
-    contact: ContactCalibration | None, shear: ShearCalibration | None, strength: StrengthFit | None = None
-) -> Figure:
-    """Return a figure of the calibrations that are not None, with their residuals."""
-    fits: list[tuple[Callable[[Axes], Any], FloatArray, FloatArray, str]] = []
-    if contact is not None:
-        title = f"E* = {contact.composite_modulus:.4g} MPa"
-        fits.append((contact.plot, contact.load, contact.residual, title))
-    if shear is not None:
-        area, friction = (partial(shear.plot, line=line) for line in ("area", "friction"))
-        title = f"σ = {shear.shear_strength:.4g} MPa"
-        fits.append((area, shear.area_before, shear.area_residual, f"B = {shear.area_ratio:.4g}"))
-        fits.append((friction, shear.area_sheared, shear.friction_residual, title))
-    if strength is not None:
-        title = f"full contact: σ = {strength.shear_strength:.4g} MPa"
-        fits.append((strength.plot, strength.area, strength.residual, title))
-    figure, axes = lines.with_residuals(len(fits))
-    for (law, below), (plot, x, residual, title) in zip(axes, fits, strict=True):
-        plot(law)
-        lines.residuals(below, x, residual)
-        law.set_title(title)
-        below.set_xlabel(law.get_xlabel())
-        law.set_xlabel("")
-    return figure
 
 
 def found_figure(

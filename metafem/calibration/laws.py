@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from metafem import _validate as check
-from metafem._given import Given, shown
+from metafem._given import shown
 from metafem._validate import FloatArray
 from metafem._values import span
 from metafem.calibration.contact_table import of_contacts
@@ -25,9 +25,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from pandas import DataFrame
 
-# Quantities of a measured law, and names of all its arrays, including the standard deviations.
+# Quantities of a measured law.
 QUANTITIES = ("load", "friction_force", "asperity_area", "area")
-ARRAYS = (*QUANTITIES, *(f"{name}_sd" for name in QUANTITIES), "site")
 
 # Number of standard deviations by which a force or an area may lie below zero, and by which a slope may. A
 # larger deviation is no measurement error: one normal error in a million and in thirty thousand is so large.
@@ -122,12 +121,22 @@ class MeasuredLaw(BaseLaw):
 
     def __post_init__(self) -> None:
         check.instance("material", self.material, Material, "a metafem.Material")
-        if self.friction is not None:
-            check.instance("friction", self.friction, Friction, "a metafem.Friction, or None")
+        check.instance("friction", self.friction, Friction, "a metafem.Friction, or None", optional=True)
         check.instance("errors", self.errors, MeasurementErrors, "a metafem.calibration.MeasurementErrors")
         check.instance("label", self.label, str, "a text")
-        for name, values in checked({name: getattr(self, name) for name in ARRAYS}, self.errors).items():
-            object.__setattr__(self, name, values)
+        found = self._values()
+        deviations = {f"{name}_sd": self._deviation(name, found) for name in QUANTITIES if name in found}
+        for name in QUANTITIES:
+            alone = name not in found and getattr(self, f"{name}_sd") is not None
+            refuse_if(alone, f"{name}_sd needs {name}")
+        found |= deviations
+        for name in {"load", "friction_force", "area"} & found.keys():
+            _refuse_contradiction(name, found)
+        order = np.argsort(found["load"], kind="stable")
+        for name, values in found.items():
+            ordered = values if name == "site" else values[order]
+            ordered.flags.writeable = False
+            object.__setattr__(self, name, ordered)
         refuse_if(
             self.area is None and self.friction is None,
             "friction_force can only be rescaled with the friction of the material pair; add "
@@ -145,12 +154,56 @@ class MeasuredLaw(BaseLaw):
             f"{counted(self.notes)}>"
         )
 
+    def _values(self) -> dict[str, Any]:
+        """Return the checked quantities and the numbers of the asperities by name."""
+        load = check.array("load", self.load, shape=(None,))
+        found: dict[str, Any] = {"load": load}
+        if self.friction_force is not None:
+            found["friction_force"] = check.array("friction_force", self.friction_force, shape=load.shape)
+        if self.asperity_area is not None:
+            areas = check.array_with_gaps("asperity_area", self.asperity_area, shape=(len(load), None))
+            must = "must be at least 0; 0 is an open contact"
+            check.refuse_entries("asperity_area", areas, areas < 0.0, must)
+            count = areas.shape[1]
+            site = np.arange(count) if self.site is None else np.array(self.site)
+            wrong = site.shape != (count,) or site.dtype.kind not in "iu" or (site < 0).any()
+            must = f"must hold a different number of the design for each of the {count} asperities"
+            refuse_if(wrong or len(np.unique(site)) < count, f"site = {shown(self.site)} {must}")
+            found |= {"asperity_area": areas, "site": site.astype(np.intp)}
+            if self.area is None and not ("friction_force" in found and np.isnan(areas).any(axis=1).all()):
+                found["area"] = areas.sum(axis=1)
+        if self.area is not None:
+            found["area"] = check.array_with_gaps("area", self.area, shape=load.shape)
+        refuse_if(len(found) < 2, "a measured law needs friction_force, area or asperity_area")
+        return found
+
+    def _deviation(self, name: str, found: Mapping[str, Any]) -> FloatArray:
+        """Return the standard deviations of a quantity, as passed or computed from `errors`."""
+        values, sd, errors = found[name], getattr(self, f"{name}_sd"), self.errors
+        missing = np.isnan(values)
+        if sd is not None:
+            filled = np.where(missing, 1.0, sd) if np.shape(sd) == values.shape else sd
+            # the standard deviation of an open contact may be 0
+            given = check.array(f"{name}_sd", filled, shape=values.shape, positive=name != "asperity_area")
+            return np.where(missing, np.nan, given)
+        of = {"load": errors.of_load, "friction_force": errors.of_friction_force}.get(name, errors.of_area)
+        if name != "area":
+            return of(values)
+        total, largest = of(values), np.nanmax(values, initial=0.0)  # equal for n contacts and one
+        if self.area is None:
+            single = self._deviation("asperity_area", found)
+            closed = np.where(found["asperity_area"] > 0.0, single, 0.0)
+            total = np.sqrt((closed**2).sum(axis=1))
+            largest = np.nansum(found["asperity_area"], axis=1).max()
+        refuse_if(not largest > 0.0, f"area is {largest:g} mm^2 at most: there is no contact")
+        return np.where(missing, np.nan, np.maximum(total, of(np.array(SMALL_CONTACT * largest))))
+
     def known(self) -> MeasuredLaw:
         """Return the law without the loads at which the rescaled friction is unknown."""
         known = ~np.isnan(self.rescaled_friction)
         none = "the contact area is unknown at every load, since an area of a contact is nan at each"
         refuse_if(not known.any(), none)
-        arrays = {name: getattr(self, name) for name in ARRAYS if name != "site"}
+        arrays = {f"{name}{sd}": getattr(self, f"{name}{sd}") for name in QUANTITIES for sd in ("", "_sd")}
         return replace(self, **{name: of[known] for name, of in arrays.items() if of is not None})
 
     @property
@@ -282,104 +335,23 @@ def measured_law(
     )
 
 
-def checked(passed: Mapping[str, Any], errors: MeasurementErrors) -> dict[str, Any]:
-    """Return the known arrays of a law, sorted by load."""
-    found: dict[str, Any] = {"load": check.array("load", passed["load"], shape=(None,))}
-    count = len(found["load"])
-    none = all(passed[name] is None for name in QUANTITIES[1:])
-    refuse_if(none, "a measured law needs friction_force, area or asperity_area")
-    if passed["friction_force"] is not None:
-        found["friction_force"] = check.array("friction_force", passed["friction_force"], shape=(count,))
-    if passed["asperity_area"] is not None:
-        found |= _asperities(passed["asperity_area"], passed["site"], count)
-    found |= _area(passed["area"], count, found)
-    for name, needed in (*((f"{name}_sd", name) for name in QUANTITIES), ("site", "asperity_area")):
-        refuse_if(passed[name] is not None and needed not in found, f"{name} needs {needed}")
-    for name in QUANTITIES:
-        if name in found:
-            found[f"{name}_sd"] = _deviation(name, passed, found, errors)
-    for name in ("load", "friction_force", "area"):
-        if name in found:
-            _refuse_contradiction(name, found)
-    order = np.argsort(found["load"], kind="stable")
-    ordered = {name: values if name == "site" else values[order] for name, values in found.items()}
-    for values in ordered.values():
-        values.flags.writeable = False
-    return ordered
-
-
-def _asperities(areas: Any, numbers: Any, count: int) -> dict[str, Any]:
-    """Return the checked areas of the asperities and the numbers of the asperities."""
-    filled = check.array_with_gaps("asperity_area", areas, shape=(count, None))
-    check.refuse_entries("asperity_area", filled, filled < 0.0, "must be at least 0; 0 is an open contact")
-    site = np.arange(filled.shape[1]) if numbers is None else np.array(numbers)
-    wrong = site.shape != filled.shape[1:] or site.dtype.kind not in "iu" or (site < 0).any()
-    must = f"must hold a different number of the design for each of the {filled.shape[1]} asperities"
-    refuse_if(wrong or len(np.unique(site)) < len(site), f"site = {shown(numbers)} {must}")
-    return {"asperity_area": filled, "site": site.astype(np.intp)}
-
-
-def _area(area: Any, count: int, found: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
-    """Return the checked total areas, or the sums over the asperities, nan where an area was not measured."""
-    areas = found.get("asperity_area")
-    unknown = np.zeros(count, dtype=bool) if areas is None else np.isnan(areas).any(axis=1)
-    if area is not None:
-        total = check.array_with_gaps("area", area, shape=(count,))
-        required = "must be a number, since no area of a contact is unknown"
-        check.refuse_entries("area", total, np.isnan(total) & ~unknown, required)
-        return {"area": total}
-    if areas is None or ("friction_force" in found and unknown.all()):
-        return {}
-    return {"area": areas.sum(axis=1)}
-
-
-def _deviation(
-    name: str, passed: Mapping[str, Any], found: Mapping[str, Any], errors: MeasurementErrors
-) -> FloatArray:
-    """Return the standard deviations of a quantity, as passed or computed from `errors`."""
-    values, sd = found[name], passed[f"{name}_sd"]
-    missing = np.isnan(values)
-    if sd is not None:
-        filled = np.where(missing, 1.0, sd) if missing.any() and np.shape(sd) == values.shape else sd
-        # the standard deviation of an open contact may be 0
-        given = check.array(f"{name}_sd", filled, shape=values.shape, positive=name != "asperity_area")
-        return np.where(missing, np.nan, given)
-    of = {"load": errors.of_load, "friction_force": errors.of_friction_force}.get(name, errors.of_area)
-    if name != "area":
-        return of(values)
-    total, parts = of(values), values  # equal for n contacts and for one: variances add
-    if passed["area"] is None:
-        closed = found["asperity_area"] > 0.0
-        total = np.sqrt((np.where(closed, found["asperity_area_sd"], 0.0) ** 2).sum(axis=1))
-    if missing.any():  # where the total is unknown, use the sum of the known areas
-        parts = np.where(missing, np.nansum(found["asperity_area"], axis=1), values)
-    largest = float(parts.max())
-    refuse_if(not largest > 0.0, f"area is {largest:g} mm^2 at most: there is no contact")
-    return np.where(missing, np.nan, np.maximum(total, of(np.array(SMALL_CONTACT * largest))))
-
-
-def _refuse_contradiction(name: str, found: Mapping[str, FloatArray]) -> None:
+def _refuse_contradiction(name: str, found: Mapping[str, Any]) -> None:
     """Raise InvalidInput if a quantity is negative, or if it decreases with the load, beyond its errors."""
-    known = np.flatnonzero(~np.isnan(found[name]))
-    load, values, load_sd = found["load"][known], found[name][known], found["load_sd"][known]
-    sd = found[f"{name}_sd"][known]
+    known = ~np.isnan(found[name])
+    load, values, load_sd, sd = (found[each][known] for each in ("load", name, "load_sd", f"{name}_sd"))
     below = "is below 0 by more than five standard deviations; check the sign of the force or the zero"
-    check.refuse_entries(name, values, values < -BELOW_ZERO * sd, f"{below} of the instrument")
-    if not known.size or np.ptp(load) <= load_sd.max():
+    wrong = known & (found[name] < -BELOW_ZERO * found[f"{name}_sd"])
+    check.refuse_entries(name, found[name], wrong, f"{below} of the instrument")
+    if not values.size or np.ptp(load) <= load_sd.max():
         return
     centred = load - load.mean()
     weight = centred / (centred**2).sum()
     slope = float(weight @ values)
     # errors of the loads also change the values, in proportion to the slope
     spread = np.sqrt((weight**2) @ (sd**2 + (slope * load_sd) ** 2))
-    ends = [
-        (Given(f"{name}[{known[i]}]", values[i]), Given("load", load[i]))
-        for i in (load.argmin(), load.argmax())
-    ]
+    low, high = (f"{values[i]:g} at {load[i]:g} N" for i in (load.argmin(), load.argmax()))
     refuse_if(
         slope < -FALLING * spread,
-        "{} at {.number} and {} at {.number}: it decreases with the load, which no friction law of contacts "
-        "does; check the columns and their units",
-        *ends[0],
-        *ends[1],
+        f"{name} is {low} and {high}: it decreases with the load, which no friction law of contacts does; "
+        "check the columns and their units",
     )

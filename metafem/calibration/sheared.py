@@ -1,48 +1,65 @@
-"""Area ratio and shear strength from areas and friction forces of sheared contacts; records of one pull."""
+"""Area ratio and shear strength from sheared contacts, from a part in full contact, and from records."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Literal
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.linalg import block_diag
 
 from metafem import _validate as check
-from metafem import drawing
-from metafem._given import Given, shown
 from metafem._validate import FloatArray
-from metafem._values import Value
 from metafem.calibration import errors_in_variables as variables
+from metafem.calibration.laws import MeasuredLaw
 from metafem.calibration.statistics import (
     PAPER,
+    Calibration,
+    Estimate,
+    Line,
     MeasurementErrors,
-    SingleTest,
     Verdict,
-    interval_of,
-    judged,
-    labels_of,
+    checked_covariance,
+    each_test,
+    positive,
     scatter,
+    straight,
 )
-from metafem.drawing import calibration
-from metafem.errors import refuse_if
+from metafem.contact.elastic import usual_law
+from metafem.errors import InvalidInput, refuse_if
 from metafem.material import Friction
+from metafem.models import Independent, Model
+from metafem.models.model import contact_of
 from metafem.notes import Note, information
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
+from metafem.prediction import equilibrium, friction_law
+from metafem.surface import Surface
 
 # Excess of B over 1, in standard deviations, above which a fit is refused. One normal error in a hundred is
 # larger.
 ABOVE_ONE = 2.33
 
-# The two lines: sheared area over area before shear, and friction force over sheared area.
-LINES = ("Af = B A0", "F = sigma Af")
+# Names of the measured quantities, and their labels in figures.
+COLUMNS = {
+    "area_before": "area before shear  A0 [mm²]",
+    "area_sheared": "sheared area  Af [mm²]",
+    "friction_force": "friction force  F [N]",
+}
 
 # Range of distances after the peak over which the paper averages the sliding friction (page 313) [mm], and
 # the rounding error of a difference between decimal displacements, relative to the last displacement.
 SLIDING, ROUNDING = (0.1, 0.2), 1e-12
+
+# Relative step of central differences. The error of a difference is about the square of the step, and the
+# rounding error 1e-16 over the step.
+STEP = 1e-4
+
+# Parameters whose errors affect the sigma of a part in full contact.
+PARAMETERS = ("composite_modulus", "area_ratio", "radius")
+
+RESIST = "forces that resist sliding are positive"
 
 Deviation = Callable[[FloatArray], FloatArray]
 
@@ -78,7 +95,7 @@ def proportional(measured: FloatArray, deviation: Sequence[Deviation]) -> variab
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ShearCalibration(Value):
+class ShearCalibration(Calibration):
     """Area ratio B and shear strength sigma of sheared contacts, with their errors.
 
     Attributes
@@ -87,26 +104,18 @@ class ShearCalibration(Value):
         Area ratio B [-] and shear strength sigma [MPa].
     covariance : ndarray, (2, 2)
         Covariance of B and sigma, in this order. They are correlated because both depend on the sheared area.
-    area_before, area_sheared, friction_force : ndarray, (k,)
-        Measured areas before and after shear [mm^2], and friction forces [N]; nan for values that were not
-        measured.
+    lines : (Line, Line)
+        The lines ``Af = B A0`` and ``F = sigma Af`` with their points and verdicts.
     area_fitted : ndarray, (k,)
-        Fitted areas before shear [mm^2].
-    area_residual, friction_residual : ndarray, (k,)
-        Distances of the points from the lines ``Af = B A0`` and ``F = sigma Af`` over their standard
-        deviations [-]; nan for points that lack a quantity of the line.
-    area_verdict, friction_verdict : Verdict
-        Verdicts on whether each line fits the points.
-    errors : MeasurementErrors
-        Standard deviations of the measured quantities.
-    tests : tuple of SingleTest
-        B and sigma of each test if there are several tests; nan for a value that the test does not determine.
+        Fitted areas before shear [mm^2]; nan for points with a single quantity.
+    tests : mapping of str to ShearCalibration
+        Calibration by each test if there are several; None for a test that does not determine B and sigma.
     heterogeneity : Verdict or None
         Whether the tests agree; None for a single test.
     notes : tuple of Note
     friction : metafem.Friction
-    area_ratio_interval, shear_strength_interval : (float, float)
-        68 % intervals, nowhere negative.
+    estimates : dict of str to Estimate
+        Value, standard deviation and 68 % interval of B and sigma.
 
     Examples
     --------
@@ -120,28 +129,14 @@ class ShearCalibration(Value):
     area_ratio: float
     shear_strength: float
     covariance: FloatArray
-    area_before: FloatArray
-    area_sheared: FloatArray
-    friction_force: FloatArray
+    lines: tuple[Line, Line]
     area_fitted: FloatArray
-    area_residual: FloatArray
-    friction_residual: FloatArray
-    area_verdict: Verdict
-    friction_verdict: Verdict
-    errors: MeasurementErrors
-    tests: tuple[SingleTest, ...] = ()
+    tests: Mapping[str, ShearCalibration | None] = field(default_factory=dict)
     heterogeneity: Verdict | None = None
     notes: tuple[Note, ...] = ()
 
     # Names of the rows of `covariance`, for `joint_covariance`.
     parameters = ("area_ratio", "shear_strength")
-
-    def __repr__(self) -> str:
-        ratio, strength = np.sqrt(np.diagonal(self.covariance))
-        return (
-            f"<ShearCalibration: B = {self.area_ratio:.4g} ± {ratio:.2g}, "
-            f"sigma = {self.shear_strength:.4g} ± {strength:.2g} MPa, {len(self.area_before)} points>"
-        )
 
     @property
     def friction(self) -> Friction:
@@ -154,46 +149,12 @@ class ShearCalibration(Value):
         return self.covariance
 
     @property
-    def area_ratio_interval(self) -> tuple[float, float]:
-        """68 % interval of B [-]."""
-        return interval_of(self.area_ratio, self.covariance[0, 0])
-
-    @property
-    def shear_strength_interval(self) -> tuple[float, float]:
-        """68 % interval of sigma [MPa]."""
-        return interval_of(self.shear_strength, self.covariance[1, 1])
-
-    def plot(self, ax: Axes | None = None, line: Literal["area", "friction"] = "friction") -> Axes:
-        """Draw one line and its points with error bars, and return the axes.
-
-        Parameters
-        ----------
-        ax : matplotlib Axes, optional
-            Axes to draw on; default: those of a new figure of ``matplotlib.pyplot``.
-        line : {"area", "friction"}
-            Which line to draw: sheared area over area before shear ("area"), or friction force over sheared
-            area ("friction"); default: "friction".
-
-        Examples
-        --------
-        >>> from metafem.calibration import shear
-        >>> before = np.array([0.1, 0.2, 0.3])
-        >>> shear(before, 0.85 * before, 0.3145 * before).plot().get_xlabel()
-        'sheared area  Af [mm²]'
-        """
-        refuse_if(line not in ("area", "friction"), f'line = {shown(line)} must be "area" or "friction"')
-        ax, errors, sheared = drawing.axes(ax), self.errors, self.area_ratio * self.area_fitted
-        sheared_sd = errors.of_area(sheared)
-        if line == "area":
-            points = self.area_before, self.area_sheared, errors.of_area(self.area_fitted), sheared_sd
-            calibration.proportional(ax, *points, self.area_ratio)
-            ax.set(xlabel="area before shear  A0 [mm²]", ylabel="sheared area  Af [mm²]")
-        else:
-            force_sd = errors.of_friction_force(self.shear_strength * sheared)
-            points = self.area_sheared, self.friction_force, sheared_sd, force_sd
-            calibration.proportional(ax, *points, self.shear_strength)
-            ax.set(xlabel="sheared area  Af [mm²]", ylabel="friction force  F [N]")
-        return ax
+    def estimates(self) -> dict[str, Estimate]:
+        """Estimates of B and sigma."""
+        return {
+            name: positive(getattr(self, name), self.covariance[i, i])
+            for i, name in enumerate(self.parameters)
+        }
 
 
 def shear(
@@ -218,9 +179,9 @@ def shear(
 
     Parameters
     ----------
-    area_before, area_sheared : array_like, (k,) or (k, n)
-        Contact areas A0 before shear and Af at the friction force [mm^2], positive; nan if not measured.
-        Total areas (k,), or areas of n contacts (k, n), which are summed.
+    area_before, area_sheared : array_like, (k,)
+        Total contact areas A0 before shear and Af at the friction force [mm^2], positive; nan if not
+        measured.
     friction_force : array_like, (k,)
         Total friction forces F of these contacts [N]; nan if not measured.
     errors : MeasurementErrors
@@ -243,49 +204,50 @@ def shear(
     >>> before = np.array([0.05, 0.1, 0.2, 0.3])
     >>> found = shear(before, [0.043, 0.085, 0.17, 0.254], [0.0155, 0.0316, 0.0632, 0.0941])
     >>> found
-    <ShearCalibration: B = 0.8492 ± 0.0077, sigma = 0.3705 ± 0.006 MPa, 4 points>
+    <ShearCalibration: area_ratio = 0.8492 ± 0.0077, shear_strength = 0.3705 ± 0.006 MPa, 4 points, fits>
     """
     check.instance("errors", errors, MeasurementErrors, "a metafem.calibration.MeasurementErrors")
-    columns = {
-        name: _column(name, value)
-        for name, value in (
-            ("area_before", area_before), ("area_sheared", area_sheared), ("friction_force", friction_force)
-        )
-    }  # fmt: skip
-    counts = {name: len(column) for name, column in columns.items()}
-    for name, count in counts.items():
-        first = counts["area_before"]
-        refuse_if(count != first, f"{name} has {count} entries; area_before has {first}")
-    points = np.array([*columns.values()])
-    labels = np.array(labels_of(test, points.shape[1]))
+    given = dict(zip(COLUMNS, (area_before, area_sheared, friction_force), strict=True))
+    before = check.array_with_gaps("area_before", area_before, shape=(None,))
+    points = np.array([check.array_with_gaps(name, given[name], shape=before.shape) for name in given])
+    for name, areas in zip(given, points[:2], strict=False):
+        must = "must be greater than 0; leave out points without contact"
+        check.refuse_entries(name, areas, areas <= 0.0, must)
     known = np.isfinite(points)
-    for pair, line, what in zip((known[:2], known[1:]), LINES, ("B", "sigma"), strict=True):
-        few = int(pair.all(axis=0).sum())
-        refuse_if(few < 2, f"{what} needs at least 2 points of {line}, and {few} have both quantities")
-    found = _fitted(points, errors)
-    _refuse_impossible(found)
-    names = list(dict.fromkeys(labels.tolist()))
-    several = names if len(names) > 1 else []
-    tests = tuple(
-        SingleTest(name, int((labels == name).sum()), *_of_test(points[:, labels == name], errors))
-        for name in several
+    for i, what in enumerate(("B", "sigma")):
+        few = int(known[i : i + 2].all(axis=0).sum())
+        pair = " and ".join([*given][i : i + 2])
+        refuse_if(few < 2, f"{what} needs at least 2 points with {pair}, and {few} have both quantities")
+    used = known.sum(axis=0) >= 2
+    (ratio, strength), covariance, fit = parameters(points[:, used], errors)
+    value = np.full(len(before), np.nan)
+    value[used] = fit.abscissa[:, 0]
+    refuse_if(strength <= 0.0, f"friction_force is not positive: sigma = {strength:.4g} MPa; {RESIST}")
+    sd = math.sqrt(covariance[0, 0])
+    refuse_if(
+        ratio > 1.0 + ABOVE_ONE * sd,
+        f"area_ratio = {ratio:.4g} ± {sd:.2g} is above 1, but contacts shrink under shear; check that "
+        "area_before and area_sheared are not exchanged",
     )
-    found = replace(found, tests=tests, heterogeneity=scatter(tests))
-    return replace(found, notes=tuple(_notes(found)))
+    tests = each_test(test, len(before), lambda rows: shear(*points[:, rows], errors=errors))
+    fitted = [each for each in tests.values() if each is not None]
+    found = ShearCalibration(
+        *(float(ratio), float(strength), covariance),
+        _lines(points, float(ratio), float(strength), value, errors),
+        value,
+        tests,
+        scatter(
+            [(each.area_ratio, each.shear_strength) for each in fitted],
+            [each.covariance for each in fitted],
+        ),
+    )
+    unused = int((~used).sum())
+    words = f"{unused} of {len(used)} points hold less than two quantities and are not used"
+    return replace(found, notes=(*found.doubts(), *([information(words)] if unused else ())))
 
 
-def _column(name: str, value: ArrayLike) -> FloatArray:
-    """Return checked forces (k,), or positive areas (k,) summed over contacts; nan where not measured."""
-    if name == "friction_force":
-        return check.array_with_gaps(name, value, shape=(None,))
-    entries = check.array_with_gaps(name, value, shape=(None,) * (2 if check.depth(value) > 1 else 1))
-    without = "must be greater than 0; leave out points without contact"
-    check.refuse_entries(name, entries, entries <= 0.0, without)
-    return entries if entries.ndim == 1 else np.asarray(entries.sum(axis=1))
-
-
-def parameters(points: FloatArray, errors: MeasurementErrors) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return B and sigma (..., 2), their covariance (..., 2, 2) and A0 (..., k) for points (..., 3, k)."""
+def parameters(points: FloatArray, errors: MeasurementErrors) -> tuple[FloatArray, FloatArray, variables.Fit]:
+    """Return B and sigma (..., 2), their covariance (..., 2, 2) and the fit to points (..., 3, k)."""
     fit = proportional(points, (errors.of_area, errors.of_area, errors.of_friction_force))
     ratio, product = fit.parameter[..., 0], fit.parameter[..., 1]
     strength = product / ratio  # the second factor is sigma B
@@ -294,78 +256,236 @@ def parameters(points: FloatArray, errors: MeasurementErrors) -> tuple[FloatArra
     covariance = jacobian @ fit.covariance @ np.swapaxes(jacobian, -1, -2)
     # make the matrix exactly symmetric
     covariance = 0.5 * (covariance + np.swapaxes(covariance, -1, -2))
-    return np.stack([ratio, strength], axis=-1), covariance, fit.abscissa[..., 0]
+    return np.stack([ratio, strength], axis=-1), covariance, fit
 
 
-def _fitted(points: FloatArray, errors: MeasurementErrors) -> ShearCalibration:
-    """Return the fit to points (3, k); a point with a single quantity has no fitted area."""
-    used = np.isfinite(points).sum(axis=0) >= 2
-    value = np.full(points.shape[1], np.nan)
-    found, covariance, value[used] = parameters(points[:, used], errors)
-    ratio, strength = found.tolist()
-    before, sheared, force = points
-    before_sd, sheared_sd = errors.of_area(value), errors.of_area(ratio * value)
-    force_sd = errors.of_friction_force(strength * ratio * value)
-    residual = (
-        (sheared - ratio * before) / np.hypot(sheared_sd, ratio * before_sd),
-        (force - strength * sheared) / np.hypot(force_sd, strength * sheared_sd),
+def _lines(
+    points: FloatArray, ratio: float, strength: float, value: FloatArray, errors: MeasurementErrors
+) -> tuple[Line, Line]:
+    """Return the lines through points (3, k) with the fitted areas before shear; refuse falling ones."""
+    sd = (
+        errors.of_area(value),
+        errors.of_area(ratio * value),
+        errors.of_friction_force(strength * ratio * value),
     )
-    verdicts = [judged(off, parameters=1) for off in residual]
-    return ShearCalibration(
-        *(ratio, strength, covariance, before, sheared, force, value),
-        *(residual[0], residual[1], verdicts[0], verdicts[1], errors),
-    )
-
-
-def _of_test(points: FloatArray, errors: MeasurementErrors) -> tuple[FloatArray, FloatArray]:
-    """Return B and sigma (2,) and their covariance (2, 2) of one test; nan for a line without points."""
-    known = np.isfinite(points)
-    pairs = known[:2].all(axis=0), known[1:].all(axis=0)
-    if pairs[0].any() and pairs[1].any():
-        return parameters(points[:, known.sum(axis=0) >= 2], errors)[:2]
-    value, covariance = np.full(2, np.nan), np.full((2, 2), np.nan)
-    deviation = errors.of_area, errors.of_area, errors.of_friction_force
-    for i, pair in enumerate(pairs):
-        if pair.any():
-            fit = proportional(points[i : i + 2, pair], deviation[i : i + 2])
-            value[i], covariance[i, i] = fit.parameter[0], fit.covariance[0, 0]
-    return value, covariance
-
-
-def _refuse_impossible(found: ShearCalibration) -> None:
-    """Raise InvalidInput for factors that cannot be, or for a line that falls and does not fit."""
-    sigma = f"friction_force is not positive on the whole: sigma = {found.shear_strength:.4g} MPa; forces"
-    refuse_if(found.shear_strength <= 0.0, f"{sigma} that resist sliding are positive")
-    columns = "area_before", "area_sheared", "friction_force"
-    verdicts = found.area_verdict, found.friction_verdict
-    for first, second, line, verdict in zip(columns, columns[1:], LINES, verdicts, strict=False):
-        x, y = getattr(found, first), getattr(found, second)
+    names, found = [*COLUMNS], []
+    for i, (law, factor) in enumerate((("Af = B A0", ratio), ("F = sigma Af", strength))):
+        axes, (x, y) = (COLUMNS[names[i]], COLUMNS[names[i + 1]]), points[i : i + 2]
+        line = straight(law, axes, (x, y, sd[i], sd[i + 1]), factor, np.hypot(sd[i + 1], factor * sd[i]))
         known = np.isfinite(x) & np.isfinite(y)
-        apart = x[known] - x[known].mean()
-        slope = float((apart * y[known]).sum()) / (float(apart @ apart) or 1.0)
-        refuse_if(
-            slope < 0.0 and not verdict.fits,
-            f"{second} decreases with {first} (slope {slope:.3g}), which contradicts {line}; check the "
-            "columns and their units",
+        falls = np.cov(x[known], y[known])[0, 1] < 0.0 and not line.verdict.fits
+        contradicts = f"{names[i + 1]} decreases with {names[i]}, which contradicts {law}; check the columns"
+        refuse_if(falls, f"{contradicts} and their units")
+        found.append(line)
+    return found[0], found[1]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class StrengthFit(Calibration):
+    """Shear strength from a surface in full contact, with its errors.
+
+    Attributes
+    ----------
+    shear_strength : float
+        Shear strength sigma [MPa].
+    parameters : tuple of str
+        Names of the rows of `covariance`: the parameters of the call, then ``shear_strength``.
+    covariance : ndarray, (p, p)
+        Covariance of `parameters`, in mm, MPa and 1.
+    measured_sd : float
+        Standard deviation of sigma due to the errors of loads and friction forces only [MPa].
+    line : Line
+        Friction forces over predicted areas before shear, with their verdict.
+    area_ratio : float
+        Area ratio B that was used [-].
+    friction : metafem.Friction
+    estimates : dict of str to Estimate
+        Value, standard deviation and 68 % interval of sigma.
+
+    Examples
+    --------
+    >>> import metafem as mf
+    >>> surface = mf.Surface.square_lattice(
+    ...     0.1, radius=0.526, material=mf.Material(1.36), friction=mf.Friction(0.4, 0.85)
+    ... )
+    >>> law = mf.friction_law(surface, load=[0.5, 1.0, 1.5])
+    >>> measured = mf.calibration.MeasuredLaw(
+    ...     law.load, friction_force=law.friction_force, material=surface.material, friction=surface.friction
+    ... )
+    >>> mf.calibration.shear_strength(measured, surface, 0.5)
+    <StrengthFit: shear_strength = 0.4 ± 0.0026 MPa, 3 points, fits>
+    """
+
+    shear_strength: float
+    parameters: tuple[str, ...]
+    covariance: FloatArray
+    measured_sd: float
+    line: Line
+    area_ratio: float
+
+    @property
+    def parameter_covariance(self) -> FloatArray:
+        """Covariance of the parameters, for `metafem.calibration.joint_covariance`."""
+        return self.covariance
+
+    @property
+    def lines(self) -> tuple[Line, ...]:
+        """The fitted line."""
+        return (self.line,)
+
+    @property
+    def notes(self) -> tuple[Note, ...]:
+        """Note on a line that does not fit."""
+        return tuple(self.doubts())
+
+    @property
+    def friction(self) -> Friction:
+        """Friction with the fitted shear strength and the area ratio that was used."""
+        return Friction(self.shear_strength, self.area_ratio)
+
+    @property
+    def estimates(self) -> dict[str, Estimate]:
+        """Estimate of sigma."""
+        return {"shear_strength": positive(self.shear_strength, self.covariance[-1, -1])}
+
+
+def shear_strength(
+    law: MeasuredLaw,
+    surface: Surface,
+    load_min: float,
+    *,
+    model: Model | None = None,
+    covariance: ArrayLike | None = None,
+    parameters: Sequence[str] = PARAMETERS[:2],
+) -> StrengthFit:
+    """Return the shear strength sigma, fitted to friction forces at loads with all asperities in contact.
+
+    At these loads no new contacts form, and the predicted area A0(P) hardly depends on the heights. The fit
+    of ``F = sigma B A0(P)`` takes the errors of load and friction force into account and gives sigma B, which
+    is divided by B. The relative sensitivity of sigma to E*, ``dlog(sigma)/dlog(E*)``, is about 2/3. The
+    sensitivity to B is -1, and the sensitivity to the radius is about -2/3. If E* was calibrated with caps of
+    the same radius, E* is proportional to the radius, and the effect of an error of the radius on sigma
+    nearly cancels. Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234, supplementary text
+    "Model parameter values".
+
+    Parameters
+    ----------
+    law : MeasuredLaw
+        Measured law with friction forces; points below `load_min` are not used.
+    surface : Surface
+        Designed or measured surface with its E*. Its friction provides the area ratio B; if it has no
+        friction, the law provides B.
+    load_min : float
+        Smallest load that is used [N].
+    model : Model, optional
+        Model of the contact area; default: independent asperities with the contact law `Hertz`, or `Elastic`
+        if a summit has no finite curvature.
+    covariance : array_like, (p, p), optional
+        Covariance of the `parameters`, in mm, MPa and 1; default: no errors.
+    parameters : sequence of str
+        Names of the rows of `covariance`: ``radius`` (the mean radius; all radii change by the same factor),
+        ``composite_modulus`` and ``area_ratio``; default: the last two. The names from
+        `metafem.calibration.joint_covariance` are accepted, and ``shear_strength`` is ignored.
+
+    Returns
+    -------
+    StrengthFit
+
+    Raises
+    ------
+    InvalidInput
+        If an asperity is open at `load_min` under the model, if fewer than two points are at or above
+        `load_min`, if the law has no friction forces, or if the area ratio is unknown.
+
+    Examples
+    --------
+    >>> import metafem as mf
+    >>> surface = mf.Surface.square_lattice([[0.1, 0.11]], (1, 2), radius=0.526, material=mf.Material(1.36))
+    >>> law = mf.calibration.MeasuredLaw(
+    ...     [0.1, 0.2, 0.3], friction_force=[0.127, 0.2, 0.264],
+    ...     material=surface.material, friction=mf.Friction(0.4, 0.85),
+    ... )
+    >>> shear_strength(law, surface, 0.1)
+    <StrengthFit: shear_strength = 0.3987 ± 0.0052 MPa, 3 points, fits>
+    """
+    check.instance("law", law, MeasuredLaw, "a metafem.calibration.MeasuredLaw")
+    check.instance("surface", surface, Surface, "a metafem.Surface")
+    least = check.number("load_min", load_min, above=0.0)
+    solver = Independent(contact=usual_law(surface)) if model is None else model
+    names, known = checked_covariance(parameters, covariance, PARAMETERS, "shear_strength")
+    friction = surface.friction or law.friction
+    if law.friction_force is None or law.friction_force_sd is None:
+        raise InvalidInput("law has no friction forces; sigma needs them")
+    if friction is None:
+        raise InvalidInput(
+            "the area ratio B is not known; give the surface a friction=metafem.Friction(shear_strength, "
+            "area_ratio), whose shear strength is not used"
         )
-    ratio, sd = found.area_ratio, float(np.sqrt(found.covariance[0, 0]))
-    refuse_if(
-        ratio > 1.0 + ABOVE_ONE * sd,
-        f"area_ratio = {ratio:.4g} ± {sd:.2g} is above 1, but contacts shrink under shear; check that "
-        "area_before and area_sheared are not exchanged",
+    used = law.load >= least
+    refuse_if(used.sum() < 2, f"law has {int(used.sum())} points from {least:g} N on; sigma needs at least 2")
+    _refuse_open(surface, solver, least)
+    load, force, load_sd = law.load[used], law.friction_force[used], law.load_sd[used]
+    area, slope = _areas(surface, solver, load)
+    area_sd, of_force, force_sd = slope * load_sd, law.errors.of_friction_force, law.friction_force_sd[used]
+    # default standard deviations are computed from the fitted force, because the measured force is noisy
+    of = of_force if np.allclose(force_sd, of_force(force), rtol=1e-9) else lambda _: force_sd
+    fit = proportional(np.stack([area, force]), (lambda _: area_sd, of))
+    factor, variance = float(fit.parameter[0]), float(fit.covariance[0, 0])
+    refuse_if(factor <= 0.0, f"friction_force is not positive: sigma B = {factor:.4g} MPa; {RESIST}")
+    fitted_sd = of(factor * fit.abscissa[:, 0])
+    spread = np.hypot(fitted_sd, factor * area_sd)
+    ratio = float(friction.area_ratio)
+    strength = float(factor / ratio)
+    # relative changes of sigma with each parameter, through the areas (weighted as in the fit) or through B
+    weight = area / spread**2 / ((area / spread) ** 2).sum()
+    change = {
+        "composite_modulus": lambda: float(weight @ (load * slope)) / surface.material.composite_modulus,
+        "area_ratio": lambda: -1.0 / ratio,
+        "radius": lambda: -float(weight @ _growth(surface, solver, load)) / float(surface.radius.mean()),
+    }
+    gradient = strength * np.array([change[name]() for name in names])
+    jacobian = np.vstack([np.eye(len(names), len(names) + 1), np.append(gradient, 1.0)])
+    axes = "predicted area  A0 [mm²]", COLUMNS["friction_force"]
+    return StrengthFit(
+        shear_strength=strength,
+        parameters=(*names, "shear_strength"),
+        covariance=jacobian @ block_diag(known, variance / ratio**2) @ jacobian.T,
+        measured_sd=math.sqrt(variance) / ratio,
+        line=straight("F = sigma B A0", axes, (area, force, area_sd, fitted_sd), factor, spread),
+        area_ratio=ratio,
     )
 
 
-def _notes(found: ShearCalibration) -> Iterator[Note]:
-    """Return notes on lines that do not fit, on tests that differ, and on points that lack a quantity."""
-    for line, verdict in zip(LINES, (found.area_verdict, found.friction_verdict), strict=True):
-        if not verdict.fits:
-            yield verdict.note(f"{line} does not fit")
-    if found.heterogeneity is not None and not found.heterogeneity.fits:
-        yield found.heterogeneity.note("the tests differ")
-    unused, count = int(np.isnan(found.area_fitted).sum()), len(found.area_fitted)
-    if unused:
-        yield information(f"{unused} of {count} points hold less than two quantities and are not used")
+def _growth(surface: Surface, model: Model, load: FloatArray) -> FloatArray:
+    """Return the derivative of A0 with respect to the logarithm of all radii [mm^2], (k,)."""
+    low, high = (
+        _areas(surface.replaced(radius=surface.radius * (1.0 + sign * STEP)), model, load)[0]
+        for sign in (-1.0, 1.0)
+    )
+    return (high - low) / (2.0 * STEP)
+
+
+def _areas(surface: Surface, model: Model, load: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return A0 [mm^2] and dA0/dP [mm^2/N] at loads in any order, (k,) each."""
+    wanted = load * (1.0 + STEP * np.array([[-1.0], [0.0], [1.0]]))
+    single, places = np.unique(wanted, return_inverse=True)
+    low, area, high = friction_law(surface, model, load=single).area[places].reshape(wanted.shape)
+    return area, (high - low) / (2.0 * STEP * load)
+
+
+def _refuse_open(surface: Surface, model: Model, load: float) -> None:
+    """Raise InvalidInput if an asperity is open; the message states a sufficient load."""
+    opened = int((equilibrium(surface, model, load=load).asperity_area <= 0.0).sum())
+    if opened:
+        alone = Independent(contact=contact_of(model))
+        least = equilibrium(surface, alone, approach=float(np.ptp(surface.height))).load
+        unit = 10.0 ** (math.floor(math.log10(least)) - 2)  # unit of the third digit
+        raise InvalidInput(
+            f"is too small: {opened} of {surface.count} asperities are not in contact at this load; all are "
+            f"from {math.ceil(least / unit) * unit:g} N on without interaction",
+            key="load_min",
+            value=load,
+        )
 
 
 def at_peak(displacement: ArrayLike, friction_force: ArrayLike, values: ArrayLike | None = None) -> float:
@@ -401,8 +521,7 @@ def at_peak(displacement: ArrayLike, friction_force: ArrayLike, values: ArrayLik
     x, found, peak = _record(displacement, friction_force, values)
     frames = np.flatnonzero(np.isfinite(found))
     beside = frames.size > 0 and frames[0] <= peak <= frames[-1]
-    no_frame = "has no frame on both sides of the peak at displacement {.number}"
-    refuse_if(not beside, no_frame, Given("displacement", x[peak]), key="values")
+    refuse_if(not beside, f"values have no frame on both sides of the peak at {x[peak]:g} mm")
     # interpolate over the entries, which are equidistant in time; displacements may repeat
     return float(np.interp(peak, frames, found[frames]))
 
@@ -433,14 +552,11 @@ def over_plateau(
     0.8
     """
     x, found, peak = _record(displacement, friction_force, values)
-    after, rounding = x - x[peak], ROUNDING * x[-1]
-    low, high = SLIDING
-    last, top, far = (Given("displacement", end) for end in (after[-1], x[peak], high))
-    early = "ends {.number} after the peak at {.number}; sliding friction needs {.number}"
-    refuse_if(after[-1] < high - rounding, early, last, top, far, key="displacement")
+    after, rounding, (low, high) = x - x[peak], ROUNDING * x[-1], SLIDING
+    early = f"displacement ends {after[-1]:g} mm after the peak at {x[peak]:g} mm; sliding friction needs"
+    refuse_if(after[-1] < high - rounding, f"{early} {high:g} mm")
     sliding = (after >= low - rounding) & (after <= high + rounding) & np.isfinite(found)
-    few = "has no entry between {.number} and {.number} after the peak"
-    refuse_if(not sliding.any(), few, *(Given("displacement", end) for end in SLIDING), key="values")
+    refuse_if(not sliding.any(), f"values have no entry between {low:g} and {high:g} mm after the peak")
     return float(found[sliding].mean())
 
 
@@ -449,16 +565,13 @@ def _record(
 ) -> tuple[FloatArray, FloatArray, int]:
     """Return the checked displacements and values, and the index of the largest force."""
     x = check.array("displacement", displacement, shape=(None,))
-    force = check.array("friction_force", friction_force, shape=(len(x),))
+    force = check.array("friction_force", friction_force, shape=x.shape)
     one_way = "is less than the one before; give one pull in one direction"
     check.refuse_entries("displacement", x, np.diff(x, prepend=x[0]) < 0.0, one_way)
     peak = int(force.argmax())
-    at, most = Given("displacement", x[peak]), Given("friction_force", force[peak])
-    least = "is at most {.number}; forces that resist sliding are positive"
-    refuse_if(force[peak] <= 0.0, least, most, key="friction_force")
-    end = {0: "first", len(x) - 1: "last"}.get(peak)
+    refuse_if(force[peak] <= 0.0, f"friction_force is at most {force[peak]:g} N; {RESIST}")
     none = (
-        f"is largest at the {end} entry, at displacement {{.number}}: the record has no peak; begin it before"
+        f"friction_force is largest at an end of the record, at {x[peak]:g} mm: there is no peak; begin the"
     )
-    refuse_if(end, f"{none} the contact is sheared, and shear farther", at, key="friction_force")
-    return x, force if values is None else check.array_with_gaps("values", values, shape=(len(x),)), peak
+    refuse_if(peak in (0, len(x) - 1), f"{none} record before the contact is sheared, and shear farther")
+    return x, force if values is None else check.array_with_gaps("values", values, shape=x.shape), peak

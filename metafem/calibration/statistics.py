@@ -1,12 +1,13 @@
-"""Verdicts on residuals, agreement of repeated tests, 68 % intervals and covariances."""
+"""Errors of measurements, fitted lines with verdicts, 68 % intervals and covariances of calibrations."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,11 +16,16 @@ from scipy.optimize.elementwise import find_root
 from scipy.special import gammaincc, ndtr
 
 from metafem import _validate as check
+from metafem import drawing
 from metafem._given import shown
 from metafem._validate import FloatArray
 from metafem._values import Value
-from metafem.errors import refuse_if
+from metafem.drawing import calibration
+from metafem.errors import InvalidInput, NotConverged, refuse_if
 from metafem.notes import Note
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 # Probability below which a law is rejected. One in a hundred correct laws is rejected by chance.
 REJECTED = 0.01
@@ -33,6 +39,15 @@ SMALLEST_MEAN, MEANS = 1e-4, 4000
 
 # Largest asymmetry and most negative eigenvalue of a correlation matrix that rounded input may cause.
 ASYMMETRY = 1e-6
+
+# Units of the quantities that calibrations determine.
+UNITS = {
+    "radius": "mm",
+    "composite_modulus": "MPa",
+    "adhesion_energy": "N/mm",
+    "area_ratio": "1",
+    "shear_strength": "MPa",
+}
 
 
 @dataclass(frozen=True)
@@ -70,17 +85,22 @@ class Verdict:
 
     @property
     def fits(self) -> bool:
-        """Whether the test does not reject the law."""
+        """Whether the probability is at least 1 %."""
         return self.probability >= REJECTED
 
     @property
     def birge_ratio(self) -> float:
-        """Square root of chi-square over freedom [-]."""
-        return math.sqrt(self.chi_square / self.freedom) if self.freedom else 1.0
+        """Ratio of the observed to the expected deviations."""
+        return math.sqrt(self.chi_square / self.freedom) if self.freedom > 0 else 0.0
 
     def __str__(self) -> str:
         freedom = f"{self.freedom} degree{'s' * (self.freedom != 1)} of freedom"
         return f"chi² = {chi(self.chi_square)} with {freedom} (p = {self.probability:.2g})"
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the attributes by name."""
+        names = ("fits", "chi_square", "freedom", "probability", "birge_ratio")
+        return {name: getattr(self, name) for name in names}
 
     def note(self, what: str) -> Note:
         """Return a note that something does not fit or agree, such as "the law does not fit"."""
@@ -107,67 +127,204 @@ def judged(residual: FloatArray, parameters: int) -> Verdict:
     return Verdict(float((known**2).sum()), max(len(known) - parameters, 0))
 
 
+class Estimate(NamedTuple):
+    """Value of a parameter, its standard deviation and its 68 % interval."""
+
+    value: float
+    sd: float
+    interval: tuple[float, float]
+
+
+def positive(value: float, variance: float) -> Estimate:
+    """Return the estimate of a parameter that cannot be negative."""
+    sd = math.sqrt(variance)
+    low, high = bounded_interval(value, sd)
+    return Estimate(value, sd, (float(low), float(high)))
+
+
 @dataclass(frozen=True, eq=False, repr=False)
-class SingleTest(Value):
-    """Fit of one of several pooled tests: two values with their covariance, nan if not determined.
+class Line(Value):
+    """A law that was fitted to points with errors on both axes.
 
     Attributes
     ----------
     name : str
-        Label of the test.
-    points : int
-        Number of points.
-    value, sd : ndarray, (2,)
-        E* [MPa] and sqrt(w) [sqrt(N/mm)] of a compression test, or B [-] and sigma [MPa] of a shear test, and
-        their standard deviations.
-    covariance : ndarray, (2, 2)
-        Covariance of the two values, without the error of the radius.
-
-    Examples
-    --------
-    >>> SingleTest("1", 20, np.array([0.85, 0.37]), np.diag([4e-6, 1e-6])).sd
-    array([0.002, 0.001])
+        The law, such as "F = sigma Af".
+    axes : (str, str)
+        Labels of the axes.
+    x, y, x_sd, y_sd : ndarray, (k,)
+        Points and their standard deviations; nan for a quantity that was not measured.
+    fitted_x, fitted_y : ndarray, (m,)
+        Points of the fitted law.
+    residual : ndarray, (k,)
+        Distances of the points from the law over their standard deviations [-]; nan for points without one.
+    parameters : int
+        Number of fitted parameters.
+    verdict : Verdict
+        Whether the law fits the points.
     """
 
     name: str
-    points: int
-    value: FloatArray
-    covariance: FloatArray
+    axes: tuple[str, str]
+    x: FloatArray
+    y: FloatArray
+    x_sd: FloatArray
+    y_sd: FloatArray
+    fitted_x: FloatArray
+    fitted_y: FloatArray
+    residual: FloatArray
+    parameters: int = 1
 
     @property
-    def sd(self) -> FloatArray:
-        """Standard deviations of the values."""
-        return np.sqrt(np.diagonal(self.covariance))
+    def verdict(self) -> Verdict:
+        """Whether the law fits the points."""
+        return judged(self.residual, self.parameters)
 
 
-def scatter(tests: Sequence[SingleTest]) -> Verdict | None:
-    """Return the chi-square of tests about their weighted mean; None for less than two tests.
+def straight(
+    name: str, axes: tuple[str, str], points: Sequence[FloatArray], factor: float, spread: FloatArray
+) -> Line:
+    """Return the line ``y = factor x`` fitted to points (x, y, x_sd, y_sd).
+
+    `spread` holds the standard deviations of ``y - factor x``.
+    """
+    x, y, x_sd, y_sd = points
+    ends = np.array([0.0, 1.05 * float(np.nanmax(x))])
+    return Line(name, axes, x, y, x_sd, y_sd, ends, factor * ends, (y - factor * x) / spread)
+
+
+class Calibration(Value):
+    """Base class of the results of calibrations: estimates, lines with verdicts, tests and notes."""
+
+    # The fits to tests that were pooled by their labels, None for a test without a fit, and their agreement.
+    tests: Mapping[str, Calibration | None] = MappingProxyType({})
+    heterogeneity: Verdict | None = None
+
+    if TYPE_CHECKING:
+
+        @property
+        def estimates(self) -> dict[str, Estimate]:
+            """Value, standard deviation and 68 % interval of each quantity by name."""
+
+        @property
+        def lines(self) -> tuple[Line, ...]:
+            """Fitted laws with their points."""
+
+        @property
+        def notes(self) -> tuple[Note, ...]:
+            """What the result is to be read with."""
+
+        @property
+        def parameters(self) -> tuple[str, ...]:
+            """Names of the rows of `parameter_covariance`."""
+
+        @property
+        def parameter_covariance(self) -> FloatArray:
+            """Covariance of `parameters`."""
+
+    def __repr__(self) -> str:
+        stated = [
+            f"{name} = {value:.4g} ± {sd:.2g} {UNITS[name]}".removesuffix(" 1")
+            for name, (value, sd, _) in self.estimates.items()
+        ]
+        points = f"{len(self.lines[0].x)} points"
+        fits = "fits" if all(line.verdict.fits for line in self.lines) else "does not fit"
+        return f"<{type(self).__name__}: {', '.join([*stated, points, fits])}>"
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the result as numbers and texts, for JSON; the names of numbers end with their units.
+
+        Examples
+        --------
+        >>> from metafem.calibration import shear
+        >>> before = np.array([0.1, 0.2, 0.3])
+        >>> found = shear(before, 0.85 * before, 0.3145 * before).to_dict()
+        >>> round(found["shear_strength_MPa"], 6), found["lines"]["F = sigma Af"]["fits"]
+        (0.37, True)
+        """
+        found: dict[str, Any] = {}
+        for name, (value, sd, ends) in self.estimates.items():
+            found |= {keyed(name): value, keyed(name, "_sd"): sd, keyed(name, "_interval"): list(ends)}
+        found["lines"] = {line.name: line.verdict.to_dict() for line in self.lines}
+        if self.tests:
+            found["tests"] = {name: test and test.to_dict() for name, test in self.tests.items()}
+            found["heterogeneity"] = self.heterogeneity and self.heterogeneity.to_dict()
+        return found
+
+    def doubts(self) -> Iterator[Note]:
+        """Return notes on lines that do not fit, and on tests that differ."""
+        for line in self.lines:
+            if not line.verdict.fits:
+                yield line.verdict.note(f"{line.name}: the law does not fit")
+        if self.heterogeneity is not None and not self.heterogeneity.fits:
+            yield self.heterogeneity.note("the tests differ")
+        unfitted = ", ".join(name for name, test in self.tests.items() if test is None)
+        if unfitted:
+            yield Note(f"the tests {unfitted} have no fit of their own; they are part of the common fit only")
+
+    def plot(self, ax: Axes | None = None, line: int = 0) -> Axes:
+        """Draw a line and its points with error bars, and return the axes.
+
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+            Axes to draw on; default: those of a new figure of ``matplotlib.pyplot``.
+        line : int
+            Index of the line in `lines`; default: 0.
+
+        Examples
+        --------
+        >>> from metafem.calibration import shear
+        >>> before = np.array([0.1, 0.2, 0.3])
+        >>> shear(before, 0.85 * before, 0.3145 * before).plot(line=1).get_xlabel()
+        'sheared area  Af [mm²]'
+        """
+        ax, drawn = drawing.axes(ax), self.lines[line]
+        calibration.measured(ax, drawn.x, drawn.y, drawn.x_sd, drawn.y_sd)
+        calibration.fitted(ax, drawn.fitted_x, drawn.fitted_y)
+        ax.set(xlabel=drawn.axes[0], ylabel=drawn.axes[1])
+        return ax
+
+
+def keyed(name: str, what: str = "") -> str:
+    """Return the name of a parameter with its unit, such as "shear_strength_sd_MPa" for "_sd"."""
+    unit = UNITS[name].replace("/", "_per_")
+    return f"{name}{what}" if unit == "1" else f"{name}{what}_{unit}"
+
+
+def each_test(test: Any, count: int, fit: Callable[[Any], Any]) -> dict[str, Any]:
+    """Return the fits to the points of each test by its label, None without a fit; {} for a single test.
+
+    `test` holds the label of each of `count` points, and `fit` takes the numbers of the points.
+    """
+    if test is None:
+        return {}
+    wrong = isinstance(test, str) or np.ndim(test) != 1 or len(test) != count
+    refuse_if(wrong, f"test = {shown(test)} must hold a label for each of the {count} points")
+    labels = np.array([str(name) for name in test])
+    names, found = dict.fromkeys(labels.tolist()), {}
+    for name in names if len(names) > 1 else ():
+        try:
+            found[name] = fit(np.flatnonzero(labels == name))
+        except (InvalidInput, NotConverged):
+            found[name] = None
+    return found
+
+
+def scatter(value: ArrayLike, covariance: ArrayLike) -> Verdict | None:
+    """Return the chi-square of estimates (t, p) of t tests about their weighted mean; None for t < 2.
 
     Examples
     --------
-    >>> tests = [SingleTest(str(b), 20, np.array([b]), np.eye(1) * 1e-4) for b in (0.84, 0.86)]
-    >>> str(scatter(tests))
+    >>> str(scatter([[0.84], [0.86]], [[[1e-4]], [[1e-4]]]))
     'chi² = 2 with 1 degree of freedom (p = 0.16)'
     """
-    known = [np.isfinite(test.value) for test in tests]
-    if sum(each.any() for each in known) < 2:
+    if len(value := np.asarray(value)) < 2:
         return None
-    pairs = list(zip(tests, known, strict=True))
-    roots = [np.linalg.cholesky(test.covariance[np.ix_(own, own)]) for test, own in pairs]
-    every = list(zip(roots, pairs, strict=True))
-    matrix = np.concatenate([np.linalg.solve(root, np.eye(len(own))[own]) for root, (_, own) in every])
-    wanted = np.concatenate([np.linalg.solve(root, test.value[own]) for root, (test, own) in every])
-    mean, _, determined, _ = np.linalg.lstsq(matrix, wanted, rcond=None)
-    return Verdict(float(((wanted - matrix @ mean) ** 2).sum()), len(wanted) - int(determined))
-
-
-def labels_of(test: Any, count: int) -> tuple[str, ...]:
-    """Return the test label of each point, "" if there are no tests."""
-    if test is None:
-        return ("",) * count
-    wrong = isinstance(test, str) or np.ndim(test) != 1 or len(test) != count
-    refuse_if(wrong, f"test = {shown(test)} must hold a label for each of the {count} points")
-    return tuple(str(name) for name in test)
+    weight = np.linalg.inv(np.asarray(covariance))
+    mean = np.linalg.solve(weight.sum(axis=0), (weight @ value[..., None]).sum(axis=0))
+    off = value - mean[:, 0]
+    return Verdict(float(np.einsum("ti,tij,tj", off, weight, off)), off.size - off.shape[1])
 
 
 def bounded_interval(estimate: ArrayLike, sd: ArrayLike) -> tuple[FloatArray, FloatArray]:
@@ -191,12 +348,6 @@ def bounded_interval(estimate: ArrayLike, sd: ArrayLike) -> tuple[FloatArray, Fl
     return np.asarray(low * sd), np.asarray(high * sd)
 
 
-def interval_of(estimate: float, variance: float) -> tuple[float, float]:
-    """Return the lower and upper end of the 68 % interval of a nonnegative mean, from one estimate."""
-    low, high = bounded_interval(estimate, math.sqrt(variance))
-    return float(low), float(high)
-
-
 @lru_cache
 def _accepted() -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return means up to WIDTH, and the lowest and the highest accepted estimate of each, (MEANS,).
@@ -213,20 +364,32 @@ def _accepted() -> tuple[FloatArray, FloatArray, FloatArray]:
     return mean, mean - (mean**2 + t**2) / (2.0 * mean), mean + t
 
 
-def checked_covariance(names: Sequence[str], covariance: ArrayLike) -> FloatArray:
-    """Return the covariance matrix of named parameters, (p, p), or raise InvalidInput if it is invalid."""
+def checked_covariance(
+    names: Sequence[str], covariance: ArrayLike | None, known: Sequence[str], ignored: str = ""
+) -> tuple[tuple[str, ...], FloatArray]:
+    """Return the names of parameters and their covariance (p, p), or raise InvalidInput.
+
+    The names must be different names of `known`; the parameter `ignored` is left out. No covariance is that
+    of no parameters.
+    """
+    names = tuple(names)
+    unknown = set(names) - {*known, ignored} or len(set(names)) < len(names)
+    refuse_if(unknown, f"parameters = {shown(names)} must be different names of {', '.join(known)}")
+    if covariance is None:
+        return (), np.zeros((0, 0))
     matrix = check.array("covariance", covariance, shape=(len(names), len(names)))
     # check the correlation matrix, which has no units
     scale = np.sqrt(np.abs(np.diagonal(matrix)))
     scaled = matrix / np.outer(*[np.where(scale > 0.0, scale, 1.0)] * 2)
     symmetric = np.allclose(scaled, scaled.T, rtol=0.0, atol=ASYMMETRY)
+    wrong = not symmetric or np.linalg.eigvalsh(scaled).min(initial=0.0) < -ASYMMETRY
     must = f"of {', '.join(names)} must be symmetric and positive semidefinite"
-    wrong = not symmetric or np.linalg.eigvalsh(scaled).min() < -ASYMMETRY
     refuse_if(wrong, f"covariance = {shown(matrix.tolist())} {must}")
-    return matrix
+    rows = [i for i, name in enumerate(names) if name != ignored]
+    return tuple(names[i] for i in rows), matrix[np.ix_(rows, rows)]
 
 
-def joint_covariance(*calibrations: Any) -> tuple[tuple[str, ...], FloatArray]:
+def joint_covariance(*calibrations: Calibration) -> tuple[tuple[str, ...], FloatArray]:
     """Return the names of all parameters of independent calibrations, and their joint covariance.
 
     Parameters

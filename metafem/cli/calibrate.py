@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -57,18 +56,13 @@ MEMBERS = dict(zip(ERRORS, ("load", "boundary", "friction_force", "friction_rela
 # Options of a part in full contact; all of them are needed.
 FULL = ("full_contact", "part", "load_min")
 
-# Kind of each written file, by its extension.
-SUFFIXES = (".toml", ".json")
-
-# Key, unit and label of each parameter that is printed, with the factor from the unit of the key.
-PARAMETERS = (
-    ("composite_modulus", "MPa", "E*, composite modulus", 1.0),
-    ("modulus_without_adhesion", "MPa", "E* without adhesion", 1.0),
-    ("adhesion_energy", "mJ/m²", "w, adhesion energy", 1e6),
-    ("area_ratio", "", "B, area ratio", 1.0),
-    ("shear_strength", "MPa", "σ, shear strength", 1.0),
-    ("full_contact_shear_strength", "MPa", "σ, full contact", 1.0),
-)
+# Name, unit and size of the unit of each quantity that is printed.
+PRINTED = {
+    "composite_modulus": ("E*, composite modulus", "MPa", 1.0),
+    "adhesion_energy": ("w, adhesion energy", "mJ/m²", 1e-6),
+    "area_ratio": ("B, area ratio", "", 1.0),
+    "shear_strength": ("σ, shear strength", "MPa", 1.0),
+}
 
 
 @command(
@@ -80,7 +74,6 @@ PARAMETERS = (
         help="Number of contacts under one load, of which the table has the total area. Default: 1, or that "
         "of the columns.",
     ),
-    click.option("--poisson-ratio", type=float, help="ν of the material. Default: 0.5."),
     *quantities(ERRORS),
     column_option,
     click.option(
@@ -89,7 +82,7 @@ PARAMETERS = (
     click.option(
         "--contact",
         metavar="LAW",
-        help='Contact law of the caps without adhesion, such as "hertz" or the table of a law. Default: '
+        help='Contact law of the caps without adhesion, such as "elastic" or the table of a law. Default: '
         "hertz.",
     ),
     click.option(
@@ -110,19 +103,17 @@ PARAMETERS = (
         "-o",
         "--output",
         type=Name(),
-        multiple=True,
-        help="Write the sections of a specification (.toml), or values and covariance (.json) for metafem "
-        "study uncertainty --calibration; may be repeated.",
+        metavar="FILE.toml",
+        help="Write sections of a specification, with the covariance for metafem study uncertainty "
+        "--calibration and metafem compare --calibration.",
     ),
-    click.option("--figure", type=Name(), help="Draw the lines and their residuals: a file .svg or .png."),
     force_option,
     json_option,
     short_help="Measure E*, adhesion energy, B and σ from tables of tests.",
 )
 def calibrate(
     data: tuple[Path, ...],
-    output: tuple[Path, ...],
-    figure: Path | None,
+    output: Path | None,
     force: bool,
     as_json: bool,
     **options: Any,
@@ -137,69 +128,53 @@ def calibrate(
 
     Example: metafem calibrate compression.csv shear.csv --contacts 5 --radius "526 um" --radius-sd "5 um"
     """
-    for path in output:
-        refuse_if(path.suffix.lower() not in SUFFIXES, f"--output {path} must end with .toml or .json")
-    refuse_files(force, *output, figure=figure)
+    wrong = output is not None and output.suffix.lower() != ".toml"
+    refuse_if(wrong, f"--output {output} must end with .toml")
+    refuse_files(force, output)
     sources = [str(path) for path in (*data, options["full_contact"]) if path is not None]
     refuse_if(not sources, "no table is given; write for example metafem calibrate compression.csv shear.csv")
     with progress():
         columns = columns_of(options["column"])
         measured = mf.files.read_calibration(data, sliding=options["sliding"], columns=columns)
-        errors = _errors(measured, options)
+        given = {} if measured.boundary is None else {"boundary": measured.boundary}
+        given |= {MEMBERS[name]: options[name] for name in ERRORS if options[name] is not None}
+        errors = mf.calibration.MeasurementErrors(**given)
         contact, shear = _contact(measured, options, errors, sources), _shear(measured, errors, sources)
         strength = _strength(options, contact, shear, errors)
-        notes = [*_notes(measured, contact, shear)]
-        found = mf.files.calibration_data(contact, shear, sources, strength)
-        found["notes"] = notes_data(notes)
-        texts = {
-            ".toml": mf.files.block_text(contact, shear, sources, options["contact"], strength),
-            ".json": json.dumps(found) + "\n",
-        }
-        for path in output:
-            mf.files.write_text(path, texts[path.suffix.lower()], force=force)
-        if figure is not None:
-            from metafem.calibration.figures import calibration_figure
-
-            drawn = calibration_figure(contact, shear, strength)
-            mf.files.write_figure(figure, drawn, "calibration", force=force)
-    rows = [row for each in PARAMETERS for row in _row(found, *each)]
-    table = ("quantity", "value", "68 % interval", "unit", "± standard deviation"), rows, None
-    lines = _verdicts(contact, shear, strength)
-    show(as_json, found, tables=[table], lines=lines, notes=notes, files=[*output, figure])
-
-
-def _errors(measured: CalibrationData, options: Mapping[str, Any]) -> MeasurementErrors:
-    """Return standard deviations from the options, else from tables of images, else from the paper."""
-    given = {} if measured.boundary is None else {"boundary": measured.boundary}
-    given |= {MEMBERS[name]: options[name] for name in ERRORS if options[name] is not None}
-    return mf.calibration.MeasurementErrors(**given)
+        found = [each for each in (contact, shear, strength) if each is not None]
+        notes = [*measured.notes, *(note for each in found for note in each.notes), *_shared(measured)]
+        if output is not None:
+            cap = mf.files.section_named(options["contact"].split()) if options["contact"] else None
+            text = mf.files.calibration_text(contact, shear, strength, sources=sources, cap=cap)
+            mf.files.write_text(output, text, force=force)
+    results = {"files": sources, **mf.files.calibration_data(contact, shear, strength)}
+    table = ("quantity", "value", "68 % interval", "unit", "± standard deviation"), [*_rows(found)], None
+    lines = [text for each in found for text in _verdicts(each)]
+    data_of_notes = {"notes": notes_data(notes)}
+    show(as_json, results | data_of_notes, tables=[table], lines=lines, notes=notes, files=[output])
 
 
 def _contact(
     measured: CalibrationData, options: Mapping[str, Any], errors: MeasurementErrors, sources: list[str]
 ) -> ContactCalibration | None:
     """Return the calibration of E* and the adhesion energy; None without compression tests."""
-    from metafem.models.model import contact_of
-
-    points = measured.compression
+    points, radius, count = measured.compression, options["radius"], options["contacts"]
     if points is None:
         return None
-    radius, count, single = options["radius"], options["contacts"], points.contacts
     example = '--radius "526 um" --radius-sd "5 um"'
     refuse_if(radius is None, f"E* needs the radius of the caps; add for example {example}")
-    must = f"the tables hold {single} contacts one by one; leave it out"
-    refuse_if(single is not None and count not in (None, single), f"--contacts {count}: {must}")
+    must = f"the tables hold {measured.contacts} contacts one by one; leave it out"
+    refuse_if(measured.contacts is not None and count not in (None, measured.contacts), f"--contacts: {must}")
+    given = {"contact": mf.files.contact_named(options["contact"])} if options["contact"] else {}
     with mf.files.of_tables(sources, points.place):
         sample = mf.calibration.Sample(
-            contacts=single or count or 1,
+            contacts=measured.contacts or count or 1,
             radius_sd=options["radius_sd"] or 0.0,
-            poisson_ratio=0.5 if options["poisson_ratio"] is None else options["poisson_ratio"],
-            contact=contact_of(mf.files.chosen_model(mf.Independent(), None, options["contact"])),
             unusual=options["unusual"],
+            **given,
         )
-        return mf.calibration.fit_compression(
-            points.load, points.area, radius, sample, errors=errors, test=points.test
-        )
+        load, area = points.values
+        return mf.calibration.fit_compression(load, area, radius, sample, errors=errors, test=points.test)
 
 
 def _shear(
@@ -210,8 +185,7 @@ def _shear(
     if points is None:
         return None
     with mf.files.of_tables(sources, points.place):
-        given = points.area_before, points.area_sheared, points.friction_force
-        return mf.calibration.shear(*given, errors=errors, test=points.test)
+        return mf.calibration.shear(*points.values, errors=errors, test=points.test)
 
 
 def _strength(
@@ -237,8 +211,9 @@ def _strength(
         surface = surface.replaced(friction=shear.friction)
     unknown = f"the part of {options['part']} has no friction; add a shear test"
     refuse_if(surface.friction is None, f"the area ratio B is not known: {unknown}")
-    pair = surface.material, surface.friction
-    law = mf.files.read_measured_law(options["full_contact"], *pair, errors=errors)
+    law = mf.files.read_measured_law(
+        options["full_contact"], surface.material, surface.friction, errors=errors
+    )
     known: dict[str, Any] = {"model": design.law.model}
     calibrations = [each for each in (contact, shear) if each is not None]
     if calibrations:
@@ -247,54 +222,34 @@ def _strength(
     return mf.calibration.shear_strength(law, surface, options["load_min"], **known)
 
 
-def _row(found: Mapping[str, Any], name: str, unit: str, label: str, factor: float) -> Iterator[Any]:
-    """Yield the row of a parameter, if the calibration determined it."""
-    from metafem.files.block_text import interval, published, rounded
+def _rows(found: list[Any]) -> Iterator[list[str]]:
+    """Yield the row of each quantity."""
+    from metafem.calibration.statistics import Estimate
 
-    key = {"MPa": "_MPa", "mJ/m²": "_N_per_mm"}.get(unit, "")
-    adhesive = found.get("adhesion_energy_N_per_mm", 0.0) > 0.0
-    if f"{name}{key}" not in found or (name == "modulus_without_adhesion" and adhesive):
-        return
-    value = factor * found[f"{name}{key}"]
-    ends = [factor * end for end in found.get(f"{name}_interval{key}", ())]
-    sd = found.get(f"{name}_sd{key}", 0.5 * (ends[-1] - ends[0]) if ends else 0.0)
-    low, high = ends or (max(value - sd, 0.0), value + sd)
-    yield label, rounded(value, sd), interval((low, high), sd), unit, published(value, sd)
-
-
-def _verdicts(
-    contact: ContactCalibration | None, shear: ShearCalibration | None, strength: StrengthFit | None
-) -> list[str]:
-    """Return whether each law fits, and whether repeated tests agree."""
-    lines, tests = [], list[tuple[str, Any]]()
-    if contact is not None:
-        lines.append(("E* and w", len(contact.load), contact.verdict))
-        tests.append(("E* and w", contact))
-    if shear is not None:
-        verdicts = {"B": shear.area_verdict, "σ": shear.friction_verdict}
-        lines += [(name, verdict.freedom + 1, verdict) for name, verdict in verdicts.items()]
-        tests.append(("B and σ", shear))
-    if strength is not None:
-        lines.append(("σ, full contact", len(strength.load), strength.verdict))
-    found = [
-        f"{name}, {points} points: the law {'fits' if verdict.fits else 'does not fit'}: {verdict}"
-        for name, points, verdict in lines
-    ]
-    for name, fit in tests:
-        alike = fit.heterogeneity
-        if alike is not None:
-            agree = "agree" if alike.fits else "differ"
-            found.append(f"{name}, {len(fit.tests)} tests: the tests {agree}: {alike}")
-    return found
+    for each in found:
+        for name, (value, sd, (low, high)) in each.estimates.items():
+            label, unit, size = PRINTED[name]
+            full = isinstance(each, mf.calibration.StrengthFit)
+            scaled = Estimate(value / size, sd / size, (low / size, high / size))
+            if name == "adhesion_energy":  # whose interval is asymmetric
+                scaled = scaled._replace(sd=0.5 * (high - low) / size)
+            number, deviation = (mf.files.rounded(part, scaled.sd) for part in scaled[:2])
+            yield ["σ, full contact" if full else label, number, mf.files.interval(scaled), unit, deviation]
 
 
-def _notes(
-    measured: CalibrationData, contact: ContactCalibration | None, shear: ShearCalibration | None
-) -> Iterator[Note]:
-    """Yield the notes on the tables, on E* and on B, and one more if E* and B use the same areas."""
-    yield from measured.notes
-    for found in (contact, shear):
-        yield from () if found is None else found.notes
+def _verdicts(found: Any) -> Iterator[str]:
+    """Yield whether each law fits, and whether repeated tests agree."""
+    for line in found.lines:
+        fits, points = line.verdict.fits, line.verdict.freedom + line.parameters
+        yield f"{line.name}, {points} points: the law {'fits' if fits else 'does not fit'}: {line.verdict}"
+    alike = found.heterogeneity
+    if alike is not None:
+        what = " and ".join(line.name for line in found.lines)
+        yield f"{what}, {len(found.tests)} tests: the tests {'agree' if alike.fits else 'differ'}: {alike}"
+
+
+def _shared(measured: CalibrationData) -> Iterator[Note]:
+    """Yield a note if E* and B use the same areas."""
     pressed, sheared = measured.compression, measured.shear
     if pressed is not None and sheared is not None and not set(pressed.place).isdisjoint(sheared.place):
         words = "E* and B follow from the same areas before shear; the covariance of their errors is left out"

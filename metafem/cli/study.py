@@ -60,7 +60,7 @@ FITTED = (
     "Loads between which the slope is fitted, P/E* or P, such as 0.05mm^2 0.2mm^2. Default: 25 to 100 % of "
     "the load at which the plane reaches the lowest asperity."
 )
-CALIBRATED = "Errors and correlations of a metafem calibrate -o FILE.json; --sd adds other inputs."
+CALIBRATED = "Errors and correlations of a metafem calibrate -o FILE.toml; --sd adds other inputs."
 PAIRS = "Measured pairs with the columns load_N and friction_force_N. Default: the predicted law."
 HEIGHTS = "SD of the heights, such as 0.9um,3um. Default: 0 to 3 um in steps of 0.1 um."
 
@@ -76,7 +76,7 @@ OPTIONS: dict[str, Decorator] = {
     "placements": _option("--placements", FROM_1, "Number of random placements.", default=1000),
     "elements": _option("--elements/--no-elements", bool, "Press true caps, for a minute.", default=True),
     "sd": deviation_option(INPUTS),
-    "calibration": _option("--calibration", Name(), CALIBRATED, metavar="FILE.json"),
+    "calibration": _option("--calibration", Name(), CALIBRATED, metavar="FILE.toml"),
     "measured": _option("--measured", Name(), PAIRS, metavar="TABLE.csv"),
     "load_range": _option("--load-range", Quantity("load"), FITTED, nargs=2, metavar="FROM TO"),
     "draws": _option("--draws", FROM_2, "Number of draws.", default=10_000),
@@ -205,7 +205,7 @@ def uncertainty(
     deviations: Any = given_deviations(sd, INPUTS)
     if calibration is not None:
         deviations = with_calibration(calibration, deviations, design.surface)
-    example = "--sd radius=2um, or --calibration calibration.json"
+    example = "--sd radius=2um, or --calibration calibration.toml"
     refuse_if(not deviations, f"no error is given by --sd; write for example {example}")
     return mf.studies.uncertainty(design.surface, deviations, **options)
 

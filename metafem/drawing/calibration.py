@@ -1,4 +1,4 @@
-"""Drawing of measured points, fitted laws and residuals, and of the errors of made surfaces."""
+"""Drawing of measured points and fitted laws, and of the errors of made surfaces."""
 
 from __future__ import annotations
 
@@ -8,11 +8,10 @@ import numpy as np
 
 from metafem import drawing
 from metafem._values import MICROMETRES
-from metafem.drawing import ACHIEVED, LARGEST_DOT, QUIET, TARGET, FloatArray, new_figure
+from metafem.drawing import ACHIEVED, LARGEST_DOT, QUIET, TARGET, FloatArray
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 # Colour map of errors with both signs, and the percentage of residuals within the range of the colours.
 SIGNS, SHOWN = "coolwarm", 99.0
@@ -36,29 +35,12 @@ def fitted(ax: Axes, x: FloatArray, y: FloatArray, label: str | None = None) -> 
     ax.plot(x, y, color=TARGET, lw=1.2, label=label, zorder=2.0)
 
 
-def proportional(
-    ax: Axes, x: FloatArray, y: FloatArray, x_sd: FloatArray, y_sd: FloatArray, factor: float
-) -> None:
-    """Draw measured points, and the fitted line through the origin with the slope `factor`."""
-    measured(ax, x, y, x_sd, y_sd)
-    ends = np.array([0.0, 1.05 * float(np.nanmax(x))])
-    fitted(ax, ends, factor * ends)
-    ax.set(xlim=(0.0, None), ylim=(0.0, None))
-
-
 def residuals(ax: Axes, x: FloatArray, residual: FloatArray, colour: str = ACHIEVED) -> None:
     """Draw residuals in units of their standard deviations, with a band from -1 to 1."""
     ax.axhspan(-1.0, 1.0, color=QUIET, alpha=0.2, lw=0.0)
     ax.axhline(0.0, color=TARGET, lw=1.2)
     ax.plot(x, residual, "o", ms=3.5, color=colour)
     ax.set_ylabel("residual / sd")
-
-
-def with_residuals(columns: int = 1) -> tuple[Figure, list[tuple[Axes, Axes]]]:
-    """Return a figure for fits side by side, and for each fit its axes and, below, those of its residuals."""
-    figure = new_figure(4.6 * columns, 4.6)
-    grid = figure.subplots(2, columns, squeeze=False, sharex="col", gridspec_kw={"height_ratios": [3.0, 1.0]})
-    return figure, [(grid[0, i], grid[1, i]) for i in range(columns)]
 
 
 def height_errors(ax: Axes, position: FloatArray, error: FloatArray, missing: FloatArray) -> None:

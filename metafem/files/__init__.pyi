@@ -1,7 +1,12 @@
-from .block_text import block_text as block_text
 from .calibrated import CalibratedParameters as CalibratedParameters
+from .calibrated import CalibrationData as CalibrationData
 from .calibrated import calibration_data as calibration_data
+from .calibrated import calibration_text as calibration_text
+from .calibrated import interval as interval
+from .calibrated import of_tables as of_tables
+from .calibrated import read_calibration as read_calibration
 from .calibrated import read_parameters as read_parameters
+from .calibrated import rounded as rounded
 from .contacts import contacts_table as contacts_table
 from .contacts import read_contacts as read_contacts
 from .disk import refuse_existing as refuse_existing
@@ -18,9 +23,6 @@ from .laws import measured_pairs as measured_pairs
 from .laws import read_law as read_law
 from .laws import read_measured_law as read_measured_law
 from .laws import read_sites as read_sites
-from .measured import CalibrationData as CalibrationData
-from .measured import of_tables as of_tables
-from .measured import read_calibration as read_calibration
 from .part import PartOptions as PartOptions
 from .part import part_notes as part_notes
 from .part import planned as planned
@@ -44,6 +46,8 @@ from .specification.models import DEMOS as DEMOS
 from .specification.models import MODELS as MODELS
 from .specification.models import demo_text as demo_text
 from .specification.options import chosen_model as chosen_model
+from .specification.options import contact_named as contact_named
+from .specification.options import section_named as section_named
 from .specification.read import Specification as Specification
 from .specification.read import parsed as parsed
 from .specification.read import read_spec as read_spec

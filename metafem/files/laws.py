@@ -184,20 +184,17 @@ def columns_of(source: str | Path | Table, kind: str) -> Keys:
 
 
 def samples_of(source: str | Path | Table) -> Keys:
-    """Return the keys of a sampled target from a table, which may be one of `metafem images`.
+    """Return the keys of a sampled target from a table.
 
     The loads may be in any order, and samples at equal loads are averaged. Standard deviations of the loads
     and friction forces are combined into relative errors of the friction.
     """
     table = read_table(source)
-    if is_of_contacts(table):
-        values = _of_images(table)
-    else:
-        entries = TARGET.read(table)
-        values = {name: entries.numbers(name) for name in entries.columns}
-        for name in values.keys() - TARGET.plain:
-            hint = "" if name.endswith("_sd") else "; omit the origin"
-            _refuse(entries, name, values[name] <= 0.0, f"must be greater than 0{hint}")
+    entries = TARGET.read(table)
+    values = {name: entries.numbers(name) for name in entries.columns}
+    for name in values.keys() - TARGET.plain:
+        hint = "" if name.endswith("_sd") else "; omit the origin"
+        _refuse(entries, name, values[name] <= 0.0, f"must be greater than 0{hint}")
     load = next(key for key in LOADS if key in values)
     friction = next(key for key in FRICTIONS if key in values)
     error = _relative_error(table.name, values, load, friction)
@@ -281,19 +278,3 @@ def _averaged(values: Mapping[str, FloatArray], load: str) -> Keys:
     if len(loads) < len(group) and values.keys().isdisjoint(TARGET.plain):
         found["weight"] = counts.astype(np.float64)
     return found
-
-
-def _of_images(table: Table) -> Keys:
-    """Return loads [N], areas [mm^2] and errors of the areas [mm^2], (k,), of a table of `metafem images`."""
-    from metafem.calibration import measured_law
-    from metafem.files.contacts import contacts_of
-
-    try:
-        # loads and areas do not depend on the material, so that any material serves
-        law = measured_law(contacts_of(table), Material(1.0)).known()
-    except InvalidInput as error:
-        raise InvalidInput(f"{table.name}: {error}") from None
-    assert law.area is not None
-    assert law.area_sd is not None
-    kept = (law.load > 0.0) & (law.area > 0.0)
-    return {"load": law.load[kept], "area": law.area[kept], "area_sd": law.area_sd[kept]}

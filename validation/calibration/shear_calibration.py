@@ -100,7 +100,8 @@ def _checks(contacts: int) -> Iterator[Row]:
 def _chi_squares(contacts: int) -> list[float]:
     """Return the mean chi-square of either line."""
     before, areas, force = np.moveaxis(measured(contacts), 1, 0)
-    found, _, value = parameters(measured(contacts), ERRORS)
+    found, _, fit = parameters(measured(contacts), ERRORS)
+    value = fit.abscissa[..., 0]
     ratio, strength = (each[:, None] for each in found.T)
     area_sd, sheared_sd = ERRORS.of_area(value), ERRORS.of_area(ratio * value)
     force_sd = ERRORS.of_friction_force(ratio * strength * value)

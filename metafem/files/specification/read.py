@@ -198,6 +198,7 @@ def _specification(name: str, raw: bytes, source: Source) -> Specification:
     decoded(name, raw)  # raises an error with the line if the file is not UTF-8
     text = raw.decode("utf-8")
     table = toml_table(text, name)
+    table.pop("covariance", None)  # that of a calibration, which studies read
     try:
         kept = fill(table, source)
         members = _members(Sections.model_validate(table))

@@ -63,16 +63,16 @@ def test_errors_of_the_parameters_widen_the_bars(run, measured):
 
 def test_a_calibration_gives_the_material_pair_with_its_errors(run, measured):
     calibration = {
-        "kind": "metafem calibration", "parameters": ["composite_modulus", "area_ratio", "shear_strength"],
-        "units": ["MPa", "1", "MPa"], "values": [1.36, 0.85, 0.358 * 1.03],
-        "covariance": np.diag([0.04**2, 0.01**2, 0.006**2]).tolist(),
+        "parameters": ["composite_modulus", "area_ratio", "shear_strength"],
+        "values": [1.36, 0.85, 0.358 * 1.03], "matrix": np.diag([0.04**2, 0.01**2, 0.006**2]).tolist(),
     }  # fmt: skip
-    Path("calibration.json").write_text(json.dumps(calibration), "utf-8")
-    data = run("compare", "linear", "measured.csv", "--calibration", "calibration.json", "--json").data
+    lines = ["[covariance]", *(f"{name} = {json.dumps(value)}" for name, value in calibration.items())]
+    Path("calibration.toml").write_text("\n".join(lines), "utf-8")
+    data = run("compare", "linear", "measured.csv", "--calibration", "calibration.toml", "--json").data
     assert data["parameters"] == "composite_modulus area_ratio shear_strength"
     ratio = np.array(data["data"]["deviation"]["values"]) / data["data"]["predicted"]["values"]
     np.testing.assert_allclose(ratio, 0.0, atol=1e-4)
-    options = ("--calibration", "calibration.json", "--json", "--force")
+    options = ("--calibration", "calibration.toml", "--json", "--force")
     alone = run("compare", "linear", "measured.csv", "--shear-strength", "0.358 MPa", *options).data
     assert alone["parameters"] == "composite_modulus area_ratio"  # a stated strength is exact
     assert (
@@ -108,7 +108,7 @@ def test_a_tilt_is_explained_and_stored(run, tilted):
     assert found["cause"]["values"][0] == "angle_x"
     assert math.degrees(found["mean"]["values"][0]) == pytest.approx(0.1, abs=0.01)
     assert Path("linear/explained.nc").exists()
-    options = ("--explain", "--force", "--height-sd", "0", "--friction-sd", "2%")
+    options = ("--explain", "--force")
     text = run("compare", "linear", "contacts.csv", *options).output
     assert "tilt along x" in text
     assert text.rstrip().endswith("wrote linear/explained.nc")

@@ -1,7 +1,5 @@
 """What is written into a file is read back, and a damaged file is named."""
 
-import json
-
 import numpy as np
 import pytest
 import xarray as xr
@@ -9,7 +7,7 @@ import xarray as xr
 import metafem as mf
 from metafem import files
 from metafem.calibration import fit_compression, shear
-from metafem.files.calibrated import calibration_data
+from metafem.files.calibrated import calibration_data, calibration_text
 from metafem.files.result import plain_data
 from tests.calibration.contacts import table_of
 from tests.core.files.specs import small, text
@@ -39,7 +37,7 @@ STUDY = xr.Dataset(
 
 
 def write_calibration(path):
-    path.write_text(json.dumps(calibration_data(PRESSED, SHEARED, ["a.csv"])), "utf-8")
+    path.write_text(calibration_text(PRESSED, SHEARED), "utf-8")
 
 
 def write_specification(path):
@@ -52,8 +50,8 @@ def of_parameters(found):
 
 
 def parameters():
-    data = calibration_data(PRESSED, SHEARED, ["a.csv"])
-    return data["parameters"], data["values"], data["covariance"]
+    data = calibration_data(PRESSED, SHEARED)["covariance"]
+    return data["parameters"], data["values"], data["matrix"]
 
 
 # How each file is written and read, and what is then equal to what was written.
@@ -72,7 +70,7 @@ FILES = {
         lambda path: plain_data(files.read_contacts(path).to_dict("list")),
         lambda: plain_data(CONTACTS.to_dict("list")),
     ),
-    "calibration.json": (
+    "calibration.toml": (
         write_calibration, lambda path: of_parameters(files.read_parameters(path)), parameters,
     ),
     "interaction.nc": (

@@ -97,14 +97,14 @@ def test_compression_tests_are_pooled_with_their_labels(read):
     one = "load_mN,area_um2\n10,100000\n20,200000\n"
     labelled = "load_mN;area_mm2;test\n10,5;0,1;first\n20;0,2;second\n"
     data = read(one, labelled)
-    assert data.compression.load.tolist() == [0.01, 0.02, 0.0105, 0.02]
-    assert data.compression.area.tolist() == [0.1, 0.2, 0.1, 0.2]
+    assert data.compression.values[0].tolist() == [0.01, 0.02, 0.0105, 0.02]
+    assert data.compression.values[1].tolist() == [0.1, 0.2, 0.1, 0.2]
     assert data.compression.test == ("a", "a", "first", "second")
     assert data.compression.place[1:3] == ("a.csv, line 3", "b.csv, line 2")
-    assert (data.shear, data.compression.contacts) == (None, None)
-    assert read("area_10_mm2,load_mN,area_2_mm2\n0.1,10,0.2\n").compression.area.tolist() == [[0.2, 0.1]]
+    assert (data.shear, data.contacts) == (None, None)
+    assert read("area_10_mm2,load_mN,area_2_mm2\n0.1,10,0.2\n").compression.values[1].tolist() == [[0.2, 0.1]]
     data = read("load_mN,area_1_mm2,area_2_mm2\n10,0.1,0.2\n", "load_mN,area_mm2\n10,0.3\n")
-    assert (data.compression.area.tolist(), data.compression.contacts) == ([pytest.approx(0.3), 0.3], 2)
+    assert (data.compression.values[1].tolist(), data.contacts) == ([pytest.approx(0.3), 0.3], 2)
     assert "the totals are used" in data.notes[0].text
     with pytest.raises(mf.InvalidInput, match=r"2 \(a.csv, line 2\) and 1 \(b.csv, line 2\) contacts"):
         read("load_mN,area_1_mm2,area_2_mm2\n1,2,3\n", "load_mN,area_1_mm2\n1,2\n")
@@ -118,18 +118,18 @@ def test_compression_tests_are_pooled_with_their_labels(read):
 def test_shear_tests_and_records_are_points(read):
     table = "load_mN,area_mm2,area_sheared_mm2,friction_force_mN\n10,0.1,0.085,31\n20,0.15,,\n,0.2,0.17,63\n"
     data = read(table)
-    assert data.compression.load.tolist() == [0.01, 0.02]
-    assert data.shear.area_before.tolist() == [0.1, 0.15, 0.2]
-    np.testing.assert_array_equal(data.shear.area_sheared, [0.085, np.nan, 0.17])
-    np.testing.assert_array_equal(data.shear.friction_force, [0.031, np.nan, 0.063])
+    assert data.compression.values[0].tolist() == [0.01, 0.02]
+    assert data.shear.values[0].tolist() == [0.1, 0.15, 0.2]
+    np.testing.assert_array_equal(data.shear.values[1], [0.085, np.nan, 0.17])
+    np.testing.assert_array_equal(data.shear.values[2], [0.031, np.nan, 0.063])
     assert data.shear.place[2] == "a.csv, line 4"
-    assert np.isnan(read("area_sheared_mm2,friction_force_mN\n0.085,31\n").shear.area_before).all()
+    assert np.isnan(read("area_sheared_mm2,friction_force_mN\n0.085,31\n").shear.values[0]).all()
     static = read(PULL, PULL).shear
-    assert (static.friction_force.tolist(), static.test) == ([0.015] * 2, ("records",) * 2)
-    np.testing.assert_allclose(static.area_sheared, 0.35, rtol=1e-12)
-    np.testing.assert_allclose(static.area_before, 0.5, rtol=1e-12)
+    assert (static.values[2].tolist(), static.test) == ([0.015] * 2, ("records",) * 2)
+    np.testing.assert_allclose(static.values[1], 0.35, rtol=1e-12)
+    np.testing.assert_allclose(static.values[0], 0.5, rtol=1e-12)
     data = read(PULL, sliding=True)
-    np.testing.assert_allclose(data.shear.friction_force, 0.012, rtol=1e-12)
+    np.testing.assert_allclose(data.shear.values[2], 0.012, rtol=1e-12)
 
 
 def test_contacts_of_images_are_points(read):
@@ -139,10 +139,13 @@ def test_contacts_of_images_are_points(read):
         True, area, 2e-3 * np.sqrt(np.pi * area), 0.85 * area, 0.01 * area,
     )  # fmt: skip
     data = read(files.contacts_table(table))
-    assert (data.compression.area.tolist(), data.compression.load.tolist()) == ([[0.1, 0.2]], [0.05])
+    assert (data.compression.values[1].tolist(), data.compression.values[0].tolist()) == (
+        [[0.1, 0.2]],
+        [0.05],
+    )
     assert data.compression.place == ("a.csv, image 1",)
-    np.testing.assert_allclose(data.shear.area_before, [0.3, 0.15, 0.5], rtol=1e-12)
-    np.testing.assert_array_equal(data.shear.friction_force, [0.09, np.nan, 0.15])
+    np.testing.assert_allclose(data.shear.values[0], [0.3, 0.15, 0.5], rtol=1e-12)
+    np.testing.assert_array_equal(data.shear.values[2], [0.09, np.nan, 0.15])
     assert data.shear.test == ("a", "a", "b")
     assert [note.text.partition(":")[0] for note in data.notes] == ["a.csv"] * 2
     assert data.boundary == pytest.approx(1e-3, rel=1e-12)
@@ -188,10 +191,11 @@ def adhesive(energy):
 
 def test_a_calibration_is_written_as_sections():
     found = adhesive(5e-4)
-    whole = files.block_text(found, SHEARED, ["a.csv", "b.csv"], "elastic")
+    whole = files.calibration_text(found, SHEARED, sources=["a.csv", "b.csv"], cap={"kind": "elastic"})
     assert whole.startswith("# Calibration by metafem: sections of a specification")
     assert "# Measured: a.csv\n# Measured: b.csv\n" in whole
     table = tomllib.loads(whole)
+    assert table.pop("covariance")["parameters"] == ["composite_modulus", "area_ratio", "shear_strength"]
     assert list(table) == ["material", "contact", "friction"]
     read = spec(**{name: toml(keys) for name, keys in table.items()})
     assert read.template.material.composite_modulus == pytest.approx(1.36, abs=6e-4)
@@ -199,11 +203,13 @@ def test_a_calibration_is_written_as_sections():
     assert read.template.friction.area_ratio == pytest.approx(0.85, abs=1e-4)
     assert read.model.contact.adhesion_energy == pytest.approx(5e-4, rel=0.02)
     assert read.model.contact.cap == mf.Elastic()
-    doubtful = files.block_text(adhesive(1e-7), None, [])
+    doubtful = files.calibration_text(adhesive(1e-7), None)
     assert 'kind = "hertz"\n# The adhesion energy is 0 to' in doubtful
-    bent = files.block_text(None, shear(np.pi * A**2, 0.85 * np.pi * A**2, 0.3145 * np.pi * A**2 + 0.01), [])
-    assert list(tomllib.loads(bent)) == ["friction"]
-    assert "the line does not fit" in bent
+    bent = files.calibration_text(
+        None, shear(np.pi * A**2, 0.85 * np.pi * A**2, 0.3145 * np.pi * A**2 + 0.01)
+    )
+    assert list(tomllib.loads(bent)) == ["friction", "covariance"]
+    assert "the law does not fit" in bent
 
 
 def toml(keys):
@@ -215,61 +221,40 @@ def toml(keys):
 
 def test_without_adhesion_the_modulus_is_that_of_no_adhesion():
     rising = adhesive(1e-5)
-    found = fit_compression(2.0 * 1.36 * 4.0 / 3.0 * A**3 / 0.526 - rising.load, np.pi * A**2, 0.526)
+    found = fit_compression(2.0 * 1.36 * 4.0 / 3.0 * A**3 / 0.526 - rising.line.x, np.pi * A**2, 0.526)
     assert found.adhesion_energy == 0.0
     modulus, sd = found.modulus_without_adhesion
-    table = tomllib.loads(files.block_text(found, None, []))
+    table = tomllib.loads(files.calibration_text(found, None))
     assert table["contact"] == {"kind": "hertz"}
     written = float(table["material"]["composite_modulus"].removesuffix(" MPa"))
     assert written == pytest.approx(modulus, abs=0.01 * sd)
-    data = calibration_data(found, None, [])
-    assert data["values"] == [modulus]
+    assert table["covariance"]["values"] == [modulus]
 
 
 def two_tests():
     """Return the calibration of two tests of which the second has twice the load."""
-    load = np.concatenate([PRESSED.load, 2.0 * PRESSED.load])
+    load = np.concatenate([PRESSED.line.x, 2.0 * PRESSED.line.x])
     return fit_compression(load, np.tile(np.pi * A**2, 2), 0.526, test=["a"] * 20 + ["b"] * 20)
 
 
-# Names of a calibration's data, and of a verdict.
-NAMES = (
-    "adhesion_energy_N_per_mm adhesion_energy_interval_N_per_mm area_ratio area_ratio_interval "
-    "area_ratio_sd area_ratio_verdict composite_modulus_MPa composite_modulus_interval_MPa "
-    "composite_modulus_sd_MPa compression_heterogeneity compression_tests "
-    "compression_verdict covariance files kind modulus_without_adhesion_MPa "
-    "modulus_without_adhesion_sd_MPa parameters poisson_ratio "
-    "shear_heterogeneity shear_strength_MPa shear_strength_interval_MPa shear_strength_sd_MPa "
-    "shear_strength_verdict shear_tests units values"
-)
-VERDICT = "fits chi_square freedom probability birge_ratio"
-
-
 def test_a_calibration_is_written_as_data():
-    data = calibration_data(PRESSED, SHEARED, ["a.csv"])
-    assert sorted(data) == NAMES.split()
-    assert (data["kind"], data["files"]) == ("metafem calibration", ["a.csv"])
-    assert data["parameters"] == ["composite_modulus", "area_ratio", "shear_strength"]
-    assert data["units"] == ["MPa", "1", "MPa"]
-    np.testing.assert_allclose(data["values"], [1.36, 0.85, 0.37], rtol=1e-6)
-    covariance = np.array(data["covariance"])
-    np.testing.assert_allclose(covariance[1:, 1:], SHEARED.covariance, rtol=1e-12)
-    assert data["area_ratio_sd"] == pytest.approx(math.sqrt(SHEARED.covariance[0, 0]), rel=1e-12)
-    assert data["shear_strength_sd_MPa"] == pytest.approx(math.sqrt(SHEARED.covariance[1, 1]), rel=1e-12)
-    sd = math.sqrt(PRESSED.root_covariance[0, 0])
-    assert data["composite_modulus_sd_MPa"] == pytest.approx(sd, rel=1e-12)
-    assert data["composite_modulus_interval_MPa"] == list(PRESSED.composite_modulus_interval)
-    assert data["poisson_ratio"] == 0.5
-    tests = calibration_data(two_tests(), None, [])
-    for test, name in zip(tests["compression_tests"], "ab", strict=True):
-        assert list(test) == ["test", "points", "composite_modulus_MPa", "composite_modulus_sd_MPa"]
-        assert (test["test"], test["points"]) == (name, 20)
-    moduli = [test["composite_modulus_MPa"] for test in tests["compression_tests"]]
-    assert moduli == pytest.approx([1.36, 2.72], rel=1e-6)
-    assert list(tests["compression_heterogeneity"]) == VERDICT.split()
-    assert tests["compression_heterogeneity"]["fits"] is False
-    assert list(data["area_ratio_verdict"]) == VERDICT.split()
-    assert (data["area_ratio_verdict"]["fits"], data["area_ratio_verdict"]["freedom"]) == (True, 19)
+    data = calibration_data(PRESSED, SHEARED)
+    assert list(data) == ["compression", "shear", "covariance"]
+    covariance = data["covariance"]
+    assert covariance["units"] == ["MPa", "1", "MPa"]
+    np.testing.assert_allclose(covariance["values"], [1.36, 0.85, 0.37], rtol=1e-6)
+    np.testing.assert_allclose(np.array(covariance["matrix"])[1:, 1:], SHEARED.covariance, rtol=1e-12)
+    ratio, strength = np.sqrt(np.diag(SHEARED.covariance))
+    assert data["shear"]["area_ratio_sd"] == pytest.approx(ratio, rel=1e-12)
+    assert data["shear"]["shear_strength_sd_MPa"] == pytest.approx(strength, rel=1e-12)
+    assert data["shear"]["lines"]["Af = B A0"]["freedom"] == 19
+    modulus, _, interval = PRESSED.estimates["composite_modulus"]
+    pressed = data["compression"]
+    assert pressed["composite_modulus_MPa"] == modulus
+    assert pressed["composite_modulus_interval_MPa"] == list(interval)
+    both = calibration_data(two_tests(), None)["compression"]
+    assert [test["composite_modulus_MPa"] for test in both["tests"].values()] == pytest.approx([1.36, 2.72])
+    assert both["heterogeneity"]["fits"] is False
 
 
 def test_images_of_all_kinds_have_their_grey_levels(tmp_path):

@@ -300,7 +300,7 @@ TABLES = {
         ("load_mN,area_mm2,area_1_mm2\n1,2,3\n", "area", "area_1"),
         ("area_mm2,area_before_mm2,area_sheared_mm2\n1,2,3\n", "area", "area_before"),
         (f"{PULL}1,2,3\n".replace(",area_mm2", ",test"), "area_mm2", "displacement_um"),
-        (PULL + "".join(f"{i},{i},{5 - i}\n" for i in range(5)), "friction_force", "last entry"),
+        (PULL + "".join(f"{i},{i},{5 - i}\n" for i in range(5)), "friction_force", "end of the record"),
         (f"{IMAGES}\na,,1,3,0,0,.1,.01\n", "t.csv", "no image has a load"),
     ],
     partial(calibration, sliding=True): [("load_mN,area_mm2\n1,2\n", "--sliding", "displacement_um")],

@@ -194,9 +194,6 @@ SAMPLES = [
      [0.01, 0.01 / math.sqrt(2)], [1e4, 2e4]),
     ("load_N,area_mm2,weight\n.272,1,3\n.136,.4,2\n.272,2,4\n", [0.4, 1.5], None, [2, 7]),
     ("load_N,area_mm2\n.272,1\n.136,.4\n.272,2\n", [0.4, 1.5], None, [1, 2]),
-    ("image,load_mN,contact,x_mm,y_mm,area_mm2,area_error_mm2\n" + "".join(
-        f"{i}.tif,{136 * i},{j},{j},0,{a},0.001\n" for i in (1, 2) for j, a in ((1, 0.3 * i), (2, 0.5))
-    ), [0.8, 1.1], [math.sqrt(2e-6) / 0.8, math.sqrt(2e-6) / 1.1], None),
 ]  # fmt: skip
 
 
