@@ -6,11 +6,12 @@ from metafem.inversion.infeasible import (
     feasible_region,
     plasticity_index,
 )
-from metafem.inversion.laws import Band, OperatingPoints, PowerLaw, SampledLaw, Target
+from metafem.inversion.laws import Band, OperatingPoints, PowerLaw, SampledLaw
 from metafem.inversion.limits import Limits
 from metafem.inversion.lines import BilinearLaw, LinearLaw, MultilinearLaw
 from metafem.inversion.result import Design, DesignStatus
 from metafem.inversion.sites import arrange
+from metafem.inversion.target_law import Target
 from metafem.inversion.tools import PowerRange, RadiusRange, Tool
 
 __all__ = [

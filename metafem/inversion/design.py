@@ -18,14 +18,13 @@ from metafem.errors import Infeasible, refuse_if
 from metafem.inversion.bounds import ROUNDING
 from metafem.inversion.from_density import from_density
 from metafem.inversion.infeasible import achievable_friction_coefficients, nearest_law, prove, remedies
-from metafem.inversion.laws import Target
 from metafem.inversion.limits import Limits
 from metafem.inversion.problem import Branch, Candidate, Parameter, Problem, misfit
 from metafem.inversion.refinement import EXACT, MISSED, REACHED, inverted, refined, unmet
 from metafem.inversion.result import DOUBT, Design, DesignStatus, misfit_text
 from metafem.inversion.search import GOAL
 from metafem.inversion.steps import on_steps
-from metafem.inversion.target_law import TargetLaw
+from metafem.inversion.target_law import Target, TargetLaw
 from metafem.inversion.tools import Given, PowerRange
 from metafem.models import Curve, Independent, Interacting, Model
 from metafem.models.model import PARABOLOID, checked_contact, contact_of

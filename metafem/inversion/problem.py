@@ -16,9 +16,8 @@ from metafem import _validate as check
 from metafem._validate import FloatArray, IntArray
 from metafem.inversion.bounds import Bounds
 from metafem.inversion.density import ExponentialDensity
-from metafem.inversion.laws import Target
 from metafem.inversion.limits import Limits, pinned_heights
-from metafem.inversion.target_law import TargetLaw
+from metafem.inversion.target_law import Target, TargetLaw
 from metafem.inversion.tools import Given, Tools, default_contact, refuse_misfits
 from metafem.models import Independent, Model
 from metafem.models.model import contact_of

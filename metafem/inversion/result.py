@@ -19,11 +19,10 @@ from metafem.drawing.card import card
 from metafem.errors import refuse_if
 from metafem.inversion.density import ExponentialDensity
 from metafem.inversion.from_density import law_of
-from metafem.inversion.laws import Target
 from metafem.inversion.limits import Limits, Pinned
 from metafem.inversion.problem import Branch, Parameter
 from metafem.inversion.refinement import EXACT, MISSED, REACHED
-from metafem.inversion.target_law import TargetLaw
+from metafem.inversion.target_law import Target, TargetLaw
 from metafem.inversion.tools import PowerRange, RadiusRange, Tool
 from metafem.models.model import contact_of
 from metafem.notes import Note, late, printed_count

@@ -188,7 +188,7 @@ class PowerSection(Section):
     def target(self, material: Material, friction: Friction | None) -> Target:
         """Return the target that the keys describe."""
         ends = rescaled_range(self.load_range, material)
-        return PowerLaw(self.exponent, ends, self.prefactor, _in_newtons(material, *self.load_range))
+        return PowerLaw(self.exponent, ends, self.prefactor, wording=_in_newtons(material, *self.load_range))
 
 
 class MultilinearSection(Section):
@@ -219,7 +219,7 @@ class MultilinearSection(Section):
         every = [*self.load_range, *(load for pair in self.crossover_loads for load in pair)]
         wording = _wording(self, material, friction, *every)
         ends = rescaled_range(self.load_range, material)
-        return MultilinearLaw(_slopes(self, wording, None), crossovers, ends, wording)
+        return MultilinearLaw(_slopes(self, wording, None), crossovers, ends, wording=wording)
 
 
 class LinearSection(Section):
@@ -236,9 +236,9 @@ class LinearSection(Section):
         ends = rescaled_range(self.load_range, material) if self.load_range is not None else None
         wording = _wording(self, material, friction, *(self.load_range or ()))
         if self.friction_coefficient is None:
-            return LinearLaw(self.slope or 0.0, ends, wording)
+            return LinearLaw(self.slope or 0.0, ends, wording=wording)
         mu = check.number("friction_coefficient", self.friction_coefficient, above=0.0)
-        return LinearLaw(wording.slope(mu), ends, wording)
+        return LinearLaw(*wording.given_slopes([mu], 1), ends, wording=wording)
 
 
 class BilinearSection(Section):
@@ -258,7 +258,7 @@ class BilinearSection(Section):
         wording = _wording(self, material, friction, self.crossover_load, *(self.load_range or ()))
         ends = rescaled_range(self.load_range, material) if self.load_range is not None else None
         crossover = self.crossover_load.rescaled(material)
-        return BilinearLaw(_slopes(self, wording, 2), crossover, ends, wording)
+        return BilinearLaw(_slopes(self, wording, 2), crossover, ends, wording=wording)
 
 
 def _wording(section: Section, material: Material, friction: Friction | None, *loads: GivenLoad) -> Wording:
