@@ -1,11 +1,8 @@
 """Design of asperity heights that produce a target friction law."""
 
-from metafem.inversion.design import achievable_load_range, design
-from metafem.inversion.infeasible import (
-    achievable_friction_coefficients,
-    feasible_region,
-    plasticity_index,
-)
+from metafem.inversion.density import achievable_friction_coefficients
+from metafem.inversion.design import design
+from metafem.inversion.infeasible import achievable_load_range, feasible_region, plasticity_index
 from metafem.inversion.laws import Band, OperatingPoints, PowerLaw, SampledLaw
 from metafem.inversion.limits import Limits
 from metafem.inversion.lines import BilinearLaw, LinearLaw, MultilinearLaw

@@ -23,9 +23,8 @@ from scipy.optimize import brentq, linprog, nnls
 from metafem._validate import FloatArray, IntArray
 from metafem.contact import Contact
 from metafem.errors import InvalidInput
-from metafem.inversion.bounds import Bounds, at_load
-from metafem.inversion.infeasible import nearest_law
-from metafem.inversion.problem import NONE, Asperities, Problem
+from metafem.inversion.bounds import Bounds, at_load, nearest_law
+from metafem.inversion.problem import Asperities, Problem
 from metafem.inversion.target_law import TargetLaw
 
 # Smallest and largest indentation over R in the table of contacts, and number of tabulated contacts.
@@ -60,35 +59,6 @@ MOST_STEPS, USED = 2000, 20
 FEW, RANDOM, DEEP = 12, 40, 4.0
 
 
-def placed(
-    problem: Problem,
-    height: FloatArray,
-    tool: IntArray,
-    rng: np.random.Generator,
-    top: float | None = None,
-) -> Asperities:
-    """Return asperities on random sites; heights (n,) [mm] are relative to the tallest, at `top` [mm].
-
-    Default: the largest height. Prescribed heights replace the nearest heights, on their own sites.
-    """
-    highest = problem.limits.top if top is None else top
-    every = np.full(problem.template.count, highest)
-    which = np.full(problem.template.count, NONE)
-    height = np.maximum(highest + height - height.max(), problem.foot)
-    left = np.ones(len(height), dtype=bool)
-    for site, given in problem.held.items():
-        distance = np.abs(height - given)
-        nearest = int(np.where(left, distance, np.inf).argmin() if left.any() else distance.argmin())
-        every[site], which[site] = given, tool[nearest]
-        left[nearest] = False
-    # the order of the sites depends on the template alone, so that a site that becomes empty moves no other
-    order = rng.permutation(problem.template.count)
-    free = order[np.isin(order, np.setdiff1d(problem.open, list(problem.held)))]
-    rest = np.flatnonzero(left)[: len(free)]
-    every[free[: len(rest)]], which[free[: len(rest)]] = height[rest], tool[rest]
-    return Asperities(every, which)
-
-
 def frictions(law: TargetLaw, bounds: Bounds) -> list[FloatArray]:
     """Return frictions (k,) [mm^2] within the bounds for initial guesses, nearest to the target.
 
@@ -116,7 +86,7 @@ def of_one_tool(
     inside = int((height >= height[0] - span).sum())
     # if heights are deeper than the span, further guesses have fewer of these heights
     for number in dict.fromkeys(inside + round(part * (len(height) - inside)) for part in LOW_FRACTIONS):
-        yield placed(problem, height[:number], np.full(number, tool), rng)
+        yield problem.placed(height[:number], np.full(number, tool), rng)
 
 
 def of_several_tools(
@@ -129,13 +99,13 @@ def of_several_tools(
         depth, _ = at_load(law.without_adhesion, load[-1:] / max(1.0, 0.5 * count), summit)
         for number in rng.integers((count + 1) // 2, count + 1, size=RANDOM).tolist():
             height = -rng.uniform(0.0, min(DEEP * float(depth[0]), problem.limits.span), number)
-            yield placed(problem, height, rng.integers(len(tools), size=number), rng)
+            yield problem.placed(height, rng.integers(len(tools), size=number), rng)
     if tools.same_shape:  # radii that increase or decrease with the depth
         order = np.argsort([tool.radius for tool in tools.all], kind="stable")
         ramp = order[np.linspace(0.0, len(tools) - 1.0, len(load)).round().astype(np.int64)]
         for which in (ramp, ramp[::-1]):
             height, sample = in_order(tools.law, load, friction, tools.summits[which], count)
-            yield placed(problem, height, which[sample], rng)
+            yield problem.placed(height, which[sample], rng)
     yield from by_least_squares(problem, load, friction, rng)
 
 
@@ -167,7 +137,7 @@ def by_least_squares(
             used = np.flatnonzero(number)
             if used.size:
                 height, tool = _rounded(gap[used], which[used], number[used], problem.count)
-                found.append((left, placed(problem, height, tool, rng)))
+                found.append((left, problem.placed(height, tool, rng)))
     return [one for _, one in sorted(found, key=lambda each: each[0])[:USED]]
 
 

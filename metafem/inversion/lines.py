@@ -134,7 +134,7 @@ class LinearLaw(StraightLaw):
         wording = Wording.of(material, friction)
         mu = check.number("friction_coefficient", friction_coefficient, above=0.0)
         ends = _optional_range(load_range_N, material)
-        return cls(*wording.given_slopes([mu], 1), ends, wording=wording)
+        return cls(wording.given_slopes([mu], 1)[0], ends, wording=wording)
 
     @classmethod
     def from_forces(
@@ -272,7 +272,7 @@ class MultilinearLaw(StraightLaw):
 
     free_name: ClassVar[str] = "intercepts"
 
-    slopes: tuple[float, ...]
+    slopes: Any
     crossover_loads: Any
     load_range: LoadRange
 
@@ -326,11 +326,11 @@ class MultilinearLaw(StraightLaw):
 
     @property
     def _slopes(self) -> tuple[float, ...]:
-        return self.slopes
+        return tuple(self.slopes)
 
     @property
     def _corners(self) -> tuple[LoadRange, ...]:
-        return self.crossover_loads
+        return tuple(self.crossover_loads)
 
     def curve(self) -> TargetLaw:
         """Return the branches as a target law with a free intercept for each group of connected branches."""

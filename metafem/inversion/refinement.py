@@ -7,12 +7,11 @@ from itertools import chain
 
 import numpy as np
 
-from metafem._values import percent
-from metafem.errors import Infeasible, NotConverged
-from metafem.inversion.guesses import frictions, of_one_tool, of_several_tools, placed
-from metafem.inversion.infeasible import nearest_law
-from metafem.inversion.levels import LEVEL_DROP, Level, levels_through
-from metafem.inversion.problem import Asperities, Branch, Candidate, Parameter, Problem, misfit
+from metafem.errors import NotConverged
+from metafem.inversion.bounds import nearest_law
+from metafem.inversion.guesses import frictions, of_one_tool, of_several_tools
+from metafem.inversion.levels import on_levels
+from metafem.inversion.problem import Asperities, Branch, Candidate, Problem, misfit
 from metafem.inversion.search import (
     AGREEING,
     GOAL,
@@ -28,7 +27,6 @@ from metafem.inversion.search import (
     search,
 )
 from metafem.inversion.target_law import TargetLaw
-from metafem.models.model import has_paraboloids
 from metafem.notes import information
 from metafem.progress import doing
 
@@ -91,7 +89,7 @@ def inverted(problem: Problem, rng: np.random.Generator) -> Candidate:
     law = problem.law
     levels = None
     if problem.target.exact and not problem.tools.law.adhesive:
-        levels = _levels(problem, law, rng)
+        levels = on_levels(problem, rng)
         if levels is not None and not problem.held:
             return levels
     branches = tuple(
@@ -174,44 +172,14 @@ def _to_rounding(
     return best
 
 
-def _levels(problem: Problem, law: TargetLaw, rng: np.random.Generator) -> Candidate | None:
-    """Return asperities on the levels of one tool through all points, with the fewest asperities, or None."""
-    paths: list[tuple[int, list[Level]]] = []
-    drops = (0.0,) if has_paraboloids(problem.model) else (LEVEL_DROP, 0.0)
-    for tool in problem.tools.tried.tolist():
-        for drop in drops:
-            path = levels_through(problem.alone(tool), law.load, law.lower, drop)
-            if not isinstance(path, Infeasible):
-                paths.append((tool, path))
-                break
-    if not paths:
-        return None
-    tool, path = min(paths, key=lambda each: sum(len(level.heights) for level in each[1]))
-    offset, height = problem.limits.offset, np.array([each for level in path for each in level.heights])
-    parameters: dict[str, Parameter] = {
-        "counts": np.array([level.number for level in path]),
-        "levels": offset + np.array([level.height for level in path]),
-        "adjustment_heights": offset
-        + np.array([level.height - level.depth + level.adjustment for level in path]),
-    }
-    return Candidate(placed(problem, height - height.max(), np.full(len(height), tool), rng), law, parameters)
-
-
 def refined(problem: Problem, candidate: Candidate, rng: np.random.Generator) -> Candidate:
     """Return the candidate with heights refined under the model, and a note on the change.
 
-    Heights on steps do not change. For independent asperities, heights change only if they follow a density
-    and miss its law; the law of a density is that of Hertz contacts. A model without gradients is replaced by
-    its `gradient_model`, whose gradients the last descent combines with the law of the model itself.
+    A model without gradients is replaced by its `gradient_model`, whose gradients the last descent combines
+    with the law of the model itself.
     """
-    model, density = problem.model, candidate.density is not None
-    other = density and problem.tools.law.power != 2.0
-    changes = model.couples or other
-    if candidate.stepped or not (changes or density):
-        return candidate
+    model, other = problem.model, problem.tools.law.power != 2.0
     before = misfit(problem, candidate.asperities, candidate.law)
-    if not changes and before <= MISSED:
-        return candidate
     with doing("refining the heights under the model"):
         found = _refined(problem, candidate, before, rng)
         raised = _raised(problem, found)
@@ -315,13 +283,3 @@ def _filled(problem: Problem, at: Asperities) -> Asperities:
     every, tool = at.height.copy(), at.tool.copy()
     every[vacant], tool[vacant] = deep, at.tool[on][height.argmin()]
     return Asperities(every, tool)
-
-
-def unmet(problem: Problem, area: np.ndarray) -> Infeasible:
-    """Return the error for points that a search did not meet, with the reason of the levels."""
-    law = problem.law
-    reason = levels_through(problem.alone(0), law.load, law.lower)
-    words = str(reason) if isinstance(reason, Infeasible) else "no heights that meet the points were found"
-    far = percent(float(np.abs(law.difference(area)).max()), ".3g")
-    nearest = problem.target.near(law.load, area)
-    return Infeasible(f"{words}; the nearest law found differs by {far}", nearest, by_search=True)

@@ -68,7 +68,7 @@ class Target(Value):
 
     @property
     def lines(self) -> tuple[tuple[float, float], ...]:
-        """Slope [-] of each line through the origin or the end of the one before, and its first load [mm^2]."""
+        """Slope [-] of each line and the load [mm^2] at which it starts; empty if intercepts are free."""
         return ()
 
     @property

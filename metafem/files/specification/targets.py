@@ -238,7 +238,7 @@ class LinearSection(Section):
         if self.friction_coefficient is None:
             return LinearLaw(self.slope or 0.0, ends, wording=wording)
         mu = check.number("friction_coefficient", self.friction_coefficient, above=0.0)
-        return LinearLaw(*wording.given_slopes([mu], 1), ends, wording=wording)
+        return LinearLaw(wording.given_slopes([mu], 1)[0], ends, wording=wording)
 
 
 class BilinearSection(Section):
