@@ -8,7 +8,7 @@ Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, cast
 
@@ -25,7 +25,7 @@ from metafem.inversion.limits import Limits
 from metafem.inversion.lines import BilinearLaw
 from metafem.inversion.problem import Branch, Candidate, Parameter, Problem, misfit
 from metafem.inversion.target_law import TargetLaw
-from metafem.inversion.tools import Given, Tool, Tools
+from metafem.inversion.tools import Given, Tools
 from metafem.models.model import PARABOLOID, checked_contact
 from metafem.notes import Note
 from metafem.surface import Surface
@@ -47,8 +47,9 @@ SEPARATIONS = 61
 # stated with six digits by this one.
 INSIDE, STATED = 1e-6, 1e-5
 
-# Number of crossover loads that are tried for a pair of slopes that is refused, evenly spaced.
-TRIED = 100
+# Number of crossover loads that are tried for a pair of slopes that is refused, evenly spaced, and of depths
+# of a crossover height, evenly spaced in logarithms.
+TRIED, DEPTHS = 100, 1000
 
 # Finest scale of a density over the standard deviation of the heights: below it their density is no longer
 # exponential. This is a rule of thumb of Aymard et al., doi:10.1126/science.adk4234.
@@ -265,29 +266,28 @@ class Crossing:
     @property
     def full_load(self) -> float:
         """Load [mm^2] at which the plane reaches the foot of the density `plain`."""
-        return self._load_of(self.plain.max_height)
+        return float(self.plain.rescaled_load(0.0, self.count, self.radius))
 
     @property
     def depths(self) -> tuple[float, float] | None:
-        """Smallest and largest depth [mm] for which each branch has at least half an asperity, or None."""
-        # at the least depth, equal asperities of the maximum height carry the crossover load
-        shallow = float((0.75 * self.load / self.count / math.sqrt(self.radius)) ** (2.0 / 3.0))
-        deep = self.plain.max_height * (1.0 - 1e-6)
-        # double precision may not resolve the load at the least depth
-        if not (self.load < self.full_load and self._load_of(shallow) > 0.0):
+        """Smallest and largest depth [mm] at which each branch has at least half an asperity, or None.
+
+        Equal asperities of the maximum height carry the crossover load at the least depth that is tried.
+        """
+        least = float((0.75 * self.load / self.count / math.sqrt(self.radius)) ** (2.0 / 3.0))
+        if least >= self.plain.max_height:
             return None
-        # the upper mass decreases from the least depth on
-        least, most = self._upper_mass(deep), self._upper_mass(shallow)
-        low, high = (
-            self._root(self._upper_mass, min(max(share, least), most), shallow, deep)
-            for share in (1.0 - 0.5 / self.count, 0.5 / self.count)
-        )
-        return (low, high) if low < high else None
+        depth = np.geomspace(least, self.plain.max_height * (1.0 - 1e-6), DEPTHS)
+        with np.errstate(divide="ignore", invalid="ignore"):  # double precision may not resolve the load
+            share = self._upper_mass(depth)
+        most = 1.0 - 0.5 / self.count
+        some = depth[(share >= 0.5 / self.count) & (share <= most) & (self._weight(depth) < np.inf)]
+        return (float(some[0]), float(some[-1])) if len(some) > 1 else None
 
     @property
     def second_slopes(self) -> tuple[float, float] | None:
         """Smallest and largest slope [-] of the second branch; None if none is possible."""
-        if self.depths is None:
+        if self.depths is None or self.load >= self.full_load:
             return None
         low, high = (self._second_slope(depth) for depth in self.depths)
         return (low, high) if low < high else None
@@ -295,33 +295,27 @@ class Crossing:
     def density(self, depth: float) -> ExponentialDensity:
         """Return the density with the crossover height at a depth [mm] below the top."""
         top = self.plain.max_height
-        return ExponentialDensity(self.plain.scale, top, top - depth, self._weight(depth))
+        return ExponentialDensity(self.plain.scale, top, top - depth, float(self._weight(depth)))
 
     def density_of(self, second: float) -> ExponentialDensity | None:
         """Return the density with a second slope, by solving eq. S8 for h_c; None if there is none."""
-        slopes, depths = self.second_slopes, self.depths
-        if slopes is None or depths is None or not slopes[0] <= second <= slopes[1]:
+        slopes, top = self.second_slopes, self.plain.max_height
+        if slopes is None or self.depths is None or not slopes[0] <= second <= slopes[1]:
             return None
-        return self.density(self._root(self._second_slope, second, *depths))
+        given = {"xtol": TIGHTEST * top, "rtol": TIGHTEST}
+        return self.density(brentq(lambda depth: self._second_slope(depth) - second, *self.depths, **given))
 
     def _second_slope(self, depth: float) -> float:
         """Return the slope of the second branch [-] (eq. S8, m_2)."""
         return self.density(depth).asymptotic_slopes(self.radius)[1]
 
-    def _root(self, function: Callable[[float], float], value: float, low: float, high: float) -> float:
-        """Return the depth [mm] between `low` and `high` at which a function of the depth has a value."""
-        xtol = TIGHTEST * self.plain.max_height
-        return float(brentq(lambda depth: function(depth) - value, low, high, xtol=xtol, rtol=TIGHTEST))
+    def _weight(self, depth: Any) -> Any:
+        # eq. S8, P_c/E*
+        return self.load / self.plain.rescaled_load(self.plain.max_height - depth, self.count, self.radius)
 
-    def _load_of(self, depth: float) -> float:
-        return float(self.plain.rescaled_load(self.plain.max_height - depth, self.count, self.radius))
-
-    def _weight(self, depth: float) -> float:
-        return self.load / self._load_of(depth)  # eq. S8, P_c/E*
-
-    def _upper_mass(self, depth: float) -> float:
+    def _upper_mass(self, depth: FloatArray) -> FloatArray:
         top = self.plain.max_height
-        return self._weight(depth) * float(self.plain.mass(top - depth, top))
+        return np.asarray(self._weight(depth) * self.plain.mass(top - depth, top))
 
 
 def _mass(low: ArrayLike, high: ArrayLike, scale: float) -> FloatArray:
@@ -400,39 +394,32 @@ def from_density(problem: Problem, rng: np.random.Generator) -> Candidate:
     The density is that of Hertz contacts; under another law the heights are then refined. Of several tools,
     the one is used whose heights have the nearest law and need no warning.
     """
-    found: list[tuple[bool, float, Candidate]] = []
-    reasons: list[tuple[Tool, Infeasible]] = []
+    found: list[Candidate] = []
+    reasons: list[Infeasible] = []
     for i in problem.tools.tried.tolist():
-        tool, radius = problem.tools.all[i], _curvature(problem, i)
+        tool, (law, _) = problem.tools.all[i], problem.tools.laws[i]
         try:
-            one = _of_radius(problem, radius, i, rng)
-        except Infeasible as reason:
-            reasons.append((tool, reason))
-            continue
-        apart = (
-            0.0 if len(problem.tools) == 1 else misfit(problem, one.asperities, one.law, problem.uncoupled)
-        )
-        found.append((any(note.warns for note in one.notes), apart, one))
-    if found:
-        return min(found, key=lambda each: each[:2])[2]
-    if len(reasons) == 1:
-        raise reasons[0][1]
-    both = "; ".join(f"with {tool!r}, {reason}" for tool, reason in (reasons[0], reasons[-1]))
-    raise Infeasible(f"no tool reaches the target: {both}", reasons[0][1].nearest)
-
-
-def _curvature(problem: Problem, i: int) -> float:
-    """Return the radius of curvature of the summits of a tool [mm]; raise Infeasible if they have none."""
-    tool, law = problem.tools.all[i], problem.tools.laws[i][0]
-    try:
-        radius = float(tool.cap.summit_radius(np.array([tool.radius]))[0])
-        reason = "" if law.without_adhesion.power in (None, 2.0) else f"{law!r} has no curvature"
-    except InvalidInput as error:
-        radius, reason = math.nan, f"a summit {error}"
-    if reason:
+            radius = float(tool.cap.summit_radius(np.array([tool.radius]))[0])
+            wrong = f"{law!r} has no curvature" if law.without_adhesion.power not in (None, 2.0) else ""
+        except InvalidInput as error:
+            radius, wrong = math.nan, f"a summit {error}"
         words = "without load_range the heights follow the density of Hertz contacts"
-        raise Infeasible(f"{problem.target.title}: {words}, and {reason}; give load_range")
-    return radius
+        try:
+            if wrong:
+                raise Infeasible(f"{problem.target.title}: {words}, and {wrong}; give load_range")
+            found.append(_of_radius(problem, radius, i, rng))
+        except Infeasible as reason:
+            reasons.append(reason)
+    if len(found) == 1:
+        return found[0]
+    if found:
+        apart = [misfit(problem, one.asperities, one.law, problem.uncoupled) for one in found]
+        warned = [any(note.warns for note in one.notes) for one in found]
+        return found[min(range(len(found)), key=lambda i: (warned[i], apart[i]))]
+    if len(reasons) == 1:
+        raise reasons[0]
+    words = f"no tool reaches the target; the first: {reasons[0]}; the last: {reasons[-1]}"
+    raise Infeasible(words, reasons[0].nearest)
 
 
 def _of_radius(problem: Problem, radius: float, tool: int, rng: np.random.Generator) -> Candidate:

@@ -33,8 +33,6 @@ def design_notes(problem: Problem, candidate: Candidate, found: Design) -> tuple
     missed = found.misfit > REACHED
     if missed and candidate.density is not None:
         notes.append(_of_density(problem, found))
-    elif missed and problem.target.lines:
-        notes.append(_of_line(problem, candidate, found))
     if missed and problem.held:
         words = f"{len(problem.held)} heights are given, and the misfit is {misfit_text(found.misfit)}"
         text = f"{words}: give others, or fewer"
@@ -116,16 +114,3 @@ def _of_density(problem: Problem, found: Design) -> Note:
     )
     level = Level.INFORMATION if found.misfit <= MISSED else Level.WARNING
     return Note(text, level, "misfit", found.misfit, MISSED, ("load_range",))
-
-
-def _of_line(problem: Problem, candidate: Candidate, found: Design) -> Note:
-    """Return a note on the loads over which a missed line is met."""
-    wording, law = problem.target.wording, candidate.law
-    within = np.abs(law.difference(found.target_area)) <= REACHED
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], within, [False]]).astype(np.int64)))
-    runs = [(law.load[a], law.load[b - 1]) for a, b in zip(edges[::2], edges[1::2], strict=True) if b - a > 1]
-    widest = max(runs, key=lambda ends: ends[1] / ends[0], default=None)
-    words = "nor over any part of it" if widest is None else f"from {wording.loads(*widest)} it is"
-    ends = wording.loads(law.load[0], law.load[-1])
-    text = f"the line is not met within {percent(REACHED, 'g')} from {ends}; {words}"
-    return Note(text, quantity="misfit", value=found.misfit, bound=REACHED, remedies=("load_range",))

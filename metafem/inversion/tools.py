@@ -10,7 +10,6 @@ import numpy as np
 import scipy
 
 from metafem import _validate as check
-from metafem._given import Given as Argument
 from metafem._given import shown
 from metafem._validate import FloatArray, IntArray
 from metafem.caps import SPHERE, Cap, Caps, Paraboloid, Power, Sphere
@@ -29,9 +28,6 @@ EXPONENT_STEP = 0.1
 
 # Multiples of a step are rounded to this many decimals, which removes their rounding error.
 DECIMALS = 12
-
-# A step may exceed its range by this fraction, which is treated as rounding.
-ROUNDING = 1e-9
 
 # Number of tools of a range, evenly spaced in logarithms, that are tried for all asperities and of which
 # initial guesses consist; exchanges of tools then reach the others.
@@ -87,7 +83,7 @@ class RadiusRange:
     Raises
     ------
     InvalidInput
-        If `low` or `step` is not positive, `high` does not exceed `low`, or `step` exceeds ``high - low``.
+        If `low` or `step` is not positive, or `high` does not exceed `low`.
 
     Examples
     --------
@@ -103,7 +99,6 @@ class RadiusRange:
         check.member(self, "low", above=0.0)
         check.member(self, "high", above=self.low)
         check.member(self, "step", optional=True, above=0.0)
-        _refuse_wide_step(self.step or 0.0, self.low, self.high)
 
     @property
     def radii(self) -> FloatArray:
@@ -142,7 +137,7 @@ class PowerRange:
     Raises
     ------
     InvalidInput
-        If a value is outside its range, `high` does not exceed `low`, or `step` exceeds ``high - low``.
+        If a value is outside its range, or `high` does not exceed `low`.
 
     Examples
     --------
@@ -162,7 +157,6 @@ class PowerRange:
         check.member(self, "step", above=0.0)
         check.member(self, "radius", optional=True, above=0.0)
         check.member(self, "coefficient", above=0.0)
-        _refuse_wide_step(self.step, self.low, self.high)
 
     @property
     def exponents(self) -> FloatArray:
@@ -262,24 +256,20 @@ class Tools:
         """Return the parameters that state by which tools asperities (n,) are made."""
         if self.given is None:
             return {}
-        counts = np.bincount(which, minlength=len(self))
+        if not (self.same_shape or isinstance(self.given, PowerRange)):
+            return {"tool_counts": np.bincount(which, minlength=len(self))}
+        used, counts = np.unique(which, return_counts=True)
         if isinstance(self.given, PowerRange):
-            used = np.flatnonzero(counts)
-            return {"used_exponents": self.given.exponents[used], "exponent_counts": counts[used]}
-        if not self.same_shape:
-            return {"tool_counts": counts}
-        used = np.flatnonzero(counts)
-        return {"used_radii": self.radius(used), "radius_counts": counts[used]}
+            return {"used_exponents": self.given.exponents[used], "exponent_counts": counts}
+        return {"used_radii": self.radius(used), "radius_counts": counts}
 
     def __str__(self) -> str:
-        radii = [tool.radius for tool in self.all]
         if isinstance(self.given, PowerRange):
             return f"power caps of exponents from {self.given.low:g} to {self.given.high:g}"
         if not self.same_shape:
             return f"{len(self)} tools"
-        if len(self) == 1:
-            return f"radius {radii[0]:g} mm"
-        return f"radii from {min(radii):g} to {max(radii):g} mm"
+        low, high = (f"{end([tool.radius for tool in self.all]):g}" for end in (min, max))
+        return f"radius {low} mm" if len(self) == 1 else f"radii from {low} to {high} mm"
 
 
 def default_contact(tools: Given | None) -> Contact:
@@ -346,9 +336,3 @@ def _on_steps(low: float, high: float, step: float) -> FloatArray:
     """Return the multiples of a step between two values, and the values themselves, increasing."""
     inside = np.round(step * np.arange(np.ceil(low / step), np.floor(high / step) + 1.0), DECIMALS)
     return np.unique(np.concatenate([[low, high], inside]))
-
-
-def _refuse_wide_step(step: float, low: float, high: float) -> None:
-    wide = step > (high - low) * (1.0 + ROUNDING)
-    words = "exceeds the range from {.number} to {.number}; give a smaller step"
-    refuse_if(wide, words, Argument("low", low), Argument("high", high), key="step", value=step)
