@@ -278,10 +278,9 @@ class Crossing:
         if least >= self.plain.max_height:
             return None
         depth = np.geomspace(least, self.plain.max_height * (1.0 - 1e-6), DEPTHS)
-        with np.errstate(divide="ignore", invalid="ignore"):  # double precision may not resolve the load
+        with np.errstate(all="ignore"):  # double precision may not resolve the load
             share = self._upper_mass(depth)
-        most = 1.0 - 0.5 / self.count
-        some = depth[(share >= 0.5 / self.count) & (share <= most) & (self._weight(depth) < np.inf)]
+        some = depth[(share >= 0.5 / self.count) & (share <= 1.0 - 0.5 / self.count)]
         return (float(some[0]), float(some[-1])) if len(some) > 1 else None
 
     @property
