@@ -48,11 +48,12 @@ BOUNDS = [
     (mf.PowerLaw(0.5, (0.1, 0.4)), HIGH, {}, ("12 %",)),
     (mf.PowerLaw(0.62, (0.1, 0.4)), HIGH, {"tools": [0.2, 0.8]}, ("0.574 %",)),
     (mf.PowerLaw(1.0, (0.1, 0.4), 100.0), HIGH, {}, ("64 equal",)),
+    (mf.MultilinearLaw([80.0], [], (0.1, 0.4)), HIGH, {}, ("free parameter",)),
+    (mf.MultilinearLaw([1.0], [], (0.1, 0.4)), HIGH, {}, ("25.5 %",)),
 ]
 # The same, where no nearest target is known, or none that is surely within reach.
 ALONE = [
     (mf.PowerLaw(1.35, (0.02, 0.4)), HIGH, {"model": mf.Interacting()}, ("margin",)),
-    (mf.MultilinearLaw([80.0], [], (0.1, 0.4)), HIGH, {}, ("free parameter",)),
     (mf.LinearLaw(7.0, (0.01, 0.2)), TALL, {}, ("0.01 mm", "reached from")),
     (mf.LinearLaw(7.0, (0.1, 90.0)), TALL, {}, ("90 mm^2 (122.4 N)",)),
     (mf.LinearLaw(1e3), LOW, under(mf.Elastic(mf.Power(4))), ("load_range",)),
@@ -74,6 +75,11 @@ def test_the_refused_and_the_nearest_target(first):
         if offered:
             near = mf.design(caught.value.nearest, **options)
             assert near.misfit <= 0.03 or near.density
+
+
+def test_the_range_of_a_line_with_tools_of_two_shapes_is_found_in_a_short_search():
+    low, high = achievable_load_range(mf.LinearLaw(7.0), LATTICE, HIGH, TOOLS, mf.Elastic())
+    assert low < 0.1 < high
 
 
 def test_one_asperity_has_no_line():
