@@ -278,8 +278,9 @@ class Crossing:
         if least >= self.plain.max_height:
             return None
         depth = np.geomspace(least, self.plain.max_height * (1.0 - 1e-6), DEPTHS)
-        with np.errstate(all="ignore"):  # double precision may not resolve the load
-            share = self._upper_mass(depth)
+        if not self._load_of(least):  # double precision does not resolve the load
+            return None
+        share = self._upper_mass(depth)
         some = depth[(share >= 0.5 / self.count) & (share <= 1.0 - 0.5 / self.count)]
         return (float(some[0]), float(some[-1])) if len(some) > 1 else None
 
@@ -308,9 +309,11 @@ class Crossing:
         """Return the slope of the second branch [-] (eq. S8, m_2)."""
         return self.density(depth).asymptotic_slopes(self.radius)[1]
 
-    def _weight(self, depth: Any) -> Any:
-        # eq. S8, P_c/E*
-        return self.load / self.plain.rescaled_load(self.plain.max_height - depth, self.count, self.radius)
+    def _load_of(self, depth: Any) -> FloatArray:
+        return self.plain.rescaled_load(self.plain.max_height - depth, self.count, self.radius)
+
+    def _weight(self, depth: Any) -> FloatArray:
+        return self.load / self._load_of(depth)  # eq. S8, P_c/E*
 
     def _upper_mass(self, depth: FloatArray) -> FloatArray:
         top = self.plain.max_height
