@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -204,7 +205,8 @@ class Tools:
         position = np.column_stack([np.cumsum(radius), np.zeros(len(listed))])
         cap = Caps.of([tool.cap for tool in listed])
         one_each = Surface(position, np.zeros(len(listed)), radius, template.material, cap=cap)
-        law = contact.bound(one_each)
+        law: Any = contact.bound(one_each)
+        law = _shared(law) if isinstance(law, Hashable) else law
         summits = np.broadcast_to(law.summits(one_each), len(listed))
         if isinstance(cap, Caps):
             alone = [one_each.only([i]) for i in range(len(listed))]
@@ -269,6 +271,12 @@ class Tools:
         if len(self) == 1:
             return f"radius {radii[0]:g} mm"
         return f"radii from {min(radii):g} to {max(radii):g} mm"
+
+
+@lru_cache(maxsize=64)
+def _shared(law: Any) -> Any:
+    """Return the first of equal laws: comparing laws of many caps takes longer than a step of a search."""
+    return law
 
 
 def default_contact(tools: Given | None) -> Contact:
