@@ -72,7 +72,7 @@ ADDED_DEPTH = 0.01
 NEARBY = 0.01
 
 # Number of random changes after which a descent to rounding is tried again; the same under a model.
-ATTEMPTS, ATTEMPTS_MODEL = 30, 8
+ATTEMPTS, ATTEMPTS_MODEL = 30, 20
 
 # Largest number of loads at which heights are sought for a draft, and refined under another model.
 DRAFT_LOADS, REFINED_LOADS = 15, 1000
@@ -95,8 +95,10 @@ def inverted(problem: Problem, rng: np.random.Generator) -> Candidate:
         )
         for slope, ends in problem.target.branches
     )
-    first = [] if levels is None else [levels.asperities]
-    return Candidate(_raised(problem, _nearest(problem, law, rng, first).asperities), law, branches=branches)
+    sought = law.thinned(DRAFT_LOADS).aim if problem.draft and not problem.target.exact else law.aim
+    residual = Residual(problem, sought, branches)
+    found = _nearest(residual, rng, [] if levels is None else [levels.asperities])
+    return Candidate(_raised(problem, found.asperities), law, branches=branches)
 
 
 def _raised(problem: Problem, at: Asperities) -> Asperities:
@@ -109,14 +111,13 @@ def _raised(problem: Problem, at: Asperities) -> Asperities:
     return at.with_heights(at.height[at.sites] + problem.limits.top - at.height[at.sites].max())
 
 
-def _nearest(problem: Problem, law: TargetLaw, rng: np.random.Generator, first: list[Asperities]) -> Found:
+def _nearest(residual: Residual, rng: np.random.Generator, first: list[Asperities]) -> Found:
     """Return the best asperities of a search, which begins with the `first` ones."""
-    exact = problem.target.exact
-    sought = law.thinned(DRAFT_LOADS).aim if problem.draft and not exact else law.aim
+    problem, sought, exact = residual.problem, residual.law, residual.problem.target.exact
     guesses, goal = frictions(sought, problem.bounds), NEARLY if exact else GOAL
     # no surface meets a target outside the bounds, and one restart tells how near surfaces come
     agreeing = 1 if nearest_law(sought, problem.bounds)[0] > goal else AGREEING
-    residual, best = Residual(problem, sought), list[Found]()
+    best = list[Found]()
     for tool in problem.tools.tried.tolist():
         guessed = (of_one_tool(problem, sought.load, friction, tool, rng) for friction in guesses)
         best += descended(residual, chain(first, *guessed), goal)
@@ -126,7 +127,7 @@ def _nearest(problem: Problem, law: TargetLaw, rng: np.random.Generator, first: 
     best.sort(key=misfit_of)
     tool, several = int(best[0].asperities.tool.max()), len(problem.tools) > 1
     if best[0].misfit <= NEARBY or not several:
-        alone = Residual(problem.alone(tool), sought)
+        alone = replace(residual, problem=problem.alone(tool))
         tried = [
             Asperities(one.asperities.height, np.minimum(one.asperities.tool, 0))
             for one in best
@@ -204,7 +205,7 @@ def refined(problem: Problem, candidate: Candidate, rng: np.random.Generator) ->
     model, density = problem.model, candidate.density is not None
     other = density and problem.tools.law.power != 2.0
     changes = model.couples or other
-    if candidate.stepped or not (changes or density):
+    if not (changes or density and not candidate.stepped):
         return candidate
     before = misfit(problem, candidate.asperities, candidate.law)
     if not changes and before <= MISSED:
@@ -237,13 +238,13 @@ def _refined(problem: Problem, candidate: Candidate, before: float, rng: np.rand
     goal = POINT_GOAL if exact else 2.0 * REFINED_GOAL if problem.draft else REFINED_GOAL
     if before <= (EXACT if exact else goal):
         return candidate.asperities
-    start, residual = candidate.asperities, Residual.under_model(problem, law.aim)
+    start, residual = candidate.asperities, Residual.under_model(problem, law.aim, candidate.branches)
     starts = [start]
     if exact:
         starts = [_stretched(problem, _filled(problem, start), factor) for factor in STRETCHES]
         starts += [_stretched(problem, start, factor) for factor in STRETCHES[:2]]
     elif model.couples and before > CLOSE:
-        starts = [_corrected(problem, start, law, rng), start]
+        starts = [_corrected(residual, start, rng), start]
     # a step of interacting adhesive asperities takes a tenth of a second to a second
     slow = problem.tools.law.adhesive and model.couples
     most, enough = ADHESIVE_STEPS if slow else EXACT_STEPS, AT_KINKS if slow or not exact else EXACT
@@ -260,15 +261,16 @@ def _refined(problem: Problem, candidate: Candidate, before: float, rng: np.rand
     if exact and best.misfit > EXACT and not slow:
         best = _to_rounding(residual, best, rng, ATTEMPTS_MODEL)
     if model.gradient_model != model:
-        best = descend(Residual.under_model(problem, law, own=True), best.asperities, goal, exact)
+        best = descend(replace(residual, law=law, own=True), best.asperities, goal, exact)
     return best.asperities
 
 
-def _corrected(problem: Problem, start: Asperities, law: TargetLaw, rng: np.random.Generator) -> Asperities:
+def _corrected(residual: Residual, start: Asperities, rng: np.random.Generator) -> Asperities:
     """Return independent asperities whose law is the target divided by A0(model)/A0(independent).
 
     This ratio is a smooth function of the load and depends little on small changes of the heights.
     """
+    problem, law = residual.problem, residual.law
     best, least = start, np.inf
     for _ in range(1 if problem.draft else CORRECTIONS):
         surface = problem.surface(start)
@@ -284,8 +286,8 @@ def _corrected(problem: Problem, start: Asperities, law: TargetLaw, rng: np.rand
         ratio = area / problem.uncoupled.curve(surface, law.load).area
         powers = np.vander(np.log(law.load / law.load[-1]), RATIO_DEGREE + 1)
         smooth = powers @ np.linalg.lstsq(powers, ratio, rcond=None)[0]
-        residual = Residual(problem, law.divided(smooth), ratio=smooth)
-        start = search(residual, [start], GOAL, rng, 1).asperities
+        divided = replace(residual, law=law.divided(smooth), model=None, ratio=smooth)
+        start = search(divided, [start], GOAL, rng, 1).asperities
     return best
 
 

@@ -52,14 +52,14 @@ AT_LIMIT = 1e-9
 # Random changes: fractions of the heights that move, probability that asperities are added, probability that
 # otherwise one is removed, the largest number of either, and probability of a new height anywhere.
 FRACTIONS = (0.2, 0.5, 1.0)
-ADDING, REMOVING, MOST_ADDED, ANYWHERE = 0.5, 0.3, 5, 0.3
+ADDING, REMOVING, MOST_ADDED, ANYWHERE, NEIGHBOURING = 0.5, 0.3, 5, 0.3, 0.5
 
 # Number of consecutive random changes without a gain of this fraction, after which a search ends; with many
 # asperities and loads, so many that all of them together evaluate this number of contacts.
 PATIENCE, LEAST_PATIENCE, GAIN, CONTACTS = 40, 4, 0.05, 6_000_000
 
-# The same where a descent takes ten times as long, under a model or with adhesion, and for a draft.
-PATIENCE_SLOW, PATIENCE_DRAFT = 8, 2
+# The same for a draft; and contacts that take as long as an adhesive one, and as each neighbour of one.
+PATIENCE_DRAFT, ADHESIVE, COUPLED = 2, 40.0, 0.15
 
 # Restarts agree if this number of them end within this factor of the best; the largest number of restarts,
 # and the number of random changes from the best asperities to a new start.
@@ -71,6 +71,9 @@ PEAK = 1.0 / 3.0
 
 # Weight of the error of a slope, over that of all differences at loads: a slope is met twice as loosely.
 SLOPES = 0.5
+
+# Dampings of steps along a range of tools.
+RANGE_DAMPINGS = (1.0, 0.1, 1e-2, 1e-3, 1e-4, 1e-5)
 
 # Number of exchanges of one tool that are combined to exchanges of two, and number of exchanges that are
 # tried by descents, each with the least predicted misfits.
@@ -122,15 +125,18 @@ class Residual:
 
     problem: Problem
     law: TargetLaw
+    branches: tuple[Branch, ...] = ()
     model: Any = None
     ratio: FloatArray | float = 1.0
     own: bool = False
 
     @classmethod
-    def under_model(cls, problem: Problem, law: TargetLaw, own: bool = False) -> Residual:
+    def under_model(
+        cls, problem: Problem, law: TargetLaw, branches: tuple[Branch, ...], own: bool = False
+    ) -> Residual:
         """Return the residual under the model that has the gradients; with `own`, under the model itself."""
         model = problem.model.gradient_model
-        return cls(problem, law, None if model == problem.uncoupled else model, own=own)
+        return cls(problem, law, branches, None if model == problem.uncoupled else model, own=own)
 
     def __call__(self, at: Asperities) -> LateResidual:
         """Return the rows (k,) [-], and the function that returns their Jacobian (k, n) [1/mm]."""
@@ -158,7 +164,7 @@ class Residual:
                 stiffness = stiffness / stiffness.sum()
             return np.vstack([jacobian(), self._slopes @ found.gradient, -weight / top * stiffness])
 
-        return np.concatenate([r, self._slopes @ area - self._aim, [weight * missing]]), whole
+        return np.concatenate([r, self.slope_errors(area), [weight * missing]]), whole
 
     def _surface(self, which: bytes) -> Any:
         """Return the surface of asperities made by tools, at any heights."""
@@ -178,15 +184,15 @@ class Residual:
         """Factors (b, k) of areas that give the weighted slopes of lines fitted to the branches."""
         load, size = self.law.load, SLOPES * np.sqrt(len(self.law.load))
         rows = []
-        for slope, ends in () if self.law.pointwise else self.problem.target.branches:
-            even = Branch(slope, ends).load
-            line = (even - even.mean()) / ((even - even.mean()) ** 2).sum() / slope
+        for branch in () if self.law.pointwise else self.branches:
+            even = branch.load
+            line = (even - even.mean()) / ((even - even.mean()) ** 2).sum() / branch.slope
             rows.append(size * np.array([line @ np.interp(even, load, one) for one in np.eye(len(load))]))
         return np.reshape(rows, (-1, len(load))) * self.ratio
 
-    @property
-    def _aim(self) -> float:
-        return SLOPES * float(np.sqrt(len(self.law.load)))
+    def slope_errors(self, area: FloatArray) -> FloatArray:
+        """Return the weighted relative errors of slopes (..., b) of area curves (..., k)."""
+        return np.asarray(area @ self._slopes.T - SLOPES * np.sqrt(len(self.law.load)))
 
     def misfit(self, r: FloatArray) -> float:
         """Return the root mean square of the rows, or the part PEAK of the largest."""
@@ -198,10 +204,10 @@ class Residual:
         """Return the number of random changes without a gain after which a search ends."""
         if self.problem.draft:
             return PATIENCE_DRAFT
-        if self.model is not None or self.problem.tools.law.adhesive:
-            return PATIENCE_SLOW
-        contacts = HERTZ.steps * asperities * (len(self.law.load) + 1)
-        return min(PATIENCE, max(LEAST_PATIENCE, CONTACTS // contacts))
+        coupled = COUPLED * asperities * (self.model is not None)
+        each = (ADHESIVE if self.problem.tools.law.adhesive else 1.0) + coupled
+        contacts = HERTZ.steps * asperities * (len(self.law.load) + 1) * each
+        return min(PATIENCE, max(LEAST_PATIENCE, int(CONTACTS / contacts)))
 
 
 def descend(
@@ -349,7 +355,10 @@ def changed(at: Asperities, problem: Problem, rng: np.random.Generator) -> Asper
         tool[rng.choice(free)] = NONE
     if len(problem.tools) > 1:
         anew = free[(rng.random(len(free)) < rng.choice((0.0, 0.1, 0.3))) & (tool[free] != NONE)]
-        tool[anew] = rng.integers(len(problem.tools), size=len(anew))
+        if problem.tools.ordered and rng.random() < NEIGHBOURING:
+            tool[anew] = np.clip(tool[anew] + rng.integers(-3, 4, len(anew)), 0, len(problem.tools) - 1)
+        else:
+            tool[anew] = rng.integers(len(problem.tools), size=len(anew))
     height = np.clip(height, low, high)
     for site, given in problem.held.items():
         height[site] = given
@@ -378,6 +387,16 @@ def exchanges(at: Asperities, problem: Problem, law: TargetLaw) -> Iterator[Aspe
     q, _ = np.linalg.qr(jacobian()[:, (found.gradient != 0.0).any(axis=0)], mode="complete")
     rest = q[:, int((found.gradient != 0.0).any(axis=0).sum()) :].T
     r, change = rest @ r, rest @ (scale[:, None] * change)
+    if tools.ordered and len(r):  # all tools at once, by damped steps along the range
+        last, column = len(tools) - 1, np.arange(len(some))
+        up, down = np.minimum(which + 1, last), np.maximum(which - 1, 0)
+        rates = (change[:, up * len(some) + column] - change[:, down * len(some) + column]) / (up - down)
+        for damping in RANGE_DAMPINGS:
+            step = _step(r, rates, damping)
+            if step is not None and (rounded := np.rint(step)).any():
+                tool = at.tool.copy()
+                tool[some] = np.clip(which + rounded, 0, last)
+                yield Asperities(at.height, tool)
     single = ((r[:, None] + change) ** 2).sum(axis=0)
     single[every == np.tile(which, len(tools))] = np.inf
     row = np.argsort(single, kind="stable")[:PAIRED]
