@@ -23,7 +23,7 @@ from metafem.inversion.limits import Limits
 from metafem.inversion.problem import Branch, Candidate, Parameter, Problem, misfit
 from metafem.inversion.refinement import EXACT, MISSED, REACHED, inverted, refined, unmet
 from metafem.inversion.result import DOUBT, Design, DesignStatus, misfit_text
-from metafem.inversion.search import GOAL
+from metafem.inversion.search import GOAL, PEAK
 from metafem.inversion.steps import on_steps
 from metafem.inversion.target_law import TargetLaw
 from metafem.inversion.tools import Given, PowerRange
@@ -170,7 +170,7 @@ def _meets(problem: Problem) -> bool:
     """Return whether independent asperities of a problem that was changed by a hint meet its target."""
     if nearest_law(problem.law, problem.bounds)[0] > ROUNDING:
         return False
-    found = inverted(problem, np.random.default_rng(0))
+    found = inverted(problem, np.random.default_rng(0), PEAK * REACHED)
     size = misfit(problem, found.asperities, problem.law, problem.uncoupled)
     return size <= (EXACT if problem.target.exact else REACHED)
 

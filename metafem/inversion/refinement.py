@@ -78,8 +78,11 @@ ATTEMPTS, ATTEMPTS_MODEL = 30, 20
 DRAFT_LOADS, REFINED_LOADS = 15, 1000
 
 
-def inverted(problem: Problem, rng: np.random.Generator) -> Candidate:
-    """Return the independent asperities whose law is nearest to that of the target, with the fewest tools."""
+def inverted(problem: Problem, rng: np.random.Generator, goal: float = GOAL) -> Candidate:
+    """Return the independent asperities whose law is nearest to that of the target, with the fewest tools.
+
+    goal: misfit at which the search ends, unless the target is exact.
+    """
     law = problem.law
     levels = None
     if problem.target.exact and not problem.tools.law.adhesive:
@@ -96,8 +99,8 @@ def inverted(problem: Problem, rng: np.random.Generator) -> Candidate:
         for slope, ends in problem.target.branches
     )
     sought = law.thinned(DRAFT_LOADS).aim if problem.draft and not problem.target.exact else law.aim
-    residual = Residual(problem, sought, branches)
-    found = _nearest(residual, rng, [] if levels is None else [levels.asperities])
+    residual, first = Residual(problem, sought, branches), [] if levels is None else [levels.asperities]
+    found = _nearest(residual, NEARLY if problem.target.exact else goal, rng, first)
     return Candidate(_raised(problem, found.asperities), law, branches=branches)
 
 
@@ -111,10 +114,10 @@ def _raised(problem: Problem, at: Asperities) -> Asperities:
     return at.with_heights(at.height[at.sites] + problem.limits.top - at.height[at.sites].max())
 
 
-def _nearest(residual: Residual, rng: np.random.Generator, first: list[Asperities]) -> Found:
+def _nearest(residual: Residual, goal: float, rng: np.random.Generator, first: list[Asperities]) -> Found:
     """Return the best asperities of a search, which begins with the `first` ones."""
     problem, sought, exact = residual.problem, residual.law, residual.problem.target.exact
-    guesses, goal = frictions(sought, problem.bounds), NEARLY if exact else GOAL
+    guesses = frictions(sought, problem.bounds)
     # no surface meets a target outside the bounds, and one restart tells how near surfaces come
     agreeing = 1 if nearest_law(sought, problem.bounds)[0] > goal else AGREEING
     best = list[Found]()

@@ -276,15 +276,16 @@ def search(
 ) -> Found:
     """Return the best asperities of descents from initial guesses, exchanges of tools and random changes.
 
-    The search ends at the goal, or when so many restarts agree.
+    The search ends at the goal, or when so many restarts agree; a single one has half the random changes.
     """
     found = descended(residual, starts, goal)
     best, ends = found[0], list[float]()
+    patience = residual.patience(len(best.asperities.sites)) // (1 if agreeing > 1 else 2)
     for restart in range(MOST_RESTARTS):
         if best.misfit <= goal or sum(end <= AGREE * best.misfit for end in ends) >= agreeing:
             break
         begun = found[restart] if restart < len(found) else _far(residual, best, goal, rng)
-        ends.append((one := _changed(residual, begun, goal, rng)).misfit)
+        ends.append((one := _changed(residual, begun, goal, rng, patience)).misfit)
         best = min(best, one, key=misfit_of)
     return best
 
@@ -312,9 +313,9 @@ def _far(residual: Residual, best: Found, goal: float, rng: np.random.Generator)
     return descend(residual, at, goal)
 
 
-def _changed(residual: Residual, best: Found, goal: float, rng: np.random.Generator) -> Found:
+def _changed(residual: Residual, best: Found, goal: float, rng: np.random.Generator, patience: int) -> Found:
     """Return the best asperities of exchanges and random changes of the best ones so far."""
-    problem, patience = residual.problem, residual.patience(len(best.asperities.sites))
+    problem = residual.problem
     fixed = residual.model is not None or len(problem.tools) == 1  # no exchanges of tools are tried
     failed, exchanged = 0, fixed
     for _ in each("random change", range(100 * patience), at_most=True):
