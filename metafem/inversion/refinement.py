@@ -208,7 +208,7 @@ def refined(problem: Problem, candidate: Candidate, rng: np.random.Generator) ->
     model, density = problem.model, candidate.density is not None
     other = density and problem.tools.law.power != 2.0
     changes = model.couples or other
-    if not (changes or density and not candidate.stepped):
+    if not (changes or (density and not candidate.stepped)):
         return candidate
     before = misfit(problem, candidate.asperities, candidate.law)
     if not changes and before <= MISSED:
