@@ -55,15 +55,15 @@ CLOSE, CORRECTIONS = 5.0 * REFINED_GOAL, 3
 # kinks of single contacts, which move with the heights.
 RATIO_DEGREE = 3
 
-# Largest number of steps of a descent of interacting adhesive asperities.
-ADHESIVE_STEPS = 6
+# Largest number of steps of a descent of interacting adhesive asperities, and of descents after random changes.
+ADHESIVE_STEPS, ADHESIVE_TRIES = 6, 4
 
 # Up to this misfit under a model, laws are met up to their kinks, and no random changes follow.
 AT_KINKS = 1e-3
 
-# Factors of the depths of summits, so that no level first touches exactly at an operating point. Interaction
+# Factor of the depths of summits, so that no level first touches exactly at an operating point. Interaction
 # lowers open summits by between a hundredth and a tenth of their depth.
-STRETCHES = (1.03, 1.0, 1.06, 1.1)
+STRETCH = 1.03
 
 # Depth of the added summits below the lowest level, relative to the depth of that level.
 ADDED_DEPTH = 0.01
@@ -71,8 +71,8 @@ ADDED_DEPTH = 0.01
 # Up to this misfit of descents with one tool, random changes of it come before other tools.
 NEARBY = 0.01
 
-# Number of random changes after which a descent to rounding is tried again; the same under a model.
-ATTEMPTS, ATTEMPTS_MODEL = 30, 20
+# Number of random changes after which a descent to rounding is tried again; near a law under a model.
+ATTEMPTS, ATTEMPTS_MODEL = 30, 8
 
 # Largest number of loads at which heights are sought for a draft, and refined under another model.
 DRAFT_LOADS, REFINED_LOADS = 15, 1000
@@ -206,8 +206,7 @@ def refined(problem: Problem, candidate: Candidate, rng: np.random.Generator) ->
     its `gradient_model`, whose gradients the last descent combines with the law of the model itself.
     """
     model, density = problem.model, candidate.density is not None
-    other = density and problem.tools.law.power != 2.0
-    changes = model.couples or other
+    changes = model.couples or (density and problem.tools.law.power != 2.0)
     if not (changes or (density and not candidate.stepped)):
         return candidate
     before = misfit(problem, candidate.asperities, candidate.law)
@@ -220,19 +219,14 @@ def refined(problem: Problem, candidate: Candidate, rng: np.random.Generator) ->
         found = raised if lifted <= max(after, EXACT) else found
     if min(after, lifted) >= before:
         return candidate
-    start = candidate.asperities
-    same = start.exists & found.exists
-    change = 1e3 * float(np.abs(found.height - start.height)[same].max())
-    added = int(found.exists.sum() - start.exists.sum())
-    cause = "the interaction of the asperities" if model.couples else "the scatter of so few asperities"
-    if other and not model.couples:
-        cause = "the contact law, of which the density does not know"
-    more = f", and {added} asperities were added" if added > 0 else ""
-    under = (
-        "" if model.gradient_model == model else f"; the gradients were those of {model.gradient_model.name}"
+    same = candidate.asperities.exists & found.exists
+    change = 1e3 * float(np.abs(found.height - candidate.asperities.height)[same].max())
+    words = f"heights were moved by at most {change:.3g} um for the law under the model"
+    if model.gradient_model != model:
+        words += f"; the gradients were those of {model.gradient_model.name}"
+    return replace(
+        candidate.with_asperities(found), refined=True, notes=(*candidate.notes, information(words))
     )
-    note = information(f"heights were moved by at most {change:.3g} um for {cause}{more}{under}")
-    return replace(candidate.with_asperities(found), refined=True, notes=(*candidate.notes, note))
 
 
 def _refined(problem: Problem, candidate: Candidate, before: float, rng: np.random.Generator) -> Asperities:
@@ -244,12 +238,12 @@ def _refined(problem: Problem, candidate: Candidate, before: float, rng: np.rand
     start, residual = candidate.asperities, Residual.under_model(problem, law.aim, candidate.branches)
     starts = [start]
     if exact:
-        starts = [_stretched(problem, _filled(problem, start), factor) for factor in STRETCHES]
-        starts += [_stretched(problem, start, factor) for factor in STRETCHES[:2]]
+        starts = [_with_summits(problem, start), start]
     elif model.couples and before > CLOSE:
         starts = [_corrected(residual, start, rng), start]
     # a step of interacting adhesive asperities takes a tenth of a second to a second
     slow = problem.tools.law.adhesive and model.couples
+    starts += [changed(start, problem, rng) for _ in range(ADHESIVE_TRIES if slow else 0)]
     most, enough = ADHESIVE_STEPS if slow else EXACT_STEPS, AT_KINKS if slow or not exact else EXACT
     found = list[Found]()
     for start in starts:
@@ -262,7 +256,7 @@ def _refined(problem: Problem, candidate: Candidate, before: float, rng: np.rand
             best, search(residual, [best.asperities], NEARLY if exact else goal, rng, 1), key=misfit_of
         )
     if exact and best.misfit > EXACT and not slow:
-        best = _to_rounding(residual, best, rng, ATTEMPTS_MODEL)
+        best = _to_rounding(residual, best, rng, ATTEMPTS_MODEL if best.misfit <= NEARLY else ATTEMPTS)
     if model.gradient_model != model:
         best = descend(replace(residual, law=law, own=True), best.asperities, goal, exact)
     return best.asperities
@@ -294,26 +288,18 @@ def _corrected(residual: Residual, start: Asperities, rng: np.random.Generator) 
     return best
 
 
-def _stretched(problem: Problem, at: Asperities, factor: float) -> Asperities:
-    """Return the asperities with the depths below the tallest multiplied by a factor."""
-    height = at.height[at.sites]
-    deeper = np.clip(height.max() - factor * (height.max() - height), problem.foot, problem.limits.top)
-    held = np.isin(at.sites, list(problem.held))
-    return at.with_heights(np.where(held, height, deeper))
-
-
-def _filled(problem: Problem, at: Asperities) -> Asperities:
-    """Return the asperities with others on all sites, just below the lowest.
+def _with_summits(problem: Problem, at: Asperities) -> Asperities:
+    """Return the asperities a little lower than the tallest by more, with others just below on all sites.
 
     Interaction lowers the friction at every operating point. Without added summits, the friction could rise
     only if levels came into contact earlier. Added summits that are not needed can mislead the descent.
     """
-    height, on = at.height[at.exists], at.exists
-    lowest = float(height.min())
-    deep = max(lowest - ADDED_DEPTH * (float(height.max()) - lowest), problem.foot)
-    vacant = np.setdiff1d(problem.open, at.sites)
-    every, tool = at.height.copy(), at.tool.copy()
-    every[vacant], tool[vacant] = deep, at.tool[on][height.argmin()]
+    top, foot, free = at.height[at.exists].max(), problem.foot, np.setdiff1d(at.sites, list(problem.held))
+    every, tool, vacant = at.height.copy(), at.tool.copy(), np.setdiff1d(problem.open, at.sites)
+    every[free] = np.clip(top - STRETCH * (top - every[free]), foot, problem.limits.top)
+    lowest = at.sites[every[at.sites].argmin()]
+    every[vacant] = max(every[lowest] - ADDED_DEPTH * (top - every[lowest]), foot)
+    tool[vacant] = tool[lowest]
     return Asperities(every, tool)
 
 
