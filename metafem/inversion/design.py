@@ -116,13 +116,13 @@ def design(
 def refinable(problem: Problem, candidate: Candidate) -> bool:
     """Return whether heights are refined: under interaction, or if they follow a density and miss its law.
 
-    The law of a density is that of Hertz contacts. Heights on steps do not change.
+    The law of a density is that of Hertz contacts.
     """
-    if candidate.stepped or candidate.density is None:
-        return problem.model.couples and not candidate.stepped
-    if problem.model.couples or problem.tools.law.power != 2.0:
+    if problem.model.couples or candidate.density is None:
+        return problem.model.couples
+    if problem.tools.law.power != 2.0:
         return True
-    return misfit(problem, candidate.asperities, candidate.law) > MISSED
+    return not candidate.stepped and misfit(problem, candidate.asperities, candidate.law) > MISSED
 
 
 @doing("computing the law of the heights")

@@ -23,7 +23,7 @@ from metafem.inversion.levels import levels_through, missing_height
 from metafem.inversion.limits import Limits
 from metafem.inversion.problem import Problem, misfit
 from metafem.inversion.refinement import EXACT, REACHED, inverted
-from metafem.inversion.search import GOAL
+from metafem.inversion.search import GOAL, PEAK
 from metafem.inversion.target_law import Target
 from metafem.inversion.tools import Given, Tool, Tools
 from metafem.models import Independent
@@ -166,7 +166,7 @@ def _meets(problem: Problem) -> bool:
     """Return whether independent asperities meet the target of a problem that was changed by a hint."""
     if nearest_law(problem.law, problem.bounds)[0] > ROUNDING:
         return False
-    found = inverted(problem, np.random.default_rng(0))
+    found = inverted(problem, np.random.default_rng(0), PEAK * REACHED)
     size = misfit(problem, found.asperities, problem.law, problem.uncoupled)
     return size <= (EXACT if problem.target.exact else REACHED)
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -214,7 +215,8 @@ class Tools:
         position = np.column_stack([np.cumsum(radius), np.zeros(len(every))])
         cap = Caps.of([tool.cap for tool in every])
         each = Surface(position, np.zeros(len(every)), radius, template.material, cap=cap)
-        law = contact.bound(each)
+        law: Any = contact.bound(each)
+        law = _shared(law) if isinstance(law, Hashable) else law
         summits = np.broadcast_to(law.summits(each), len(every))
         laws = [(law, summit) for summit in summits.tolist()]
         if isinstance(cap, Caps):
@@ -224,6 +226,11 @@ class Tools:
 
     def __len__(self) -> int:
         return len(self.all)
+
+    @property
+    def ordered(self) -> bool:
+        """Whether the tools are those of a range, so that neighbours have similar laws."""
+        return isinstance(self.given, (RadiusRange, PowerRange))
 
     @property
     def tried(self) -> IntArray:
@@ -270,6 +277,12 @@ class Tools:
             return f"{len(self)} tools"
         low, high = (f"{end([tool.radius for tool in self.all]):g}" for end in (min, max))
         return f"radius {low} mm" if len(self) == 1 else f"radii from {low} to {high} mm"
+
+
+@lru_cache(maxsize=64)
+def _shared(law: Any) -> Any:
+    """Return the first of equal laws: comparing laws of many caps takes longer than a step of a search."""
+    return law
 
 
 def default_contact(tools: Given | None) -> Contact:
