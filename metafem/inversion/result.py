@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from enum import Enum
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
@@ -144,6 +144,10 @@ class Design(Value):
         for value in (self.sites, *self.parameters.values()):
             if isinstance(value, np.ndarray):
                 value.flags.writeable = False
+
+    def __reduce__(self) -> Any:  # arrays of a copy are read-only as well
+        members = {member.name: getattr(self, member.name) for member in fields(self)}
+        return partial(Design, **members), ()
 
     def __repr__(self) -> str:
         lines = [f"  {name:<11} {words}" for name, words in self._facts().items()]
