@@ -5,9 +5,8 @@ texts:
 
 - effects that a model neglects: `BOUND`, `STATED`, `WIDEST` and `TOO_WIDE` in `prediction/validity.py`;
 - choice of the model: the tolerance of `Automatic` in `models/automatic.py`;
-- designs: `MISSED` in `inversion/refinement.py` and `HEIGHT_TO_ERROR` in `inversion/design.py`;
-- height errors: `FINEST_SCALE_IN_SD` of `inversion/density.py`, used in
-  `inversion/from_density.py`;
+- designs: `MISSED` in `inversion/refinement.py` and `HEIGHT_TO_ERROR` in `inversion/notes.py`;
+- height errors: `FINEST_SCALE_IN_SD` in `inversion/density.py`;
 - measurements: `REJECTED` in `calibration/verdict.py`, `KNOWN` in `calibration/compression/calibrate.py`, and
   `ABOVE_ONE` in `calibration/sheared/lines.py`.
 """

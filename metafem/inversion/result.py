@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from enum import Enum
 from functools import cached_property, partial
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -144,6 +145,14 @@ class Design(Value):
         for value in (self.sites, *self.parameters.values()):
             if isinstance(value, np.ndarray):
                 value.flags.writeable = False
+        for name in ("parameters", "pinned"):
+            object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
+
+    def __reduce__(self) -> Any:
+        # a mapping proxy cannot be pickled; the constructor makes a new one
+        members = {member.name: getattr(self, member.name) for member in fields(self)}
+        plain = {"parameters": dict(self.parameters), "pinned": dict(self.pinned)}
+        return partial(Design, **members | plain), ()
 
     def __repr__(self) -> str:
         lines = [f"  {name:<11} {words}" for name, words in self._facts().items()]
