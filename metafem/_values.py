@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import fields
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -31,6 +32,10 @@ class Value:
         return self._members() == other._members()
 
     def __hash__(self) -> int:
+        return self._hash
+
+    @cached_property
+    def _hash(self) -> int:
         return hash((type(self), self._members()))
 
     def __repr__(self) -> str:
@@ -41,7 +46,7 @@ class Value:
     def __getstate__(self) -> dict[str, Any]:
         for field in fields(self):  # type: ignore[arg-type]
             getattr(self, field.name)  # a delayed value is computed: its function cannot always be pickled
-        return self.__dict__
+        return {name: value for name, value in self.__dict__.items() if name != "_hash"}  # differs elsewhere
 
     def _members(self) -> tuple[Any, ...]:
         compared = [field.name for field in fields(self) if field.compare]  # type: ignore[arg-type]

@@ -17,11 +17,7 @@ The law P(A) of one contact and its derivatives with respect to the indentation 
    a/R = x and small caps with a/R = s^2 x. With k^2 = R1/R2 and ``1/(k s)^3`` small caps for each large cap,
    the exponent is ``2/(n + 1) ((k s^n + s^(1-n))/(1 + k s))^2``. Its minimum is at the root s > 1 of
    ``(n - 1) k^2 s^(2n) + n k s^(2n-1) - n k s - (n - 1)``.
-4. *Tools of several shapes.* With e = d ln A/d ln P of each contact, ``d ln A0/d ln p = <x>_a <e/x>_(a^2)``
-   with x = P/(dP/dd) and the means weighted by a and a^2. By the inequality of Cauchy and Schwarz it is at
-   least ``(sum a^(3/2) e^(1/2))^2/(sum a sum a^2)``, and so at least the smallest e times the smallest
-   ``(sum a^(3/2))^2/(sum a sum a^2)`` of N contacts, which one large contact among N - 1 small ones has.
-5. *Steepest slope.* For power caps with n <= 2, Hoelder's inequality between the sums of a, a^2 and a^(n+1)
+4. *Steepest slope.* For power caps with n <= 2, Hoelder's inequality between the sums of a, a^2 and a^(n+1)
    gives ``dA0/dp <= 2/(n + 1) K p/A0^n`` with ``K p^2 = (N A1(p/N))^(n+1)``, so A0^(n+1) - K p^2 cannot rise
    along a law.
 
@@ -33,15 +29,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
-from scipy.optimize import brentq, minimize_scalar
+from scipy.optimize import brentq, linprog
 
 from metafem._validate import FloatArray
 from metafem.contact import Contact
 from metafem.contact.law import Contacts
 from metafem.inversion.limits import Limits
+from metafem.inversion.target_law import TargetLaw
 from metafem.inversion.tools import Tools
 from metafem.models import Independent
 
@@ -54,7 +51,7 @@ ROUNDING = 1e-9
 CONTACTS, SHALLOWEST = 400, 1e-12
 
 # Loads at which the areas of several tools are compared: their number, and the smallest one over the largest.
-# Straight lines between them are within 2e-5 of the concave functions, and the bound is raised by HULL.
+# The tangents there are within 2e-5 of those of the concave function, and the bound is raised by HULL.
 LOADS, LEAST, HULL = 600, 1e-8, 1e-4
 
 
@@ -71,13 +68,14 @@ class Bounds:
 
     def region(self, load: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the lowest and the highest friction of `count` asperities at loads, (k,) each [mm^2]."""
-        low = self._areas(load).min(axis=0)
-        grid = float(load.max()) * np.geomspace(LEAST, 1.0, LOADS) / self.count
-        areas = self._areas(grid)
+        low, grid = self._areas(load).min(axis=0), np.geomspace(LEAST, 1.0, LOADS) * load.max() / self.count
+        areas, each = self._areas(grid), load / self.count
         largest = np.unique(areas.argmax(axis=0))
         if len(largest) == 1:  # one tool has the largest area at all loads
-            return low, self.count * self._areas(load / self.count)[largest[0]]
-        high = np.interp(load / self.count, *_concave(grid, areas.max(axis=0)))
+            return low, self.count * self._areas(each)[largest[0]]
+        slope = np.gradient(areas.max(axis=0), grid)[:, None]
+        intercept = (areas.max(axis=0) - slope * grid).max(axis=1)[:, None]  # of the tangents from above
+        high = (intercept + slope * each).min(axis=0)
         return low, np.maximum(low, self.count * high * (1.0 + HULL))
 
     def friction(self, load: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -126,14 +124,11 @@ class Bounds:
             sizes = [summit for _, summit in self.tools.laws]
             k, s = math.sqrt(min(sizes) / max(sizes)), relative_depth(min(sizes) / max(sizes), n)
             return float(2.0 / (n + 1.0) * ((s ** (1.0 - n) + k * s**n) / (1.0 + k * s)) ** 2)
-        elastic = all(law.largest_order > 1 for law, _ in self.tools.laws)
-        if not elastic or not all(_rises(found.load / found.stiffness) for found, _ in self._examined):
+        (found, growth), *others = self._examined
+        elastic = self.tools.laws[0][0].largest_order > 1
+        if others or not elastic or not _rises(found.load / found.stiffness):
             return 0.0
-        own = [
-            float((found.load * growth / (found.stiffness * found.area)).min())
-            for found, growth in self._examined
-        ]
-        return min(own) * (1.0 if len(own) == 1 else least_ratio(self.count))
+        return float((found.load * growth / (found.stiffness * found.area)).min())
 
     def highest_after(self, load: FloatArray, friction: FloatArray) -> FloatArray:
         """Return the highest friction at increasing loads from the friction at smaller loads, (k,) [mm^2]."""
@@ -188,39 +183,40 @@ def relative_depth(ratio: float, power: float = 2.0) -> float:
     return float(brentq(slope, 1.0, k ** (-1.0 / n)))
 
 
-def least_ratio(count: int) -> float:
-    """Return the smallest ``(sum a^(3/2))^2/(sum a sum a^2)`` of at most `count` numbers a > 0.
-
-    Examples
-    --------
-    >>> least_ratio(1), round(least_ratio(64), 3)
-    (1.0, 0.577)
-    """
-    if count == 1:
-        return 1.0
-    q = count - 1.0
-
-    def ratio(logarithm: float) -> float:
-        a = math.exp(logarithm)
-        return float((1.0 + q * a**1.5) ** 2 / ((1.0 + q * a) * (1.0 + q * a * a)))
-
-    return float(minimize_scalar(ratio, bounds=(-2.0 * math.log(q + 1.0) - 2.0, 0.0), method="bounded").fun)
-
-
-def _concave(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the corners of the least concave function above points (k,) and above the origin."""
-    corners = [(0.0, 0.0)]
-    for right, top in zip(x.tolist(), y.tolist(), strict=True):
-        while len(corners) > 1:
-            (a, low), (b, middle) = corners[-2:]
-            if (middle - low) * (right - b) > (top - middle) * (b - a):  # the path turns down at b
-                break
-            corners.pop()
-        corners.append((right, top))
-    found = np.array(corners)
-    return found[:, 0], found[:, 1]
-
-
 def _rises(values: FloatArray) -> bool:
     """Return whether values do not decrease, up to rounding."""
     return bool((np.diff(values) >= -ROUNDING * np.abs(values[1:])).all())
+
+
+@lru_cache(maxsize=8)  # a design asks several times for the same law
+def nearest_law(law: TargetLaw, bounds: Bounds, margin: float = 0.0) -> tuple[float, FloatArray]:
+    """Return the largest relative distance [-] of a target from the nearest law in the bounds, and that law.
+
+    The frictions F_k, the free parameters c and the distances s_k solve the linear program: minimise the sum
+    of s where ``lower + free c - s w <= F <= upper + free c + s w``, F lies within the bounds, and F/p^b does
+    not fall with the least local exponent b. w is the target, or the middle of the bounds if it has free
+    parameters. Few s differ from 0, so that few points move. A law without free parameters must also not rise
+    faster than N asperities that all come into contact. All bounds are wider by a relative margin.
+    """
+    load, target = law.load, law.middle
+    if not bounds.convex:
+        return 0.0, target
+    low, high = bounds.friction(load)
+    w = np.sqrt(low * high) if law.is_open else target
+    k, q = law.free.shape
+    one, free, nothing = np.eye(k), law.free / w[:, None], np.zeros((k - 1, k + q))
+    power = w / load**bounds.least_exponent
+    rising = (1.0 - margin) * one[:-1] - one[1:] * (power[1:] / power[:-1])[:, None]
+    rows = np.block([[one, -free, -one], [-one, free, -one], [rising, nothing]])
+    right = np.concatenate([law.upper / w, -law.lower / w, np.zeros(k - 1)])
+    ends = zip(low / w * (1.0 - margin), high / w * (1.0 + margin), strict=True)
+    limits = [*ends, *[(None, None)] * q, *[(0.0, None)] * k]
+    found = linprog(np.append(np.zeros(k + q), np.ones(k)), rows, right, bounds=limits, method="highs")
+    if found.x is None:  # the bounds exclude each other by rounding
+        return 0.0, target
+    distance, friction = float(found.x[-k:].max()), found.x[:k] * w
+    if not law.is_open:
+        jump = bounds.highest_after(load, friction if law.is_band else target) * (1.0 + margin)
+        distance = max(distance, float((np.minimum(friction, law.lower) / jump).max()) - 1.0)
+        friction = np.minimum(friction, bounds.highest_after(load, friction))
+    return distance, friction

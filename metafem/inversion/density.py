@@ -1,14 +1,16 @@
 """Exponential densities of heights, whose laws are straight at large loads (eqs. S2 to S8).
 
 All formulas are those of Hertz contacts of one radius, ``A = pi R d`` and ``P/E* = 4/3 sqrt(R) d^(3/2)``.
+`from_density` returns the heights for linear laws (eqs. S3 to S5) and bilinear laws (eqs. S6 to S8).
 Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,7 +19,37 @@ from scipy.special import gammainc, hyp1f1
 
 from metafem import _validate as check
 from metafem._validate import FloatArray, IntArray
-from metafem.errors import InvalidInput, refuse_if
+from metafem.contact import Contact
+from metafem.errors import Infeasible, InvalidInput, refuse_if
+from metafem.inversion.limits import Limits
+from metafem.inversion.lines import BilinearLaw
+from metafem.inversion.problem import Branch, Candidate, Parameter, Problem, misfit
+from metafem.inversion.target_law import TargetLaw
+from metafem.inversion.tools import Given, Tools
+from metafem.models.model import PARABOLOID, checked_contact
+from metafem.notes import Note
+from metafem.surface import Surface
+
+# A straight line is fitted to a branch beyond this fraction of its load range. At smaller loads the law still
+# bends towards its asymptote. With this range the surfaces of Aymard et al. have their published slopes and
+# scatter.
+BRANCH_START = 0.25
+
+# Largest slope, relative to the slope of the uniform density. The scale decreases with the inverse square of
+# the slope. At this slope it is as small as the rounding error of the largest height.
+STEEPEST = 1e7
+
+# Number of separations, from the top to the foot of a density, at which its law is compared with the law of
+# the heights.
+SEPARATIONS = 61
+
+# The nearest reachable slope is inside its bound by this relative distance, and an end of a range that is
+# stated with six digits by this one.
+INSIDE, STATED = 1e-6, 1e-5
+
+# Number of crossover loads that are tried for a pair of slopes that is refused, evenly spaced, and of depths
+# of a crossover height, evenly spaced in logarithms.
+TRIED, DEPTHS = 100, 1000
 
 # Finest scale of a density over the standard deviation of the heights: below it their density is no longer
 # exponential. This is a rule of thumb of Aymard et al., doi:10.1126/science.adk4234.
@@ -25,15 +57,6 @@ FINEST_SCALE_IN_SD = 10.0
 
 # Smallest relative tolerance that brentq accepts.
 TIGHTEST = 4.0 * np.finfo(float).eps
-
-
-@dataclass(frozen=True)
-class Piece:
-    """Density ``alpha exp(-h/lambda)`` between the heights `low` and `high` [mm]; alpha in 1/mm."""
-
-    low: float
-    high: float
-    alpha: float
 
 
 @dataclass(frozen=True)
@@ -77,23 +100,22 @@ class ExponentialDensity:
         return self.weight * float(_mass(self.crossover_height, self.max_height, self.scale) / whole)
 
     @property
-    def pieces(self) -> tuple[Piece, ...]:
-        """Pieces of the density, from the foot upwards."""
+    def pieces(self) -> tuple[tuple[float, float, float], ...]:
+        """Ends [mm] and factor alpha [1/mm] of each branch ``alpha exp(-h/lambda)``, from the foot up."""
         lam, top, mid = self.scale, self.max_height, self.crossover_height
         upper = self.weight / (lam * float(_mass(0.0, top, lam)))  # eq. S6, alpha_2
         if mid == 0.0:
-            return (Piece(0.0, top, upper),)
+            return ((0.0, top, upper),)
         lower = max(0.0, 1.0 - self.upper_mass) / (lam * float(_mass(0.0, mid, lam)))  # alpha_1
-        return Piece(0.0, mid, lower), Piece(mid, top, upper)
+        return (0.0, mid, lower), (mid, top, upper)
 
     def mass(self, low: ArrayLike, high: ArrayLike) -> FloatArray:
         """Return the probability [-] of a height between `low` and `high` [mm]."""
-        lo, hi = np.asarray(low, dtype=np.float64), np.asarray(high, dtype=np.float64)
-        total = np.zeros(np.broadcast(lo, hi).shape)
-        for piece in self.pieces:
-            start, end = np.clip(lo, piece.low, piece.high), np.clip(hi, piece.low, piece.high)
-            total = total + piece.alpha * self.scale * _mass(start, end, self.scale)
-        return total
+        parts = (
+            alpha * self.scale * _mass(np.clip(low, start, end), np.clip(high, start, end), self.scale)
+            for start, end, alpha in self.pieces
+        )
+        return np.asarray(sum(parts))
 
     def moment(self, power: float, separation: ArrayLike) -> FloatArray:
         """Return the mean of ``max(h - delta, 0)^power`` [mm^power] at separations from 0 to h_m [mm].
@@ -105,13 +127,13 @@ class ExponentialDensity:
         if not ((delta >= 0.0) & (delta <= self.max_height)).all():
             words = f"must lie within the density, from 0 to {self.max_height:g} mm"
             raise InvalidInput(words, key="separation", value=f"{separation!r:.60}")
-        lam, q = self.scale, power
-        total = np.zeros_like(delta)
-        for piece in self.pieces:
-            high = gammainc(q + 1.0, np.maximum(piece.high - delta, 0.0) / lam)
-            low = gammainc(q + 1.0, np.maximum(piece.low - delta, 0.0) / lam)
-            total = total + piece.alpha * (high - low)
-        return np.asarray(lam ** (q + 1.0) * math.gamma(q + 1.0) * np.exp(-delta / lam) * total)
+        lam, q = self.scale, power + 1.0
+
+        def below(height: float) -> FloatArray:
+            return np.asarray(gammainc(q, np.maximum(height - delta, 0.0) / lam))
+
+        total = sum(alpha * (below(high) - below(low)) for low, high, alpha in self.pieces)
+        return np.asarray(lam**q * math.gamma(q) * np.exp(-delta / lam) * total)
 
     def area(self, separation: ArrayLike, count: float, radius: float) -> FloatArray:
         """Return the expected real contact area A0 = N pi R <d> [mm^2] (eq. S2, F/(sigma B))."""
@@ -244,68 +266,273 @@ class Crossing:
     @property
     def full_load(self) -> float:
         """Load [mm^2] at which the plane reaches the foot of the density `plain`."""
-        return self._load_of(self.plain.max_height)
+        return float(self.plain.rescaled_load(0.0, self.count, self.radius))
 
     @property
-    def possible(self) -> bool:
-        """Whether `plain` reaches the crossover load, and double precision resolves its load there."""
-        return self.load < self.full_load and self._load_of(self._least_depth) > 0.0
+    def depths(self) -> tuple[float, float] | None:
+        """Smallest and largest depth [mm] at which each branch has at least half an asperity, or None.
+
+        Equal asperities of the maximum height carry the crossover load at the least depth that is tried.
+        """
+        least = float((0.75 * self.load / self.count / math.sqrt(self.radius)) ** (2.0 / 3.0))
+        if least >= self.plain.max_height:
+            return None
+        depth = np.geomspace(least, self.plain.max_height * (1.0 - 1e-6), DEPTHS)
+        if not self._load_of(least):  # double precision does not resolve the load
+            return None
+        share = self._upper_mass(depth)
+        some = depth[(share >= 0.5 / self.count) & (share <= 1.0 - 0.5 / self.count)]
+        return (float(some[0]), float(some[-1])) if len(some) > 1 else None
 
     @property
-    def _least_depth(self) -> float:
-        """Depth [mm] at which equal asperities of the maximum height carry the crossover load."""
-        return float((0.75 * self.load / self.count / math.sqrt(self.radius)) ** (2.0 / 3.0))
-
-    @property
-    def depths(self) -> tuple[float, float]:
-        """Smallest and largest depth [mm] for which each branch has at least half an asperity."""
-        shallow, deep = self._least_depth, self.plain.max_height * (1.0 - 1e-6)
-        ends = []
-        for share in (1.0 - 0.5 / self.count, 0.5 / self.count):
-            if self._upper_mass(deep) >= share:
-                ends.append(deep)
-            elif self._upper_mass(shallow) <= share:
-                ends.append(shallow)
-            else:  # the upper mass decreases from the smallest depth on
-                ends.append(self._root(self._upper_mass, share, shallow, deep))
-        return ends[0], ends[1]
-
-    @property
-    def second_slopes(self) -> tuple[float, float]:
-        """Smallest and largest slope [-] of the second branch; none is possible if they do not increase."""
-        low, high = (self.second_slope(depth) for depth in self.depths)
-        return low, high
+    def second_slopes(self) -> tuple[float, float] | None:
+        """Smallest and largest slope [-] of the second branch; None if none is possible."""
+        if self.depths is None or self.load >= self.full_load:
+            return None
+        low, high = (self._second_slope(depth) for depth in self.depths)
+        return (low, high) if low < high else None
 
     def density(self, depth: float) -> ExponentialDensity:
         """Return the density with the crossover height at a depth [mm] below the top."""
         top = self.plain.max_height
-        return ExponentialDensity(self.plain.scale, top, top - depth, self._weight(depth))
+        return ExponentialDensity(self.plain.scale, top, top - depth, float(self._weight(depth)))
 
-    def density_of(self, second: float) -> ExponentialDensity:
-        """Return the density with a second slope, by solving eq. S8 for h_c."""
-        return self.density(self._root(self.second_slope, second, *self.depths))
+    def density_of(self, second: float) -> ExponentialDensity | None:
+        """Return the density with a second slope, by solving eq. S8 for h_c; None if there is none."""
+        slopes, top = self.second_slopes, self.plain.max_height
+        if slopes is None or self.depths is None or not slopes[0] <= second <= slopes[1]:
+            return None
+        given = {"xtol": TIGHTEST * top, "rtol": TIGHTEST}
+        return self.density(brentq(lambda depth: self._second_slope(depth) - second, *self.depths, **given))
 
-    def second_slope(self, depth: float) -> float:
+    def _second_slope(self, depth: float) -> float:
         """Return the slope of the second branch [-] (eq. S8, m_2)."""
         return self.density(depth).asymptotic_slopes(self.radius)[1]
 
-    def _root(self, function: Callable[[float], float], value: float, low: float, high: float) -> float:
-        """Return the depth [mm] between `low` and `high` at which a function of the depth has a value."""
-        xtol = TIGHTEST * self.plain.max_height
-        return float(brentq(lambda depth: function(depth) - value, low, high, xtol=xtol, rtol=TIGHTEST))
+    def _load_of(self, depth: Any) -> FloatArray:
+        return self.plain.rescaled_load(self.plain.max_height - depth, self.count, self.radius)
 
-    def _load_of(self, depth: float) -> float:
-        return float(self.plain.rescaled_load(self.plain.max_height - depth, self.count, self.radius))
-
-    def _weight(self, depth: float) -> float:
+    def _weight(self, depth: Any) -> FloatArray:
         return self.load / self._load_of(depth)  # eq. S8, P_c/E*
 
-    def _upper_mass(self, depth: float) -> float:
+    def _upper_mass(self, depth: FloatArray) -> FloatArray:
         top = self.plain.max_height
-        return self._weight(depth) * float(self.plain.mass(top - depth, top))
+        return np.asarray(self._weight(depth) * self.plain.mass(top - depth, top))
 
 
 def _mass(low: ArrayLike, high: ArrayLike, scale: float) -> FloatArray:
     """Return the integral [-] of exp(-h/lambda)/lambda between two heights [mm]."""
     lo, hi = np.asarray(low, dtype=np.float64), np.asarray(high, dtype=np.float64)
     return np.asarray(-np.exp(-lo / scale) * np.expm1((lo - hi) / scale))
+
+
+def achievable_friction_coefficients(
+    template: Surface,
+    limits: Limits,
+    tools: Given | None = None,
+    contact: Contact = PARABOLOID,
+) -> tuple[float, float]:
+    """Return the smallest and largest friction coefficient of linear laws from exponential height densities.
+
+    Uniformly distributed heights have the smallest coefficient, ``3 pi/4 sqrt(R/h_m) sigma B / E*`` with
+    Hertz contacts. The density with the smallest scale that can be manufactured, ten times
+    `limits.height_sd`, has the largest coefficient; without a `height_sd` it is infinite. If several radii
+    are allowed, the lower bound is that of the smallest radius and the upper bound that of the largest one.
+
+    Parameters
+    ----------
+    template : Surface
+        Template with a friction, and with one common radius unless `tools` is given.
+    limits : Limits
+    tools : sequence of Tool or of float, RadiusRange or PowerRange, optional
+        Tools of which one makes each asperity, as in `design`; default: the radius and cap of the template.
+    contact : Contact
+        Hertz's law (default) or JKR's, whose adhesion is ignored.
+
+    Returns
+    -------
+    low, high : float
+        Friction coefficients mu [-].
+
+    Raises
+    ------
+    InvalidInput
+        If the template has no friction, if it has several radii and `tools` is not given, or if a radius is
+        not positive.
+
+    Notes
+    -----
+    Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234, supplementary text.
+
+    Examples
+    --------
+    >>> import metafem as mf
+    >>> template = mf.Surface.square_lattice(
+    ...     0.12, radius=0.526, material=mf.Material(1.36), friction=mf.Friction(0.358, 0.85)
+    ... )
+    >>> limits = Limits(max_height=0.120, height_sd=0.0009)
+    >>> [round(mu, 3) for mu in achievable_friction_coefficients(template, limits)]
+    [1.104, 3.032]
+    """
+    check.instance("limits", limits, Limits, "metafem.Limits")
+    if template.friction is None:
+        raise InvalidInput("template has no friction; a friction coefficient needs metafem.Friction")
+    stress = template.friction.stress
+    choice = Tools.of(tools, template, checked_contact(contact))
+    words = f"needs Hertz contacts without adhesion or with it, not {choice.law!r}"
+    refuse_if(choice.law.without_adhesion.power != 2.0, words, key="contact")
+    per_slope = stress / template.material.composite_modulus
+    radii = [summit for _, summit in choice.laws]
+    low, high = uniform_slope(min(radii), limits.span), math.inf
+    if limits.height_sd:
+        finest = ExponentialDensity(FINEST_SCALE_IN_SD * limits.height_sd, limits.span)
+        high = finest.asymptotic_slope(max(radii))
+    return low * per_slope, high * per_slope
+
+
+def from_density(problem: Problem, rng: np.random.Generator) -> Candidate:
+    """Return heights that follow a density of one or two branches whose law has the target slopes.
+
+    The density is that of Hertz contacts; under another law the heights are then refined. Of several tools,
+    the one is used whose heights have the nearest law and need no warning.
+    """
+    found: list[Candidate] = []
+    reasons: list[Infeasible] = []
+    for i in problem.tools.tried.tolist():
+        tool, (law, _) = problem.tools.all[i], problem.tools.laws[i]
+        try:
+            radius = float(tool.cap.summit_radius(np.array([tool.radius]))[0])
+            wrong = f"{law!r} has no curvature" if law.without_adhesion.power not in (None, 2.0) else ""
+        except InvalidInput as error:
+            radius, wrong = math.nan, f"a summit {error}"
+        words = "without load_range the heights follow the density of Hertz contacts"
+        try:
+            if wrong:
+                raise Infeasible(f"{problem.target.title}: {words}, and {wrong}; give load_range")
+            found.append(_of_radius(problem, radius, i, rng))
+        except Infeasible as reason:
+            reasons.append(reason)
+    if len(found) == 1:
+        return found[0]
+    if found:
+        apart = [misfit(problem, one.asperities, one.law, problem.uncoupled) for one in found]
+        warned = [any(note.warns for note in one.notes) for one in found]
+        return found[min(range(len(found)), key=lambda i: (warned[i], apart[i]))]
+    if len(reasons) == 1:
+        raise reasons[0]
+    words = f"no tool reaches the target; the first: {reasons[0]}; the last: {reasons[-1]}"
+    raise Infeasible(words, reasons[0].nearest)
+
+
+def _of_radius(problem: Problem, radius: float, tool: int, rng: np.random.Generator) -> Candidate:
+    lines, limits, count = problem.target.lines, problem.limits, problem.count
+    plain = ExponentialDensity(_scale(problem, radius), limits.span)
+    found: dict[str, Parameter] = {"scale": plain.scale}
+    intercept, stepped, top = None, False, limits.span
+    if len(lines) == 1:
+        density, intercept = plain, plain.intercept(count, radius)
+        found["intercept"] = intercept
+        height = middles(plain, 0.0, top, count)
+        if limits.height_step is not None:
+            levels, numbers = level_counts(plain, count, limits.height_step)
+            height, stepped, used = np.repeat(levels, numbers)[::-1], True, numbers > 0
+            found |= {"levels": limits.foot + levels[used], "counts": numbers[used]}
+    else:
+        density = _two_branches(problem, plain, radius)
+        middle = density.crossover_height
+        upper = min(max(round(count * density.upper_mass), 1), count - 1)  # N_1 of regime 1, h > h_c
+        height = np.append(middles(density, middle, top, upper), middles(density, 0.0, middle, count - upper))
+        found |= {"weight": density.weight, "crossover_height": limits.foot + middle}
+        found |= {"counts": np.array([upper, count - upper])}
+    end = float(density.rescaled_load(0.0, count, radius))
+    branches = tuple(
+        Branch(slope, (start + BRANCH_START * (stop - start), stop), intercept)
+        for (slope, start), stop in zip(lines, [*(start for _, start in lines[1:]), end], strict=True)
+    )
+    at = problem.placed(height - height[0], np.full(count, tool), rng, top=limits.foot + height[0])
+    return Candidate(
+        at, law_of(density, branches, count, radius), found={**found, "foot_load": end}, branches=branches,
+        density=density, notes=_notes(problem, plain.scale, radius), stepped=stepped,
+    )  # fmt: skip
+
+
+def law_of(density: ExponentialDensity, branches: Sequence[Branch], count: int, radius: float) -> TargetLaw:
+    """Return the law of a density at evenly spaced separations, from the start of the first fit."""
+    separation = density.max_height * (1.0 - np.arange(SEPARATIONS) / (SEPARATIONS - 1))
+    load = density.rescaled_load(separation, count, radius)
+    inside = load >= branches[0].load_range[0]
+    return TargetLaw.of(load[inside], density.area(separation[inside], count, radius))
+
+
+def _scale(problem: Problem, radius: float) -> float:
+    """Return the scale [mm] at which the truncated exponential has the only or first slope of a target."""
+    target: Any = problem.target
+    slope, wording, span = target.lines[0][0], target.wording, problem.limits.span
+    bound, least = uniform_slope(radius, span), (1.0 + INSIDE) * uniform_slope(radius, span)
+    if bound < slope <= STEEPEST * bound:
+        return scale_from_slope(slope, radius, span)
+    given, stated, name = wording.slopes(slope), f"{wording.coefficient(bound):.6g}", wording.name()
+    pair = "" if wording.per_slope is None else " sigma B/E*"
+    if slope > bound:
+        raise Infeasible(
+            f"{given} exceeds {STEEPEST:g} times the bound {stated}: the heights would differ by less than "
+            f"double precision resolves; lower the {name}",
+        )
+    # 3 pi/4 sqrt(R/h) has the slope at this radius, and at this height
+    smaller, higher = radius * (slope / bound) ** 2, span * (bound / slope) ** 2
+    one = len(target.lines) == 1
+    nearest = {"slope": least} if one else {"slopes": (least, target.slopes[1])}
+    raise Infeasible(
+        f"{given} is not above the bound 3 pi/4 sqrt(R/h_m){pair} = {stated} of asperities of radius R = "
+        f"{radius:g} mm within h_m = {span:g} mm of height; use a radius below {smaller:.3g} mm, heights of "
+        f"more than {higher:.3g} mm, or a larger {name}",
+        replace(target, **nearest),
+    )
+
+
+def _notes(problem: Problem, scale: float, radius: float) -> tuple[Note, ...]:
+    finest = FINEST_SCALE_IN_SD * (problem.limits.height_sd or 0.0)
+    if scale >= finest:
+        return ()
+    steepest = ExponentialDensity(finest, problem.limits.span).asymptotic_slope(radius)
+    text = (
+        f"the scale {scale:.4g} mm is below {FINEST_SCALE_IN_SD:g} times height_sd, {finest:.4g} mm: height "
+        f"errors will change the law; they will not for {problem.target.wording.slopes(steepest)} and below"
+    )
+    return (Note(text, quantity="scale", value=scale, bound=finest, remedies=("slope",)),)
+
+
+def _two_branches(problem: Problem, plain: ExponentialDensity, radius: float) -> ExponentialDensity:
+    """Return the density with the slopes and crossover load of a target, or raise Infeasible.
+
+    `plain` is the truncated exponential density with the first slope.
+    """
+    target, count, wording = cast(BilinearLaw, problem.target), problem.count, problem.target.wording
+    first, second = target.slopes
+    crossing = Crossing(plain, target.crossover_load, count, radius)
+    density, slopes = crossing.density_of(second), crossing.second_slopes
+    if density is not None:
+        return density
+    # ends that are stated with six digits are inside by more than their rounding
+    inwards = np.array([1.0 + STATED, 1.0 - STATED])
+    loads = crossing.full_load * np.arange(1, TRIED) / TRIED
+    within = [load for load in loads.tolist() if replace(crossing, load=load).density_of(second)]
+    words, nearest = "; use more asperities", None
+    if len(within) > 1:
+        low, high = np.array([within[0], within[-1]]) * inwards
+        words = f"; with these slopes crossover_load can be from {wording.loads(low, high)}"
+        nearest = replace(target, crossover_load=float(np.clip(crossing.load, low, high)))
+    given, end = wording.loads(crossing.load), wording.loads(crossing.full_load)
+    if slopes is not None:
+        low, high = np.array(slopes) * inwards
+        nearest = replace(target, slopes=(first, float(np.clip(second, low, high))))
+        ends = " to ".join(f"{wording.coefficient(end):.6g}" for end in (low, high))
+        key = wording.name(2).replace(" ", "_")
+        words = f"; the second {wording.name()} can be from {ends}{words}"
+        reason = f"{key}[1] = {wording.coefficient(second):g} cannot follow"
+    elif crossing.load >= crossing.full_load:
+        reason = f"the law ends at {end}, where the plane reaches the lowest asperity"
+    else:
+        reason = f"a branch has fewer than 1 of {count} asperities, or a load below double precision"
+    start = f"after {wording.slopes(first)} with crossover_load = {given} and {count} asperities"
+    raise Infeasible(f"{start} {reason}{words}", nearest)

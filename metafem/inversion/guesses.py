@@ -15,28 +15,24 @@ The solution has few non-zero numbers, which are then rounded to whole asperitie
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
-from scipy.optimize import brentq, linprog, nnls
+from scipy.optimize import linprog, nnls
 
 from metafem._validate import FloatArray, IntArray
 from metafem.contact import Contact
 from metafem.errors import InvalidInput
-from metafem.inversion.bounds import Bounds, at_load
-from metafem.inversion.infeasible import nearest_law
-from metafem.inversion.problem import NONE, Asperities, Problem
+from metafem.inversion.bounds import Bounds, at_load, nearest_law
+from metafem.inversion.problem import Asperities, Problem
 from metafem.inversion.target_law import TargetLaw
 
 # Smallest and largest indentation over R in the table of contacts, and number of tabulated contacts.
 TABLE, TABULATED = (1e-9, 10.0), 400
 
-# Smallest indentation of new asperities that is tried, relative to the indentation at which the earlier
-# asperities have the required area. Below it, the number of new asperities would be unrealistically large.
-SHALLOWEST = 1e-9
-
-# Smallest and largest indentation over R in the search for the contact that has a certain pressure.
-LEAST_DEPTH, MOST_DEPTH = 1e-12, 1e2
+# Number of depths of the plane among which that of a sample is bracketed, and number of times.
+ZOOM, ZOOMS = 24, 2
 
 # If some asperities of an initial guess are lower than allowed, guesses with these fractions of them are
 # tried. Raised to the foot, they come into contact earlier, and fewer of them are enough.
@@ -58,35 +54,6 @@ MOST_STEPS, USED = 2000, 20
 # Up to this number of sites, random initial guesses come first, and their number; their heights are drawn to
 # this multiple of the indentation of half of the sites.
 FEW, RANDOM, DEEP = 12, 40, 4.0
-
-
-def placed(
-    problem: Problem,
-    height: FloatArray,
-    tool: IntArray,
-    rng: np.random.Generator,
-    top: float | None = None,
-) -> Asperities:
-    """Return asperities on random sites; heights (n,) [mm] are relative to the tallest, at `top` [mm].
-
-    Default: the largest height. Prescribed heights replace the nearest heights, on their own sites.
-    """
-    highest = problem.limits.top if top is None else top
-    every = np.full(problem.template.count, highest)
-    which = np.full(problem.template.count, NONE)
-    height = np.maximum(highest + height - height.max(), problem.foot)
-    left = np.ones(len(height), dtype=bool)
-    for site, given in problem.held.items():
-        distance = np.abs(height - given)
-        nearest = int(np.where(left, distance, np.inf).argmin() if left.any() else distance.argmin())
-        every[site], which[site] = given, tool[nearest]
-        left[nearest] = False
-    # the order of the sites depends on the template alone, so that a site that becomes empty moves no other
-    order = rng.permutation(problem.template.count)
-    free = order[np.isin(order, np.setdiff1d(problem.open, list(problem.held)))]
-    rest = np.flatnonzero(left)[: len(free)]
-    every[free[: len(rest)]], which[free[: len(rest)]] = height[rest], tool[rest]
-    return Asperities(every, which)
 
 
 def frictions(law: TargetLaw, bounds: Bounds) -> list[FloatArray]:
@@ -116,7 +83,7 @@ def of_one_tool(
     inside = int((height >= height[0] - span).sum())
     # if heights are deeper than the span, further guesses have fewer of these heights
     for number in dict.fromkeys(inside + round(part * (len(height) - inside)) for part in LOW_FRACTIONS):
-        yield placed(problem, height[:number], np.full(number, tool), rng)
+        yield problem.placed(height[:number], np.full(number, tool), rng)
 
 
 def of_several_tools(
@@ -129,13 +96,13 @@ def of_several_tools(
         depth, _ = at_load(law.without_adhesion, load[-1:] / max(1.0, 0.5 * count), summit)
         for number in rng.integers((count + 1) // 2, count + 1, size=RANDOM).tolist():
             height = -rng.uniform(0.0, min(DEEP * float(depth[0]), problem.limits.span), number)
-            yield placed(problem, height, rng.integers(len(tools), size=number), rng)
+            yield problem.placed(height, rng.integers(len(tools), size=number), rng)
     if tools.same_shape:  # radii that increase or decrease with the depth
         order = np.argsort([tool.radius for tool in tools.all], kind="stable")
         ramp = order[np.linspace(0.0, len(tools) - 1.0, len(load)).round().astype(np.int64)]
         for which in (ramp, ramp[::-1]):
             height, sample = in_order(tools.law, load, friction, tools.summits[which], count)
-            yield placed(problem, height, which[sample], rng)
+            yield problem.placed(height, which[sample], rng)
     yield from by_least_squares(problem, load, friction, rng)
 
 
@@ -167,7 +134,7 @@ def by_least_squares(
             used = np.flatnonzero(number)
             if used.size:
                 height, tool = _rounded(gap[used], which[used], number[used], problem.count)
-                found.append((left, placed(problem, height, tool, rng)))
+                found.append((left, problem.placed(height, tool, rng)))
     return [one for _, one in sorted(found, key=lambda each: each[0])[:USED]]
 
 
@@ -182,132 +149,70 @@ def _rounded(gap: FloatArray, which: IntArray, number: FloatArray, count: int) -
 
 
 def in_order(
-    law: Contact,
-    load: FloatArray,
-    friction: FloatArray,
-    radius: FloatArray,
-    count: int,
+    law: Contact, load: FloatArray, friction: FloatArray, radius: FloatArray, count: int
 ) -> tuple[FloatArray, IntArray]:
     """Return at most `count` heights [mm] whose law is near the samples, and the samples they are added for.
 
     The tallest height is first and equal to 0. Asperities added for sample k have the k-th radius.
     """
+    tables = {size: _Table(law, size) for size in np.unique(radius).tolist()}
+    first = tables[radius[0]]
     if law.power == 1.0:
         # cones have the same P/A at any depth, so the first load is divided among all asperities
         depth = float(at_load(law, load[:1] / count, radius[0])[0][0])
-    else:
-        depth = depth_at_pressure(law, load[0] / friction[0], radius[0]) or LEAST_DEPTH * radius[0]
-    first = float(law.contacts(np.array(depth), radius[:1]).area[0])
-    levels, numbers, kinds = [0.0], [friction[0] / first], [radius[0]]
-    plane, widest, single, at = -depth, float(radius.max()), _Single(law, radius), [0]
+    else:  # P/A increases with the indentation
+        depth = float(np.interp(load[0] / friction[0], first.load / first.area, first.depth))
+    levels, numbers, at, plane = [0.0], [friction[0] / float(first.contacts(depth)[1])], [0], -depth
     for k, (p, f, new) in enumerate(zip(load[1:], friction[1:], radius[1:], strict=True), start=1):
-        earlier = np.array([np.array(levels) - plane, kinds, numbers])
-        depth, number = _entering(single, earlier, p, f, new, widest)
+        above, kinds, many = np.array(levels) - plane, radius[at], np.array(numbers)
+        parts = [(tables[size], above[kinds == size], many[kinds == size]) for size in set(kinds.tolist())]
+        depth, number = _entering(tables[new], parts, p, f)
         if number > 0.0:
             levels.append(plane)
             numbers.append(number)
-            kinds.append(new)
             at.append(k)
         plane -= depth
     return _spread(np.array(levels), np.array(numbers), np.array(at), plane, count)
 
 
+class _Table:
+    """Indentations [mm], loads and areas [mm^2] of contacts with summits of one radius [mm]."""
+
+    def __init__(self, law: Contact, radius: float) -> None:
+        most = min(float(law.largest_indentation(radius)), TABLE[1] * radius)
+        self.depth = np.geomspace(TABLE[0] * radius, most, TABULATED)
+        found = law.contacts(self.depth, np.full(TABULATED, radius))
+        self.load, self.area, self.logarithm = found.load, found.area, np.log(self.depth)
+
+    def contacts(self, depth: Any) -> tuple[FloatArray, FloatArray]:
+        """Return loads and areas [mm^2] at indentations above 0."""
+        at = np.log(depth)
+        return np.interp(at, self.logarithm, self.load), np.interp(at, self.logarithm, self.area)
+
+
 def _entering(
-    single: _Single, asperities: FloatArray, load: float, friction: float, radius: float, widest: float
+    new: _Table, earlier: list[tuple[_Table, FloatArray, FloatArray]], load: float, friction: float
 ) -> tuple[float, float]:
     """Return the depth [mm] of the plane below the new level at a sample, and the number of new asperities.
 
-    `asperities` (3, q) holds the heights above the new level, the radii and the numbers of the earlier
-    asperities, which are all in contact.
+    earlier: tables, heights above the new level and numbers of the asperities that are in contact.
     """
-    above, kind, number = asperities
-    most, sums = float((single.deepest(kind) - above).min()), single.sums(kind, number)
-
-    def at(depth: float) -> tuple[float, float]:
-        """Return the load and area [mm^2] of the earlier asperities if the plane is at this depth."""
-        return sums(above + depth)
-
-    def depth_of(index: int, value: float) -> float:
-        """Return the depth [mm] at which the load (index 0) or area (1) has a value, or the largest depth."""
-        high = min(widest, most)
-        while at(high)[index] < value:
-            if high >= most:
-                return most
-            high = min(2.0 * high, most)
-        return _root(lambda depth: at(depth)[index] - value, 0.0, high, high)
-
-    carried, area = at(0.0)
-    deepest = depth_of(1, friction) if area < friction else 0.0
-    if area >= friction or deepest <= 0.0 or at(deepest)[0] <= load:
-        return (0.0 if carried >= load else depth_of(0, load)), 0.0
-    one = single.sums(np.array([radius]), np.ones(1))
-
-    def missing(depth: float) -> tuple[float, float]:
-        """Return the excess load [mm^2] and the number of new asperities that have the missing area."""
-        carried, area = at(depth)
-        new_load, new_area = one(np.array([depth]))
-        number = (friction - area) / new_area
-        return carried + number * new_load - load, number  # eq. S1
-
-    low = SHALLOWEST * deepest
-    if missing(low)[0] >= 0.0:
-        return low, max(missing(low)[1], 0.0)
-    if missing(deepest)[0] <= 0.0:  # the earlier asperities also have this load, up to rounding
-        return deepest, 0.0
-    depth = _root(lambda d: missing(d)[0], low, deepest, low)
-    return depth, max(missing(depth)[1], 0.0)
-
-
-class _Single:
-    """Loads and areas of contacts: closed forms for power laws, otherwise interpolated in logarithms."""
-
-    def __init__(self, law: Contact, radius: FloatArray) -> None:
-        self.law = law
-        self.tables = {} if law.power is not None else {R: self._table(R) for R in np.unique(radius).tolist()}
-
-    def _table(self, radius: float) -> tuple[FloatArray, ...]:
-        """Return the logarithm of the indentation, and load and area of one contact, (400,) each.
-
-        Without adhesion, load and area are logarithms, too.
-        """
-        most = min(float(self.law.largest_indentation(radius)), TABLE[1] * radius)
-        depth = np.geomspace(TABLE[0] * radius, most, TABULATED)
-        found = self.law.contacts(depth, np.full(TABULATED, radius))
-        if self.law.adhesive:
-            return np.log(depth), found.load, found.area
-        return np.log(depth), np.log(found.load), np.log(found.area)
-
-    def deepest(self, radius: FloatArray) -> FloatArray:
-        """Return the largest tabulated indentations [mm]."""
-        if not self.tables:
-            return self.law.largest_indentation(radius)
-        return np.array([math.exp(self.tables[R][0][-1]) for R in radius.tolist()])
-
-    def sums(self, radius: FloatArray, number: FloatArray) -> Callable[[FloatArray], tuple[float, float]]:
-        """Return the total load and area [mm^2] as a function of the indentations of asperities (q,) [mm]."""
-        n = self.law.power
-        if n is not None:
-            unit = self.law.contacts(np.ones(len(radius)), radius)
-            loads, areas, by_load, by_area = unit.load * number, unit.area * number, 1.0 + 1.0 / n, 2.0 / n
-            return lambda depth: (float(loads @ depth**by_load), float(areas @ depth**by_area))
-        parts = [(self.tables[R], radius == R) for R in np.unique(radius).tolist()]
-        tabulated = (lambda value: value) if self.law.adhesive else np.exp
-
-        def sums(depth: FloatArray) -> tuple[float, float]:
-            load = area = 0.0
-            # an open contact is treated as a contact at the smallest tabulated indentation
-            logarithm = np.log(np.maximum(depth, np.finfo(float).tiny))
-            for (x, by_load, by_area), which in parts:
-                at, weight = logarithm[which], number[which]
-                load += float(tabulated(np.interp(at, x, by_load)) @ weight)
-                area += float(tabulated(np.interp(at, x, by_area)) @ weight)
-            return load, area
-
-        return sums
-
-
-def _root(function: Callable[[float], float], low: float, high: float, scale: float) -> float:
-    return float(brentq(function, low, high, xtol=1e-12 * scale, rtol=1e-12))
+    low, high = new.depth[0], new.depth[-1]
+    for _ in range(ZOOMS):
+        depth = np.geomspace(low, high, ZOOM)
+        carried = area = np.zeros(ZOOM)
+        for table, above, many in earlier:
+            loads, areas = table.contacts(above[:, None] + depth)
+            carried, area = carried + many @ loads, area + many @ areas
+        one_load, one_area = new.contacts(depth)
+        number = np.maximum(friction - area, 0.0) / one_area  # eq. S1
+        missing = load - carried - number * one_load
+        i = int((missing <= 0.0).argmax()) if missing[-1] <= 0.0 else ZOOM - 1
+        if carried[0] >= load or i == 0:
+            return (0.0, 0.0) if carried[0] >= load else (float(low), float(number[0]))
+        low, high = depth[i - 1], depth[i]
+    share = min(1.0, missing[i - 1] / (missing[i - 1] - missing[i]))
+    return float(low + share * (high - low)), float(number[i - 1] + share * (number[i] - number[i - 1]))
 
 
 def _spread(
@@ -323,32 +228,3 @@ def _spread(
     middle = (np.arange(most) + 0.5) / most * total[-1]
     level = np.minimum(np.searchsorted(total[1:], middle), len(at) - 1)
     return np.interp(middle, total, ends), at[level]
-
-
-def depth_at_pressure(law: Contact, pressure: float, radius: float) -> float:
-    """Return the indentation [mm] at which P/A of one contact is `pressure` E*.
-
-    P/A increases with the indentation. For a pressure [-] outside its range, the result is 0 or the largest
-    indentation.
-    """
-
-    def excess(logarithm: float) -> float:
-        found = law.contacts(np.array(math.exp(logarithm)), np.array(radius))
-        # an adhesive contact has a negative load at small indentations
-        return math.log(max(float(found.load), np.finfo(float).tiny) / found.area / pressure)
-
-    most = min(float(law.largest_indentation(radius)), MOST_DEPTH * radius)
-    if law.power is not None and law.power > 1.0:  # P/A ~ d^(1 - 1/n)
-        n = law.power
-        unit = law.contacts(np.array(radius), np.array(radius))
-        at_radius = float(unit.load / unit.area)
-        return float(min(radius * (pressure / at_radius) ** (n / (n - 1.0)), most))
-    low, high = math.log(LEAST_DEPTH * radius), math.log(most)
-    if excess(high) <= 0.0:
-        return most
-    # most indentations are near this value, which shortens the search
-    middle = min(math.log(radius) - 3.0, high)
-    low, high = (middle, high) if excess(middle) < 0.0 else (low, middle)
-    if excess(low) >= 0.0:
-        return 0.0
-    return math.exp(brentq(excess, low, high, xtol=1e-15, rtol=4.0 * np.finfo(float).eps))

@@ -1,4 +1,4 @@
-"""Proofs that no surface reaches a target, with the nearest law, and the range of what surfaces reach."""
+"""Refusals of targets that no surface reaches, with remedies and the nearest target, and what is reached."""
 
 from __future__ import annotations
 
@@ -7,34 +7,37 @@ import warnings
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import linprog
 
 from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem._values import percent
 from metafem.contact import Contact
-from metafem.errors import Infeasible, InvalidInput, MetafemWarning, refuse_if
-from metafem.inversion.bounds import ROUNDING, Bounds
-from metafem.inversion.density import FINEST_SCALE_IN_SD, ExponentialDensity, uniform_slope
+from metafem.errors import Infeasible, MetafemWarning, refuse_if
+from metafem.inversion.bounds import ROUNDING, Bounds, nearest_law
+from metafem.inversion.laws import SampledLaw
+from metafem.inversion.levels import levels_through, missing_height
 from metafem.inversion.limits import Limits
-from metafem.inversion.problem import Problem
-from metafem.inversion.target_law import TargetLaw
+from metafem.inversion.problem import Problem, misfit
+from metafem.inversion.refinement import EXACT, REACHED, inverted
+from metafem.inversion.search import GOAL, PEAK
+from metafem.inversion.target_law import Target
 from metafem.inversion.tools import Given, Tool, Tools
-from metafem.inversion.wording import Wording
+from metafem.models import Independent
 from metafem.models.model import PARABOLOID, checked_contact
 from metafem.surface import Surface
 
 # Plasticity index below which contacts are mostly elastic, according to Greenwood and Williamson.
 ELASTIC_LIMIT = 0.6
 
-# A nearest law is inside its bounds by this part of its distance from the target.
-INSIDE = 1e-3
-
 # Its name in notes and figures.
 INDEX = "plasticity index"
+
+# A nearest law is inside its bounds by this part of its distance from the target.
+INSIDE = 1e-3
 
 # A hint is looked for up to this factor of the radius or of the number of sites. It is beyond the bound by
 # these factors, of which the first is stated with which a design meets the target.
@@ -43,113 +46,142 @@ FURTHEST, BEYOND = 30.0, (1.02, 1.1, 1.3, 1.7)
 # Number of bisections in the search for a hint.
 BISECTIONS = 12
 
+# A range of loads is sought between these loads over the largest one, of this number, by this number of
+# bisections on a logarithmic scale. Between the loads of the first contacts, a law differs from the line by
+# 1.1 % if the range begins where one asperity has the friction of the line, and by .7 % from RANGE_START
+# times that load on (measured; by scaling, the differences do not depend on slope and radius).
+LEAST_LOAD, TRIED_LOADS, RANGE_BISECTIONS, RANGE_START = 1e-8, 2000, 6, 1.4
 
-def nearest_law(law: TargetLaw, bounds: Bounds, margin: float = 0.0) -> tuple[float, FloatArray]:
-    """Return the largest relative distance [-] of a target from the nearest law in the bounds, and that law.
-
-    The frictions F_k, the free parameters c and the distances s_k solve the linear program: minimise the sum
-    of s where ``lower + free c - s w <= F <= upper + free c + s w``, F lies within the bounds, and F/p^b does
-    not fall with the least local exponent b. w is the target, or the middle of the bounds if it has free
-    parameters. Few s differ from 0, so that few points move. A law without free parameters must also not rise
-    faster than N asperities that all come into contact. All bounds are wider by a relative margin.
-    """
-    load, target = law.load, law.middle
-    if not bounds.convex:
-        return 0.0, target
-    low, high = bounds.friction(load)
-    w = np.sqrt(low * high) if law.is_open else target
-    k, q = law.free.shape
-    one, free, nothing = np.eye(k), law.free / w[:, None], np.zeros((k - 1, k + q))
-    power = w / load**bounds.least_exponent
-    rising = (1.0 - margin) * one[:-1] - one[1:] * (power[1:] / power[:-1])[:, None]
-    rows = np.block([[one, -free, -one], [-one, free, -one], [rising, nothing]])
-    right = np.concatenate([law.upper / w, -law.lower / w, np.zeros(k - 1)])
-    ends = zip(low / w * (1.0 - margin), high / w * (1.0 + margin), strict=True)
-    limits = [*ends, *[(None, None)] * q, *[(0.0, None)] * k]
-    found = linprog(np.append(np.zeros(k + q), np.ones(k)), rows, right, bounds=limits, method="highs")
-    if found.x is None:  # the bounds exclude each other by rounding
-        return 0.0, target
-    distance, friction = float(found.x[-k:].max()), found.x[:k] * w
-    if not law.is_open:
-        jump = bounds.highest_after(load, friction if law.is_band else target) * (1.0 + margin)
-        distance = max(distance, float((np.minimum(friction, law.lower) / jump).max()) - 1.0)
-        friction = np.minimum(friction, bounds.highest_after(load, friction))
-    return distance, friction
+# An end of a range that is stated with six digits is inside it by this relative distance.
+STATED = 1e-5
 
 
-def prove(problem: Problem, within: float) -> None:
+def prove(problem: Problem) -> None:
     """Raise Infeasible if the target exceeds a proven bound by more than the interaction can change.
 
-    Samples whose rms difference may be within a tolerance [-] are not excluded.
+    Samples whose rms difference may be within the tolerance of a design are not excluded.
     """
-    law, wording = problem.law, problem.target.wording
-    if law is None:
-        return
+    law, target, margin, count = problem.law, problem.target, problem.margin, problem.count
     last, most = float(law.load[-1]), problem.bounds.largest_load(problem.limits)
-    if last > most and last > most * (1.0 + problem.margin):
-        raise Infeasible(
-            f"load {wording.loads(last)} is beyond {wording.loads(most)}, at which the plane reaches the "
-            f"base plane with {problem.count} summits of the largest height; raise max_height or offset, or "
-            "use more asperities"
+    if last > most * (1.0 + margin):
+        loads = target.wording.loads(last), target.wording.loads(most)
+        raise _refused(
+            problem,
+            f"load {loads[0]} is beyond {loads[1]}, at which the plane reaches the base plane with {count} "
+            "summits of the largest height; raise max_height or offset, or use more asperities",
         )
-    samples = problem.target.refused and not problem.target.exact and not law.is_band
-    allowed = within * math.sqrt(len(law.load) / law.weight.min()) if samples else 0.0
-    if law.noise or nearest_law(law, problem.bounds)[0] <= allowed + ROUNDING:
+    samples = target.refused and not target.exact and not law.is_band
+    allowed = ROUNDING + (REACHED * math.sqrt(len(law.load) / law.weight.min()) if samples else 0.0)
+    if law.noise or nearest_law(law, problem.bounds)[0] <= allowed:
         return
-    margin = problem.margin
     distance, friction = nearest_law(law, problem.bounds, margin)
-    if distance <= allowed + ROUNDING:
+    if distance <= allowed:
         return
     extra = f" (the model's interaction leaves a margin of {percent(margin)})" if margin else ""
-    scope = f"for any surface of at most {problem.count} asperities of {problem.tools}{extra}"
-    words = _broken(law, friction, problem.bounds, problem.target.wording)
     inside = friction if law.is_open else friction + INSIDE * (friction - law.law(friction))
-    raise Infeasible(f"{words}, {scope}", problem.target.near(law.load, inside))
+    words = f"{_broken(problem, friction)}, for any surface of at most {count} asperities of {problem.tools}"
+    raise _refused(problem, words + extra, inside)
 
 
-def _broken(law: TargetLaw, friction: FloatArray, bounds: Bounds, wording: Wording) -> str:
+def _broken(problem: Problem, friction: FloatArray) -> str:
     """Return which bound a target breaks, at the load of the largest difference from the nearest law."""
-    load = law.load
+    law, wording, bounds = problem.law, problem.target.wording, problem.bounds
+    i = int(np.abs(law.difference(friction)).argmax())
+    load, nearest = wording.loads(law.load[i]), wording.frictions(friction[i])
     if law.is_open:
-        i = int(np.abs(law.difference(friction)).argmax())
+        far = percent(abs(float(law.difference(friction)[i])), ".3g")
         return (
-            f"no free parameter brings the law within the bounds: the nearest law differs by "
-            f"{percent(abs(float(law.difference(friction)[i])), '.3g')} at {wording.loads(load[i])}"
+            f"no free parameter brings the law within the bounds: the nearest law differs by {far} at {load}"
         )
-    low, high = bounds.friction(load)
-    distance = np.maximum(law.lower / friction, friction / law.upper) - 1.0
-    i = int(distance.argmax())
-    end = law.lower if law.lower[i] > friction[i] else law.upper
-    if end[i] < low[i]:
+    low, high = bounds.friction(law.load[i : i + 1])
+    end = law.lower[i] if law.lower[i] > friction[i] else law.upper[i]
+    words = f"{'below' if end < friction[i] else 'above'} what the law at the other loads allows"
+    if end < low[0]:
         words = "below that of a single asperity"
-    elif end[i] > high[i]:
+    elif end > high[0]:
         words = f"above that of {bounds.count} equal asperities"
-    elif end[i] < friction[i]:
-        power = "(2/3)" if bounds.least_exponent == 2.0 / 3.0 else f"{bounds.least_exponent:.4g}"
-        words = f"below that of the asperities in contact at smaller loads (F/P^{power} cannot fall)"
-    else:
-        words = "above what the law at the other loads allows"
-    return (
-        f"at load {wording.loads(load[i])} the friction {wording.frictions(end[i])} is {words}, "
-        f"{wording.frictions(friction[i])}"
-    )
+    return f"at load {load} the friction {wording.frictions(end)} is {words}, {nearest}"
 
 
-def remedies(problem: Problem, meets: Callable[[Problem], bool]) -> str:
-    """Return how many sites, and which radius, reach a target that a bound excludes; "" if none was found.
+def refuse_missed(problem: Problem, area: FloatArray, misfit: float) -> None:
+    """Raise Infeasible for points, a band, or samples outside the bounds, that the nearest law found misses.
 
-    meets: whether a design for a problem meets its target; it is asked before anything is recommended.
+    Heights on steps, and other heights beside given ones, are only missed.
     """
-    more = _first(partial(_with_count, problem), meets)
+    target, law, limits = problem.target, problem.law, problem.limits
+    if not target.refused or limits.height_step is not None or problem.held:
+        return
+    near, far = target.near(law.load, area), percent(misfit, ".3g")
+    if not (target.exact or law.is_band):
+        distance, friction = nearest_law(law, problem.bounds)
+        if distance > problem.margin + GOAL:
+            most, scope = REACHED + law.noise, f"{problem.count} asperities of {problem.tools}"
+            raise Infeasible(
+                f"the samples lie outside the bounds of {scope} by up to {percent(distance, '.3g')}; the "
+                f"nearest law found misses them by {far} rms, and {percent(most, '.3g')} is allowed",
+                near, by_search=law.misfit(friction) <= most,
+            )  # fmt: skip
+        return
+    i = int(np.abs(law.difference(area)).argmax())
+    path = levels_through(problem.alone(0), law.load, law.lower) if target.exact else None
+    short = 0.0 if path is None else missing_height(problem, path)
+    heights = f"max_height = {limits.max_height:g}, min_height = {limits.min_height:g} mm and the offset"
+    more = f"; {heights} leave {short:.3g} mm too little: raise max_height" if short > 0.0 else ""
+    found = "no heights that meet the points were" if target.exact else "no law within the band was"
+    at = f"point {i + 1}, load {target.wording.loads(law.load[i])},"
+    raise Infeasible(f"{found} found: at {at} the nearest law found differs by {far}{more}", near, True)
+
+
+def _refused(problem: Problem, words: str, friction: FloatArray | None = None) -> Infeasible:
+    """Return the refusal of a target with remedies, and with a nearest target that a design meets.
+
+    friction: that of the nearest law within the bounds; None if no law up to the last load is.
+    """
+    # a draft is told the same as its design; a search for several tools is short
+    problem, target = replace(problem, draft=len(problem.tools) > 1), problem.target
+    words += _remedies(problem)
+    if target.lines:
+        given: Any = problem.template, problem.limits, problem.tools.given, problem.uncoupled.contact
+        try:
+            ends = achievable_load_range(target, *given)
+        except Infeasible:
+            return Infeasible(words)
+        stated = target.wording.loads(ends[0] * (1.0 + STATED), ends[1] * (1.0 - STATED))
+        line: Any = target
+        return Infeasible(f"{words}; the line is reached from {stated}", replace(line, load_range=ends))
+    if friction is None:
+        return Infeasible(words)
+    load = problem.law.load
+    nearest = target.near(load, friction)
+    if nearest is None or not _meets(replace(problem, target=nearest)):
+        surface = problem.surface(inverted(problem, np.random.default_rng(0)).asperities)
+        area = problem.uncoupled.curve(surface, load).area
+        nearest = target.near(load, area)
+        if nearest is None or not _meets(replace(problem, target=nearest)):
+            nearest = SampledLaw(load, area, wording=target.wording)
+    return Infeasible(words, nearest)
+
+
+def _meets(problem: Problem) -> bool:
+    """Return whether independent asperities meet the target of a problem that was changed by a hint."""
+    if nearest_law(problem.law, problem.bounds)[0] > ROUNDING:
+        return False
+    found = inverted(problem, np.random.default_rng(0), PEAK * REACHED)
+    size = misfit(problem, found.asperities, problem.law, problem.uncoupled)
+    return size <= (EXACT if problem.target.exact else REACHED)
+
+
+def _remedies(problem: Problem) -> str:
+    """Return how many sites, and which radius, reach a target that a bound excludes; "" if none was found."""
+    more = _first(partial(_with_count, problem))
     words = [f"{more.count} sites in all"] if more else []
-    if len(problem.tools) == 1:
-        for sign in (1.0, -1.0):
-            other = _first(partial(_with_radius, problem, sign), meets)
-            words += [f"a radius of {other.tools.all[0].radius:.4g} mm"] if other else []
+    for sign in (1.0, -1.0) if len(problem.tools) == 1 else ():
+        other = _first(partial(_with_radius, problem, sign))
+        words += [f"a radius of {other.tools.all[0].radius:.4g} mm"] if other else []
     return f"; use {' or '.join(words)}" if words else ""
 
 
-def _first(change: Callable[[float], Problem], meets: Callable[[Problem], bool]) -> Problem | None:
+def _first(change: Callable[[float], Problem]) -> Problem | None:
     """Return the problem changed by the least factor with which a design meets the target, or None."""
 
     def possible(factor: float) -> bool:
@@ -164,7 +196,7 @@ def _first(change: Callable[[float], Problem], meets: Callable[[Problem], bool])
         middle = 0.5 * (low + high)
         low, high = (low, middle) if possible(math.exp(middle)) else (middle, high)
     tried = (change(math.exp(high) * beyond) for beyond in BEYOND)
-    return next((other for other in tried if meets(other)), None)
+    return next((other for other in tried if _meets(other)), None)
 
 
 def _with_count(problem: Problem, factor: float) -> Problem:
@@ -181,6 +213,81 @@ def _with_radius(problem: Problem, sign: float, factor: float) -> Problem:
     changed = Tool(float(f"{tool.radius * factor**sign:.4g}"), tool.cap)
     tools = Tools.of([changed], problem.template, problem.uncoupled.contact)
     return replace(problem, tools=tools, model=problem.uncoupled)
+
+
+def achievable_load_range(
+    target: Target,
+    template: Surface,
+    limits: Limits,
+    tools: Given | None = None,
+    contact: Contact = PARABOLOID,
+) -> tuple[float, float]:
+    """Return the widest range of loads over which a line through the origin is met within 1 %.
+
+    The range is that of independent asperities and is found by trial designs. Its lower end is near the load
+    at which a single asperity has the friction of the line. Ranges are narrowed towards the crossover load of
+    a bilinear law, and towards the start or the end of a linear law.
+
+    Parameters
+    ----------
+    target : LinearLaw or BilinearLaw
+        Line through the origin. If the target has a load range, only ranges within it are tried.
+    template : Surface
+        Surface of which only the number of sites is used, and the common radius if `tools` is not given.
+    limits : Limits
+    tools : sequence of Tool or of float, RadiusRange or PowerRange, optional
+        Tools of which one makes each asperity; default: the radius and cap of the template.
+    contact : Contact
+        Law of one contact; default: `Hertz()`.
+
+    Returns
+    -------
+    low, high : float
+        P/E* [mm^2].
+
+    Raises
+    ------
+    Infeasible
+        If there is no such range.
+    InvalidInput
+        If the target is of another kind, or an argument of `design` would be refused.
+
+    Examples
+    --------
+    >>> import metafem as mf
+    >>> template = mf.Surface.square_lattice(0.27, radius=0.526, material=mf.Material(1.36))
+    >>> line, limits = mf.LinearLaw(7.0), mf.Limits(0.27)
+    >>> ends = achievable_load_range(line, template, limits)
+    >>> mf.design(mf.LinearLaw(7.0, ends), template, limits=limits).misfit < 0.01
+    True
+    """
+    problem = Problem.checked(target, template, Independent(contact=checked_contact(contact)), limits, tools)
+    problem = replace(problem, draft=len(problem.tools) > 1)
+    line: Any = problem.target
+    refuse_if(not target.lines, f"target = {target!r:.60} must be a metafem.LinearLaw or BilinearLaw")
+    most = replace(problem.bounds, last=0.0).largest_load(limits)
+    load = most * np.geomspace(LEAST_LOAD, 1.0, TRIED_LOADS)
+    low, high = problem.bounds.friction(load)
+    least, greatest = line.load_range or (0.0, math.inf)
+    within = (low <= line.line(load)) & (line.line(load) <= high) & (load >= least) & (load <= greatest)
+    best, crossover = (1.0, 1.0), target.lines[-1][1]
+    if within.any():
+        first, last = load[within][0] * RANGE_START, load[within][-1]
+        for centre in (crossover,) if crossover else (first, last):
+            inside, outside = 0.0, 1.0
+            for _ in range(RANGE_BISECTIONS if first < last and first <= centre <= last else 0):
+                part = 0.5 * (inside + outside)
+                ends = float(centre * (first / centre) ** part), float(centre * (last / centre) ** part)
+                reached = _meets(replace(problem, target=replace(line, load_range=ends)))
+                inside, outside = (part, outside) if reached else (inside, part)
+                best = ends if reached and ends[1] / ends[0] > best[1] / best[0] else best
+    if best[0] < best[1]:
+        return best
+    raise Infeasible(
+        f"{target.title}: the line through the origin is not reached within {percent(REACHED, 'g')} over any "
+        f"range of loads with {problem.count} asperities of {problem.tools} within {limits.span:g} mm of "
+        f"height; raise max_height or the {target.wording.name()}, or use a smaller radius"
+    )
 
 
 def feasible_region(
@@ -243,70 +350,6 @@ def feasible_region(
         bounds = replace(bounds, last=float(load[within].max()))
         low[within], high[within] = bounds.friction(load[within])
     return low, high
-
-
-def achievable_friction_coefficients(
-    template: Surface,
-    limits: Limits,
-    tools: Given | None = None,
-    contact: Contact = PARABOLOID,
-) -> tuple[float, float]:
-    """Return the smallest and largest friction coefficient of linear laws from exponential height densities.
-
-    Uniformly distributed heights have the smallest coefficient, ``3 pi/4 sqrt(R/h_m) sigma B / E*`` with
-    Hertz contacts. The density with the smallest scale that can be manufactured, ten times
-    `limits.height_sd`, has the largest coefficient; without a `height_sd` it is infinite. If several radii
-    are allowed, the lower bound is that of the smallest radius and the upper bound that of the largest one.
-
-    Parameters
-    ----------
-    template : Surface
-        Template with a friction, and with one common radius unless `tools` is given.
-    limits : Limits
-    tools : sequence of Tool or of float, RadiusRange or PowerRange, optional
-        Tools of which one makes each asperity, as in `design`; default: the radius and cap of the template.
-    contact : Contact
-        Hertz's law (default) or JKR's, whose adhesion is ignored.
-
-    Returns
-    -------
-    low, high : float
-        Friction coefficients mu [-].
-
-    Raises
-    ------
-    InvalidInput
-        If the template has no friction, if it has several radii and `tools` is not given, or if a radius is
-        not positive.
-
-    Notes
-    -----
-    Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234, supplementary text.
-
-    Examples
-    --------
-    >>> import metafem as mf
-    >>> template = mf.Surface.square_lattice(
-    ...     0.12, radius=0.526, material=mf.Material(1.36), friction=mf.Friction(0.358, 0.85)
-    ... )
-    >>> limits = Limits(max_height=0.120, height_sd=0.0009)
-    >>> [round(mu, 3) for mu in achievable_friction_coefficients(template, limits)]
-    [1.104, 3.032]
-    """
-    check.instance("limits", limits, Limits, "metafem.Limits")
-    if template.friction is None:
-        raise InvalidInput("template has no friction; a friction coefficient needs metafem.Friction")
-    stress = template.friction.stress
-    choice = Tools.of(tools, template, checked_contact(contact))
-    words = f"needs Hertz contacts without adhesion or with it, not {choice.law!r}"
-    refuse_if(choice.law.without_adhesion.power != 2.0, words, key="contact")
-    per_slope = stress / template.material.composite_modulus
-    radii = [summit for _, summit in choice.laws]
-    low, high = uniform_slope(min(radii), limits.span), math.inf
-    if limits.height_sd:
-        finest = ExponentialDensity(FINEST_SCALE_IN_SD * limits.height_sd, limits.span)
-        high = finest.asymptotic_slope(max(radii))
-    return low * per_slope, high * per_slope
 
 
 def roughness(surface: Surface) -> float:

@@ -2,87 +2,24 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import Any, ClassVar
+from dataclasses import dataclass
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from metafem import _validate as check
 from metafem._validate import FloatArray
-from metafem._values import Value
-from metafem.inversion.target_law import TargetLaw
-from metafem.inversion.wording import RESCALED, LoadRange, Wording
+from metafem.inversion.target_law import Target, TargetLaw
+from metafem.inversion.wording import LoadRange, Wording
 from metafem.surface import Friction, Material
 
 # Number of loads at which a power law is compared with the law of a design.
 POINTS = 30
 
 
-class Target:
-    """Base class of target friction laws, in rescaled loads P/E* and frictions F/(sigma B) [mm^2].
-
-    A target is data: `curve` returns the law with its loads, its bounds and its free parameters.
-    """
-
-    # whether the law must pass through all points, to rounding
-    exact: ClassVar[bool] = False
-    # whether a target that a search misses is refused, with the nearest law, or else stated as missed
-    refused: ClassVar[bool] = False
-    # name of the free parameters of the law; "" if there are none
-    free_name: ClassVar[str] = ""
-
-    wording: Wording
-
-    def _set(self, wording: Wording, **members: Any) -> None:
-        """Set the attributes of a frozen target."""
-        check.instance("wording", wording, Wording, "a Wording, as from_friction_coefficient sets it")
-        for name, value in {**members, "wording": wording}.items():
-            object.__setattr__(self, name, value)
-
-    @property
-    def title(self) -> str:
-        """Description of the target in one line."""
-        raise NotImplementedError
-
-    @property
-    def last_load(self) -> float | None:
-        """Last rescaled load of the target [mm^2]; None if the height density determines it."""
-        law = self.curve()
-        return None if law is None else float(law.load[-1])
-
-    @property
-    def lines(self) -> tuple[tuple[float, float], ...]:
-        """Slope [-] of each line, and the load [mm^2] at which it starts; the first line starts at 0."""
-        return ()
-
-    @property
-    def branches(self) -> tuple[tuple[float, LoadRange], ...]:
-        """Slope [-] and range of rescaled loads [mm^2] of each straight branch."""
-        return ()
-
-    @property
-    def marked_loads(self) -> dict[str, tuple[tuple[float, ...], ...]]:
-        """Crossovers and load ranges of the target by name, as single loads or pairs of loads [mm^2]."""
-        return {}
-
-    def curve(self) -> TargetLaw | None:
-        """Return the law at the loads at which it is compared; None if a height density determines it."""
-        raise NotImplementedError
-
-    def near(self, load: FloatArray, friction: FloatArray) -> Target | None:
-        """Return the target of this kind with a law, (k,) each [mm^2]; None if there is none."""
-        return SampledLaw(load, friction, wording=self.wording)
-
-    @property
-    def law(self) -> tuple[FloatArray, FloatArray] | None:
-        """Rescaled loads and frictions, both (k,) [mm^2]; None if the target does not fix them completely."""
-        law = self.curve()
-        return None if law is None or law.is_open else (law.load, law.middle)
-
-
-@dataclass(frozen=True, eq=False, init=False, repr=False)
-class OperatingPoints(Value, Target):
+@dataclass(frozen=True, eq=False, repr=False)
+class OperatingPoints(Target):
     """Points through which the law must pass.
 
     Parameters
@@ -107,29 +44,24 @@ class OperatingPoints(Value, Target):
     exact: ClassVar[bool] = True
     refused: ClassVar[bool] = True
 
-    rescaled_load: FloatArray
-    rescaled_friction: FloatArray
-    wording: Wording = field(default=RESCALED, compare=False, repr=False)
+    rescaled_load: Any
+    rescaled_friction: Any
 
-    def __init__(
-        self,
-        rescaled_load: ArrayLike,
-        rescaled_friction: ArrayLike,
-        wording: Wording = RESCALED,
-    ) -> None:
-        load = check.array("rescaled_load", rescaled_load, shape=(None,))
-        friction = check.array("rescaled_friction", rescaled_friction, shape=(len(load),))
-        load = check.increasing("rescaled_load", load)
-        friction = check.increasing("rescaled_friction", friction)
-        self._set(wording, rescaled_load=load, rescaled_friction=friction)
+    def _checked(self) -> dict[str, Any]:
+        load = check.array("rescaled_load", self.rescaled_load, shape=(None,))
+        friction = check.array("rescaled_friction", self.rescaled_friction, shape=load.shape)
+        return {
+            "rescaled_load": check.increasing("rescaled_load", load),
+            "rescaled_friction": check.increasing("rescaled_friction", friction),
+        }
 
     @classmethod
     def from_forces(
         cls, load: ArrayLike, friction_force: ArrayLike, material: Material, friction: Friction
-    ) -> OperatingPoints:
+    ) -> Self:
         """Return the target for loads P_i and friction forces F_i, both (k,) [N], of a material pair."""
         wording = Wording.of(material, friction)
-        return cls(*wording.rescaled(load, friction_force), wording)
+        return cls(*wording.rescaled(load, friction_force), wording=wording)
 
     @property
     def title(self) -> str:
@@ -143,11 +75,11 @@ class OperatingPoints(Value, Target):
     def near(self, load: FloatArray, friction: FloatArray) -> Target | None:
         """Return the points of a law; None if its friction does not increase."""
         rises = bool((np.diff(friction) > 0.0).all())
-        return OperatingPoints(load, friction, self.wording) if rises else None
+        return OperatingPoints(load, friction, wording=self.wording) if rises else None
 
 
-@dataclass(frozen=True, eq=False, init=False, repr=False)
-class SampledLaw(Value, Target):
+@dataclass(frozen=True, eq=False, repr=False)
+class SampledLaw(Target):
     """A law defined by samples; the design minimises the squared relative differences from the samples.
 
     Measured samples are allowed: the friction need not increase. If no surface meets all samples, the design
@@ -184,33 +116,24 @@ class SampledLaw(Value, Target):
 
     refused: ClassVar[bool] = True
 
-    rescaled_load: FloatArray
-    rescaled_friction: FloatArray
-    weight: FloatArray
-    relative_error: FloatArray | None = None
-    wording: Wording = field(default=RESCALED, compare=False, repr=False)
+    rescaled_load: Any
+    rescaled_friction: Any
+    weight: Any = None
+    relative_error: Any = None
 
-    def __init__(
-        self,
-        rescaled_load: ArrayLike,
-        rescaled_friction: ArrayLike,
-        weight: ArrayLike | None = None,
-        relative_error: ArrayLike | None = None,
-        wording: Wording = RESCALED,
-    ) -> None:
-        load = check.increasing("rescaled_load", check.array("rescaled_load", rescaled_load, shape=(None,)))
-        each = (len(load),)
-        friction = check.array("rescaled_friction", rescaled_friction, shape=each, positive=True)
-        error = None
-        if relative_error is not None:
-            error = check.array("relative_error", relative_error, shape=each, positive=True)
-            check.refuse_entries("relative_error", error, error >= 1.0, "must be below 1; 3 % is 0.03")
-        given = weight
-        if given is None:
-            given = np.ones(each) if error is None else error**-2.0
-        weights = check.array("weight", given, shape=each, positive=True)
-        values = {"rescaled_friction": friction, "weight": weights, "relative_error": error}
-        self._set(wording, rescaled_load=load, **values)
+    def _checked(self) -> dict[str, Any]:
+        load = check.array("rescaled_load", self.rescaled_load, shape=(None,))
+        members = {"rescaled_load": check.increasing("rescaled_load", load)}
+        given = {"rescaled_friction": self.rescaled_friction, "weight": self.weight}
+        if self.relative_error is not None:
+            given = {"relative_error": self.relative_error, **given}
+        for name, value in given.items():
+            if value is None:
+                value = members["relative_error"] ** -2.0 if "relative_error" in members else 0.0 * load + 1.0
+            members[name] = check.array(name, value, shape=load.shape, positive=True)
+        error = members.get("relative_error", 0.0 * load)
+        check.refuse_entries("relative_error", error, error >= 1.0, "must be below 1; 3 % is 0.03")
+        return members
 
     @classmethod
     def from_forces(
@@ -221,11 +144,11 @@ class SampledLaw(Value, Target):
         friction: Friction,
         weight: ArrayLike | None = None,
         relative_error: ArrayLike | None = None,
-    ) -> SampledLaw:
+    ) -> Self:
         """Return the target for loads P and friction forces F, both (k,) [N], of a material pair."""
         wording = Wording.of(material, friction)
         points = wording.rescaled(load, friction_force, rising=False)
-        return cls(*points, weight, relative_error, wording)
+        return cls(*points, weight, relative_error, wording=wording)
 
     @property
     def title(self) -> str:
@@ -239,7 +162,7 @@ class SampledLaw(Value, Target):
         return TargetLaw.of(self.rescaled_load, self.rescaled_friction, weight=self.weight, noise=noise)
 
 
-@dataclass(frozen=True, init=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class PowerLaw(Target):
     """Friction proportional to a power of the load, ``F/(sigma B) = C (P/E*)^beta``, over a range of loads.
 
@@ -267,32 +190,22 @@ class PowerLaw(Target):
 
     exponent: float
     load_range: LoadRange
-    prefactor: float | None
-    wording: Wording = field(default=RESCALED, compare=False, repr=False)
+    prefactor: float | None = None
 
-    def __init__(
-        self,
-        exponent: float,
-        load_range: ArrayLike,
-        prefactor: float | None = None,
-        wording: Wording = RESCALED,
-    ) -> None:
-        self._set(
-            wording,
-            exponent=check.number("exponent", exponent, above=0.0),
-            load_range=check.interval("load_range", load_range),
-            prefactor=None if prefactor is None else check.number("prefactor", prefactor, above=0.0),
-        )
+    def _checked(self) -> dict[str, Any]:
+        for name in ("exponent", "prefactor"):
+            check.member(self, name, optional=name == "prefactor", above=0.0)
+        return {"load_range": check.interval("load_range", self.load_range)}
 
     @classmethod
     def from_forces(
         cls, load: ArrayLike, friction_force: ArrayLike, material: Material, friction: Friction
-    ) -> PowerLaw:
+    ) -> Self:
         """Return the power law fitted by least squares to points P, F, (k >= 2,) [N], in logarithms."""
         wording = Wording.of(material, friction)
-        x, y = wording.rescaled(load, friction_force, "an exponent", 2)
+        x, y = wording.rescaled(load, friction_force, least=2)
         exponent, height = np.polyfit(np.log(x), np.log(y), 1)
-        return cls(float(exponent), (float(x[0]), float(x[-1])), float(np.exp(height)), wording)
+        return cls(float(exponent), (x[0], x[-1]), float(np.exp(height)), wording=wording)
 
     @property
     def title(self) -> str:
@@ -319,8 +232,8 @@ class PowerLaw(Target):
         return PowerLaw(exponent, self.load_range, wording=self.wording)
 
 
-@dataclass(frozen=True, eq=False, init=False, repr=False)
-class Band(Value, Target):
+@dataclass(frozen=True, eq=False, repr=False)
+class Band(Target):
     """Any law between two curves.
 
     The search aims at the inner half of the band. The misfit of a design is its largest relative distance
@@ -350,35 +263,28 @@ class Band(Value, Target):
 
     refused: ClassVar[bool] = True
 
-    rescaled_load: FloatArray
-    lowest: FloatArray
-    highest: FloatArray
-    wording: Wording = field(default=RESCALED, compare=False, repr=False)
+    rescaled_load: Any
+    lowest: Any
+    highest: Any
 
-    def __init__(
-        self,
-        rescaled_load: ArrayLike,
-        lowest: ArrayLike,
-        highest: ArrayLike,
-        wording: Wording = RESCALED,
-    ) -> None:
-        load = check.increasing("rescaled_load", check.array("rescaled_load", rescaled_load, shape=(None,)))
-        low = check.array("lowest", lowest, shape=load.shape, positive=True)
-        high = check.array("highest", highest, shape=load.shape, positive=True)
+    def _checked(self) -> dict[str, Any]:
+        load = check.array("rescaled_load", self.rescaled_load, shape=(None,))
+        low, high = (
+            check.array(name, getattr(self, name), shape=load.shape, positive=True)
+            for name in ("lowest", "highest")
+        )
         check.refuse_entries("lowest", low, low >= high, "must be below highest at the same load")
-        self._set(wording, rescaled_load=load, lowest=low, highest=high)
+        load = check.increasing("rescaled_load", load)
+        return {"rescaled_load": load, "lowest": low, "highest": high}
 
     @classmethod
     def from_forces(
         cls, load: ArrayLike, lowest: ArrayLike, highest: ArrayLike, material: Material, friction: Friction
-    ) -> Band:
+    ) -> Self:
         """Return the target for loads P and ends of the friction force, (k,) each [N], of a material pair."""
         wording = Wording.of(material, friction)
-        modulus, stress = material.composite_modulus, friction.stress
-        newtons = check.array("load", load, shape=(None,))
-        low = check.array("lowest", lowest, shape=newtons.shape)
-        high = check.array("highest", highest, shape=newtons.shape)
-        return cls(newtons / modulus, low / stress, high / stress, wording)
+        x, low = wording.rescaled(load, lowest, rising=False)
+        return cls(x, low, wording.rescaled(load, highest, rising=False)[1], wording=wording)
 
     @property
     def title(self) -> str:

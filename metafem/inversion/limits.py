@@ -109,20 +109,12 @@ def pinned_heights(template: Surface, limits: Limits) -> dict[int, float | None]
         whole = isinstance(site, (int, np.integer)) and not isinstance(site, (bool, np.timedelta64))
         known = whole and 0 <= site <= last
         refuse_if(not known, f"{name} is not a site: the template has the sites 0 to {last}")
-        found[int(site)] = None if height is None else _checked_height(name, height, limits)
+        found[int(site)] = (
+            None if height is None else check.number(name, height, at_least=0.0, at_most=limits.top)
+        )
         flat = height is not None and found[int(site)] == 0.0 and template.block is not None
         refuse_if(flat, f"{name} = 0 is no summit of a part; write None for an empty site")
     empty = sum(height is None for height in found.values())
     words = f"pinned leaves all {template.count} sites empty; leave out at least one site"
     refuse_if(empty == template.count, words)
     return dict(sorted(found.items()))
-
-
-def _checked_height(name: str, height: Any, limits: Limits) -> float:
-    """Return a height above the base plane [mm], or raise InvalidInput if it is outside the limits."""
-    found = check.number(name, height, at_least=0.0)
-    must = "must be at most {.number}, limits.offset + limits.max_height, which are measured from the base "
-    refuse_if(
-        found > limits.top, must + "plane as this height is", Given(name, limits.top), key=name, value=found
-    )
-    return found

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import pairwise
-from typing import ClassVar
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,9 +13,8 @@ from numpy.typing import ArrayLike
 from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.errors import refuse_if
-from metafem.inversion.laws import Target
-from metafem.inversion.target_law import TargetLaw
-from metafem.inversion.wording import RESCALED, LoadRange, Wording
+from metafem.inversion.target_law import Target, TargetLaw
+from metafem.inversion.wording import LoadRange, Wording
 from metafem.surface import Friction, Material
 
 # Number of loads at which a line is compared with the law of a design. Its misfit is the largest difference.
@@ -29,36 +28,57 @@ POINTS, FEWEST_POINTS = 30, 4
 
 
 class StraightLaw(Target):
-    """A law with the slopes of `lines` at large loads, or the `lines` themselves over a range of loads."""
+    """A law of consecutive straight branches, each from one corner of the law to the next."""
 
     load_range: LoadRange | None
 
     @property
+    def _slopes(self) -> tuple[float, ...]:
+        """Slope of each branch [-]."""
+        raise NotImplementedError
+
+    @property
+    def _corners(self) -> tuple[LoadRange, ...]:
+        """End of each branch but the last, and start of the next [mm^2]; between them the law is free."""
+        return ()
+
+    @property
+    def lines(self) -> tuple[tuple[float, float], ...]:
+        """Slope [-] of each line and the load [mm^2] at which it starts; empty if intercepts are free."""
+        return () if self.free_name else tuple(zip(self._slopes, self._starts, strict=True))
+
+    @property
+    def _starts(self) -> list[float]:
+        """Load at which each branch starts [mm^2], the first at 0."""
+        return [0.0, *(start for _, start in self._corners)]
+
+    @property
     def branches(self) -> tuple[tuple[float, LoadRange], ...]:
-        """Slope [-] and load range [mm^2] of each line; empty without a load range."""
+        """Slope [-] and load range [mm^2] of each branch; empty without a load range."""
         if self.load_range is None:
             return ()
         low, high = self.load_range
-        ends = [low, *(start for _, start in self.lines[1:]), high]
-        return tuple((slope, part) for (slope, _), part in zip(self.lines, pairwise(ends), strict=True))
+        path = iter([low, *(load for pair in self._corners for load in pair), high])
+        return tuple(zip(self._slopes, zip(path, path, strict=True), strict=True))
+
+    @property
+    def friction_coefficients(self) -> tuple[float, ...] | None:
+        """Friction coefficients dF/dP [-]; None unless the law was defined by them or by forces."""
+        return self.wording.coefficients(self._slopes)
 
     @property
     def marked_loads(self) -> dict[str, tuple[tuple[float, ...], ...]]:
         """Crossovers and load range by name [mm^2]."""
-        crossovers = tuple((start,) for _, start in self.lines[1:])
+        crossovers = tuple(pair if pair[0] < pair[1] else pair[:1] for pair in self._corners)
         ends = () if self.load_range is None else (self.load_range,)
         found = {"crossover": crossovers, "load range": ends}
         return {name: loads for name, loads in found.items() if loads}
 
     def line(self, rescaled_load: FloatArray) -> FloatArray:
-        """Return the friction of the lines at rescaled loads, (k,) [mm^2]."""
-        starts = [*(start for _, start in self.lines), np.inf]
-        parts = (np.clip(rescaled_load, low, high) - low for low, high in pairwise(starts))
-        return np.asarray(sum(slope * part for (slope, _), part in zip(self.lines, parts, strict=True)))
-
-    def near(self, load: FloatArray, friction: FloatArray) -> Target | None:
-        """Return None: a law that is not straight is no target of this kind."""
-        return None
+        """Return the friction of the lines through the origin at rescaled loads, (k,) [mm^2]."""
+        ends = pairwise([*self._starts, np.inf])
+        parts = (np.clip(rescaled_load, low, high) - low for low, high in ends)
+        return np.asarray(sum(slope * part for slope, part in zip(self._slopes, parts, strict=True)))
 
     def curve(self) -> TargetLaw | None:
         """Return the lines over the load range; None without a range, when the target defines only slopes."""
@@ -69,7 +89,7 @@ class StraightLaw(Target):
         return TargetLaw.of(load, self.line(load), pointwise=True)
 
 
-@dataclass(frozen=True, init=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class LinearLaw(StraightLaw):
     """A straight law with one slope: with a free intercept, or through the origin over a range of loads.
 
@@ -93,16 +113,10 @@ class LinearLaw(StraightLaw):
 
     slope: float
     load_range: LoadRange | None = None
-    wording: Wording = field(default=RESCALED, compare=False, repr=False)
 
-    def __init__(
-        self,
-        slope: float,
-        load_range: ArrayLike | None = None,
-        wording: Wording = RESCALED,
-    ) -> None:
-        slope = check.number("slope", slope, above=0.0)
-        self._set(wording, slope=slope, load_range=_optional_range(load_range))
+    def _checked(self) -> dict[str, Any]:
+        slope = check.number("slope", self.slope, above=0.0)
+        return {"slope": slope, "load_range": _optional_range(self.load_range)}
 
     @classmethod
     def from_friction_coefficient(
@@ -111,7 +125,7 @@ class LinearLaw(StraightLaw):
         material: Material,
         friction: Friction,
         load_range_N: ArrayLike | None = None,
-    ) -> LinearLaw:
+    ) -> Self:
         """Return the target with a friction coefficient mu [-] of a material pair, ``m = mu E* / (sigma B)``.
 
         With a range of loads P [N], the target is ``F = mu P`` over this range. Titles and messages state
@@ -119,15 +133,16 @@ class LinearLaw(StraightLaw):
         """
         wording = Wording.of(material, friction)
         mu = check.number("friction_coefficient", friction_coefficient, above=0.0)
-        return cls(wording.slope(mu), wording.range_from_newtons(load_range_N), wording)
+        ends = _optional_range(load_range_N, material)
+        return cls(wording.given_slopes([mu], 1)[0], ends, wording=wording)
 
     @classmethod
     def from_forces(
         cls, load: ArrayLike, friction_force: ArrayLike, material: Material, friction: Friction
-    ) -> LinearLaw:
+    ) -> Self:
         """Return the target with the slope of the line fitted to points P_i, F_i, (k >= 2,) [N]."""
         wording = Wording.of(material, friction)
-        x, y = wording.rescaled(load, friction_force, "a slope", 2)
+        x, y = wording.rescaled(load, friction_force, least=2)
         return cls(float(np.polyfit(x, y, 1)[0]), wording=wording)
 
     @property
@@ -145,12 +160,11 @@ class LinearLaw(StraightLaw):
         return f"Friction proportional to load: {words} from {loads}"
 
     @property
-    def lines(self) -> tuple[tuple[float, float], ...]:
-        """Slope [-] of the line through the origin, and the load 0 at which it starts."""
-        return ((self.slope, 0.0),)
+    def _slopes(self) -> tuple[float, ...]:
+        return (self.slope,)
 
 
-@dataclass(frozen=True, init=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class BilinearLaw(StraightLaw):
     """Two straight branches that meet at a crossover load.
 
@@ -177,26 +191,16 @@ class BilinearLaw(StraightLaw):
     slopes: tuple[float, float]
     crossover_load: float
     load_range: LoadRange | None = None
-    wording: Wording = field(default=RESCALED, compare=False, repr=False)
 
-    def __init__(
-        self,
-        slopes: ArrayLike,
-        crossover_load: float,
-        load_range: ArrayLike | None = None,
-        wording: Wording = RESCALED,
-    ) -> None:
-        values = check.array("slopes", slopes, shape=(2,))
-        pair = tuple(check.number(f"slopes[{i}]", value, above=0.0) for i, value in enumerate(values))
-        load = check.number("crossover_load", crossover_load, above=0.0)
-        ends = _optional_range(load_range)
-        self._set(wording, slopes=pair, crossover_load=load, load_range=ends)
-        refuse_if(
-            ends is not None and not ends[0] < load < ends[1],
-            f"must lie inside load_range, from {wording.loads(*(ends or ()))}",
-            key="crossover_load",
-            value=wording.loads(load),
-        )
+    def _checked(self) -> dict[str, Any]:
+        slopes = check.array("slopes", self.slopes, shape=(2,), positive=True)
+        load = check.number("crossover_load", self.crossover_load, above=0.0)
+        low, high = ends = _optional_range(self.load_range) or (0.0, np.inf)
+        words = f"must lie inside load_range, from {self.wording.loads(*ends)}"
+        given = self.wording.loads(load)
+        refuse_if(not low < load < high, words, key="crossover_load", value=given)
+        found = None if self.load_range is None else ends
+        return {"slopes": tuple(slopes.tolist()), "crossover_load": load, "load_range": found}
 
     @classmethod
     def from_friction_coefficients(
@@ -206,33 +210,26 @@ class BilinearLaw(StraightLaw):
         material: Material,
         friction: Friction,
         load_range_N: ArrayLike | None = None,
-    ) -> BilinearLaw:
+    ) -> Self:
         """Return the target with friction coefficients dF/dP [-] below and above the crossover.
 
         They are those of a material pair. The crossover load and the range are loads P [N], not P/E* [mm^2].
         Titles and messages state friction coefficients and loads in N.
         """
         wording = Wording.of(material, friction)
-        slopes = wording.given_slopes(friction_coefficients, 2)
-        crossover = check.number("crossover_load_N", crossover_load_N, above=0.0)
-        ends = wording.range_from_newtons(load_range_N)
-        return cls(slopes, wording.from_newtons(crossover), ends, wording)
+        low, high = wording.given_slopes(friction_coefficients, 2)
+        crossover = check.number("crossover_load_N", crossover_load_N, above=0.0) / material.composite_modulus
+        return cls((low, high), crossover, _optional_range(load_range_N, material), wording=wording)
 
     @classmethod
     def from_forces(
         cls, load: ArrayLike, friction_force: ArrayLike, material: Material, friction: Friction
-    ) -> BilinearLaw:
+    ) -> Self:
         """Return the target for three points P_i, F_i, (3,) [N]; the second point is the crossover."""
         wording = Wording.of(material, friction)
-        x, y = wording.rescaled(load, friction_force)
-        words = f"holds {len(x)} values; two branches need exactly 3 points"
-        refuse_if(len(x) != 3, words, key="load")
-        return cls(np.diff(y) / np.diff(x), float(x[1]), wording=wording)
-
-    @property
-    def friction_coefficients(self) -> tuple[float, ...] | None:
-        """Friction coefficients dF/dP [-]; None unless the law was defined by them or by forces."""
-        return self.wording.coefficients(self.slopes)
+        x, y = wording.rescaled(check.array("load", load, shape=(3,)), friction_force)
+        first, second = (np.diff(y) / np.diff(x)).tolist()
+        return cls((first, second), float(x[1]), wording=wording)
 
     @property
     def title(self) -> str:
@@ -240,17 +237,19 @@ class BilinearLaw(StraightLaw):
         words = f"Bilinear friction law of {self.wording.slopes(*self.slopes)}"
         if self.load_range is None:
             return words
-        loads = self.wording.title_loads(*self.load_range)
-        return f"{words} through the origin from {loads}"
+        return f"{words} through the origin from {self.wording.title_loads(*self.load_range)}"
 
     @property
-    def lines(self) -> tuple[tuple[float, float], ...]:
-        """Slope [-] of each line, and the load [mm^2] at which it starts."""
-        return (self.slopes[0], 0.0), (self.slopes[1], self.crossover_load)
+    def _slopes(self) -> tuple[float, ...]:
+        return self.slopes
+
+    @property
+    def _corners(self) -> tuple[LoadRange, ...]:
+        return ((self.crossover_load, self.crossover_load),)
 
 
-@dataclass(frozen=True, init=False)
-class MultilinearLaw(Target):
+@dataclass(frozen=True, eq=False, repr=False)
+class MultilinearLaw(StraightLaw):
     """Consecutive straight branches with prescribed slopes and a free intercept.
 
     Parameters
@@ -273,34 +272,22 @@ class MultilinearLaw(Target):
 
     free_name: ClassVar[str] = "intercepts"
 
-    slopes: tuple[float, ...]
-    crossover_loads: tuple[LoadRange, ...]
+    slopes: Any
+    crossover_loads: Any
     load_range: LoadRange
-    wording: Wording = field(default=RESCALED, compare=False, repr=False)
 
-    def __init__(
-        self,
-        slopes: ArrayLike,
-        crossover_loads: Sequence[object],
-        load_range: ArrayLike,
-        wording: Wording = RESCALED,
-    ) -> None:
-        values = check.array("slopes", slopes, shape=(None,))
-        least = values.min()
-        refuse_if(least <= 0.0, f"holds {least:g}; all must be greater than 0", key="slopes")
-        listed = isinstance(crossover_loads, (list, tuple, np.ndarray))
-        refuse_if(
-            not listed or len(crossover_loads) != len(values) - 1,
-            f"must hold {len(values) - 1} loads or pairs of loads for {len(values)} {wording.keys[1]}",
-            key="crossover_loads",
-            value=f"{crossover_loads!r:.60}",
-        )
-        ends = check.interval("load_range", load_range)
-        pairs = tuple(_crossover(f"crossover_loads[{i}]", given) for i, given in enumerate(crossover_loads))
-        self._set(wording, slopes=tuple(values.tolist()), crossover_loads=pairs, load_range=ends)
-        for i, (_, (start, end)) in enumerate(self.branches, start=1):
-            words = f"branch {i} would run from {wording.loads(start, end)}"
+    def _checked(self) -> dict[str, Any]:
+        slopes = check.array("slopes", self.slopes, shape=(None,), positive=True)
+        pairs = _crossovers("crossover_loads", self.crossover_loads)
+        words = f"must hold {len(slopes) - 1} loads or pairs of loads for {len(slopes)} branches"
+        given = f"{self.crossover_loads!r:.60}"
+        refuse_if(len(pairs) != len(slopes) - 1, words, key="crossover_loads", value=given)
+        low, high = check.interval("load_range", self.load_range)
+        path = [low, *(load for pair in pairs for load in pair), high]
+        for i, (start, end) in enumerate(zip(path[::2], path[1::2], strict=True), start=1):
+            words = f"branch {i} would run from {self.wording.loads(start, end)}"
             refuse_if(not start < end, f"must increase within load_range: {words}", key="crossover_loads")
+        return {"slopes": tuple(slopes.tolist()), "crossover_loads": pairs, "load_range": (low, high)}
 
     @classmethod
     def from_friction_coefficients(
@@ -310,31 +297,27 @@ class MultilinearLaw(Target):
         load_range_N: ArrayLike,
         material: Material,
         friction: Friction,
-    ) -> MultilinearLaw:
+    ) -> Self:
         """Return the target whose branches have friction coefficients dF/dP [-] of a material pair.
 
         The crossovers and the range are loads P [N], not P/E* [mm^2]. Titles and messages state friction
         coefficients and loads in N.
         """
-        wording = Wording.of(material, friction)
-        slopes = wording.given_slopes(friction_coefficients, None)
-        pairs = (_crossover(f"crossover_loads_N[{i}]", given) for i, given in enumerate(crossover_loads_N))
-        crossovers = [tuple(map(wording.from_newtons, pair)) for pair in pairs]
-        return cls(slopes, crossovers, wording.range_from_newtons(load_range_N) or (), wording)
+        wording, modulus = Wording.of(material, friction), material.composite_modulus
+        slopes = tuple(wording.given_slopes(friction_coefficients, None))
+        pairs = [(a / modulus, b / modulus) for a, b in _crossovers("crossover_loads_N", crossover_loads_N)]
+        low, high = check.interval("load_range_N", load_range_N)
+        return cls(slopes, pairs, (low / modulus, high / modulus), wording=wording)
 
     @classmethod
     def from_forces(
         cls, load: ArrayLike, friction_force: ArrayLike, material: Material, friction: Friction
-    ) -> MultilinearLaw:
+    ) -> Self:
         """Return the target with the slopes of the straight lines between points P, F, (b + 1,) [N]."""
         wording = Wording.of(material, friction)
-        x, y = wording.rescaled(load, friction_force, "a branch", 2)
-        return cls(np.diff(y) / np.diff(x), x[1:-1].tolist(), (float(x[0]), float(x[-1])), wording)
-
-    @property
-    def friction_coefficients(self) -> tuple[float, ...] | None:
-        """Friction coefficients dF/dP [-]; None unless the law was defined by them or by forces."""
-        return self.wording.coefficients(self.slopes)
+        x, y = wording.rescaled(load, friction_force, least=2)
+        slopes = tuple((np.diff(y) / np.diff(x)).tolist())
+        return cls(slopes, x[1:-1].tolist(), (x[0], x[-1]), wording=wording)
 
     @property
     def title(self) -> str:
@@ -342,54 +325,34 @@ class MultilinearLaw(Target):
         return f"Friction law of {self.wording.slopes(*self.slopes)}"
 
     @property
-    def marked_loads(self) -> dict[str, tuple[tuple[float, ...], ...]]:
-        """Crossovers and load range by name [mm^2]."""
-        crossovers = tuple((low,) if low == high else (low, high) for low, high in self.crossover_loads)
-        found = {"crossover": crossovers, "load range": (self.load_range,)}
-        return {name: loads for name, loads in found.items() if loads}
+    def _slopes(self) -> tuple[float, ...]:
+        return tuple(self.slopes)
 
     @property
-    def branches(self) -> tuple[tuple[float, LoadRange], ...]:
-        """Slope [-] and load range [mm^2] of each branch."""
-        ends = [load for pair in self.crossover_loads for load in pair]
-        path = iter([self.load_range[0], *ends, self.load_range[1]])
-        return tuple(zip(self.slopes, zip(path, path, strict=True), strict=True))
-
-    def _is_connected(self, i: int) -> bool:
-        """Return whether branch i begins at the load at which the previous branch ends."""
-        return i > 0 and self.branches[i][1][0] == self.branches[i - 1][1][1]
+    def _corners(self) -> tuple[LoadRange, ...]:
+        return tuple(self.crossover_loads)
 
     def curve(self) -> TargetLaw:
         """Return the branches as a target law with a free intercept for each group of connected branches."""
         each = max(FEWEST_POINTS, POINTS // len(self.slopes))
-        loads: list[FloatArray] = []
-        base: list[FloatArray] = []
-        group: list[int] = []
-        column, offset = 0, 0.0
-        for i, (slope, (start, end)) in enumerate(self.branches):
-            load = np.linspace(start, end, each)
-            if self._is_connected(i):
-                load = load[1:]
-                offset += (self.slopes[i - 1] - slope) * start
-            elif i:
-                column, offset = column + 1, 0.0
-            loads.append(load)
-            base.append(offset + slope * load)
-            group += [column] * len(load)
-        free = np.eye(column + 1)[group]
-        return TargetLaw.of(np.concatenate(loads), np.concatenate(base), free=free)
+        load = np.unique(np.concatenate([np.linspace(*ends, each) for _, ends in self.branches]))
+        gaps = np.array([end for end, start in self.crossover_loads if end < start])
+        group = (load[:, None] > gaps).sum(axis=1)
+        return TargetLaw.of(load, self.line(load), free=np.eye(len(gaps) + 1)[group])
 
 
-def _optional_range(load_range: ArrayLike | None) -> LoadRange | None:
-    return None if load_range is None else check.interval("load_range", load_range)
+def _optional_range(load_range: ArrayLike | None, material: Material | None = None) -> LoadRange | None:
+    """Return a checked range of rescaled loads [mm^2], from loads [N] if a material is given."""
+    if load_range is None or material is None:
+        return None if load_range is None else check.interval("load_range", load_range)
+    low, high = check.interval("load_range_N", load_range)
+    return low / material.composite_modulus, high / material.composite_modulus
 
 
-def _crossover(name: str, given: object) -> LoadRange:
-    """Return the two checked loads of a crossover; a single load is returned twice."""
-    if check.scalar(given):
-        load = check.number(name, given, above=0.0)
-        return load, load
-    several = isinstance(given, (list, tuple, np.ndarray)) and all(check.scalar(end) for end in given)
-    refuse_if(not several, "must be a load or a pair of loads", key=name, value=f"{given!r:.60}")
-    low, high = check.array(name, given, shape=(2,)).tolist()
-    return (low, high) if low == high > 0.0 else check.interval(name, given)
+def _crossovers(name: str, given: Any) -> tuple[LoadRange, ...]:
+    """Return the two checked loads of each crossover; a single load is returned twice."""
+    pairs = []
+    for i, each in enumerate(given if isinstance(given, (list, tuple, np.ndarray)) else ()):
+        low, high = check.array(f"{name}[{i}]", [each, each] if check.scalar(each) else each, shape=(2,))
+        pairs.append((low, high) if low == high > 0.0 else check.interval(f"{name}[{i}]", each))
+    return tuple((float(low), float(high)) for low, high in pairs)

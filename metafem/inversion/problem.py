@@ -15,10 +15,8 @@ from numpy.typing import NDArray
 from metafem import _validate as check
 from metafem._validate import FloatArray, IntArray
 from metafem.inversion.bounds import Bounds
-from metafem.inversion.density import ExponentialDensity
-from metafem.inversion.laws import Target
 from metafem.inversion.limits import Limits, pinned_heights
-from metafem.inversion.target_law import TargetLaw
+from metafem.inversion.target_law import Target, TargetLaw
 from metafem.inversion.tools import Given, Tools, default_contact, refuse_misfits
 from metafem.models import Independent, Model
 from metafem.models.model import contact_of
@@ -101,6 +99,7 @@ class Branch:
 class Candidate:
     """Asperities, the law of the target or of a height density, and data for the design.
 
+    - `density`: the `ExponentialDensity` that the heights follow, or None.
     - `parameters`: quantities of the design that hold for these asperities alone, such as levels.
     - `found`: quantities that were found on the way.
     - `stepped`: whether the heights are on the levels of the limits.
@@ -113,7 +112,7 @@ class Candidate:
     parameters: Mapping[str, Parameter] = field(default_factory=dict)
     found: Mapping[str, Parameter] = field(default_factory=dict)
     branches: tuple[Branch, ...] = ()
-    density: ExponentialDensity | None = None
+    density: Any = None
     notes: tuple[Note, ...] = ()
     stepped: bool = False
     refined: bool = False
@@ -212,6 +211,29 @@ class Problem:
     def alone(self, tool: int) -> Problem:
         """Return the problem in which all asperities are made by one tool."""
         return replace(self, tools=self.tools.only(tool))
+
+    def placed(
+        self, height: FloatArray, tool: IntArray, rng: np.random.Generator, top: float | None = None
+    ) -> Asperities:
+        """Return asperities on random sites; heights (n,) [mm] are relative to the tallest, at `top` [mm].
+
+        Default: the largest height. Prescribed heights replace the nearest heights, on their own sites.
+        """
+        highest = self.limits.top if top is None else top
+        every, which = np.full(self.template.count, highest), np.full(self.template.count, NONE)
+        height = np.maximum(highest + height - height.max(), self.foot)
+        left = np.ones(len(height), dtype=bool)
+        for site, given in self.held.items():
+            distance = np.abs(height - given)
+            nearest = int(np.where(left, distance, np.inf).argmin() if left.any() else distance.argmin())
+            every[site], which[site] = given, tool[nearest]
+            left[nearest] = False
+        # the order depends on the template alone, so that a site that becomes empty moves no other
+        order = rng.permutation(self.template.count)
+        free = order[np.isin(order, np.setdiff1d(self.open, list(self.held)))]
+        rest = np.flatnonzero(left)[: len(free)]
+        every[free[: len(rest)]], which[free[: len(rest)]] = height[rest], tool[rest]
+        return Asperities(every, which)
 
     def surface(self, at: Asperities) -> Surface:
         """Return the surface of the existing asperities."""

@@ -7,28 +7,25 @@ from itertools import chain
 
 import numpy as np
 
-from metafem._values import percent
-from metafem.errors import Infeasible, NotConverged
-from metafem.inversion.guesses import frictions, of_one_tool, of_several_tools, placed
-from metafem.inversion.infeasible import nearest_law
-from metafem.inversion.levels import LEVEL_DROP, Level, levels_through
-from metafem.inversion.problem import Asperities, Branch, Candidate, Parameter, Problem, misfit
+from metafem.errors import NotConverged
+from metafem.inversion.bounds import nearest_law
+from metafem.inversion.guesses import frictions, of_one_tool, of_several_tools
+from metafem.inversion.levels import on_levels
+from metafem.inversion.problem import NONE, Asperities, Branch, Candidate, Problem, misfit
 from metafem.inversion.search import (
     AGREEING,
+    EXACT_STEPS,
     GOAL,
     NEAR,
     NEARLY,
-    PATIENCE,
     Found,
     Residual,
     changed,
     descend,
-    independent_residual,
-    model_residual,
+    descended,
+    misfit_of,
     search,
 )
-from metafem.inversion.target_law import TargetLaw
-from metafem.models.model import has_paraboloids
 from metafem.notes import information
 from metafem.progress import doing
 
@@ -55,43 +52,38 @@ CLOSE, CORRECTIONS = 5.0 * REFINED_GOAL, 3
 # kinks of single contacts, which move with the heights.
 RATIO_DEGREE = 3
 
-# Random changes without a gain after which a search under a model ends, where a descent takes ten times as
-# long as for independent asperities; the same with adhesion, and for a draft.
-PATIENCE_MODEL, PATIENCE_ADHESIVE, PATIENCE_DRAFT = 8, 8, 2
+# Largest number of steps of a descent of interacting adhesive asperities, and of descents after changes.
+ADHESIVE_STEPS, ADHESIVE_TRIES = 6, 4
 
-# Largest number of steps of a descent of interacting adhesive asperities.
-ADHESIVE_STEPS = 6
-
-# Up to this misfit under a model, points are met up to the kinks of the law, and no random changes follow.
+# Up to this misfit under a model, laws are met up to their kinks, and no random changes follow.
 AT_KINKS = 1e-3
 
-# Factors of the depths of summits, so that no level first touches exactly at an operating point. Interaction
+# Factor of the depths of summits, so that no level first touches exactly at an operating point. Interaction
 # lowers open summits by between a hundredth and a tenth of their depth.
-STRETCHES = (1.03, 1.0, 1.06, 1.1)
+STRETCH = 1.03
 
 # Depth of the added summits below the lowest level, relative to the depth of that level.
 ADDED_DEPTH = 0.01
 
-# Number of random changes after which a descent to rounding is tried again; the same under a model.
+# Up to this misfit of descents with one tool, random changes of it come before other tools.
+NEARBY = 0.01
+
+# Number of random changes after which a descent to rounding is tried again; near a law under a model.
 ATTEMPTS, ATTEMPTS_MODEL = 30, 8
 
 # Largest number of loads at which heights are sought for a draft, and refined under another model.
 DRAFT_LOADS, REFINED_LOADS = 15, 1000
 
 
-def patience(problem: Problem, most: int = PATIENCE) -> int:
-    """Return the number of random changes without a gain after which a search ends."""
-    if problem.draft:
-        return PATIENCE_DRAFT
-    return min(most, PATIENCE_ADHESIVE) if problem.tools.law.adhesive else most
+def inverted(problem: Problem, rng: np.random.Generator, goal: float = GOAL) -> Candidate:
+    """Return the independent asperities whose law is nearest to that of the target, with the fewest tools.
 
-
-def inverted(problem: Problem, rng: np.random.Generator) -> Candidate:
-    """Return the independent asperities whose law is nearest to that of the target, with the fewest tools."""
+    goal: misfit at which the search ends, unless the target is exact.
+    """
     law = problem.law
     levels = None
     if problem.target.exact and not problem.tools.law.adhesive:
-        levels = _levels(problem, law, rng)
+        levels = on_levels(problem, rng)
         if levels is not None and not problem.held:
             return levels
     branches = tuple(
@@ -103,8 +95,10 @@ def inverted(problem: Problem, rng: np.random.Generator) -> Candidate:
         )
         for slope, ends in problem.target.branches
     )
-    first = [] if levels is None else [levels.asperities]
-    return Candidate(_raised(problem, _nearest(problem, law, rng, first).asperities), law, branches=branches)
+    sought = law.thinned(DRAFT_LOADS).aim if problem.draft and not problem.target.exact else law.aim
+    residual, first = Residual(problem, sought, branches), [] if levels is None else [levels.asperities]
+    found = _nearest(residual, NEARLY if problem.target.exact else goal, rng, first)
+    return Candidate(_raised(problem, found.asperities), law, branches=branches)
 
 
 def _raised(problem: Problem, at: Asperities) -> Asperities:
@@ -117,36 +111,43 @@ def _raised(problem: Problem, at: Asperities) -> Asperities:
     return at.with_heights(at.height[at.sites] + problem.limits.top - at.height[at.sites].max())
 
 
-def _nearest(problem: Problem, law: TargetLaw, rng: np.random.Generator, first: list[Asperities]) -> Found:
+def _nearest(residual: Residual, goal: float, rng: np.random.Generator, first: list[Asperities]) -> Found:
     """Return the best asperities of a search, which begins with the `first` ones."""
-    exact = problem.target.exact
-    sought = law.thinned(DRAFT_LOADS).aim if problem.draft and not exact else law.aim
-    guesses, goal = frictions(sought, problem.bounds), NEARLY if exact else GOAL
-    best: Found | None = None
-    residual, several = independent_residual(problem, sought), len(problem.tools) > 1
+    problem, sought, exact = residual.problem, residual.law, residual.problem.target.exact
+    guesses = frictions(sought, problem.bounds)
     # no surface meets a target outside the bounds, and one restart tells how near surfaces come
-    outside = nearest_law(sought, problem.bounds)[0] > goal
-    agreeing, most = (1, PATIENCE // 2) if outside else (AGREEING, PATIENCE)
-    agreeing = 2 if problem.tools.law.adhesive else agreeing
+    agreeing = 1 if nearest_law(sought, problem.bounds)[0] > goal else AGREEING
+    best = list[Found]()
     for tool in problem.tools.tried.tolist():
         guessed = (of_one_tool(problem, sought.load, friction, tool, rng) for friction in guesses)
-        starts, first = chain(first, *guessed), []
-        tries = 0 if several else patience(problem, most)
-        one = search(residual, starts, problem, goal, rng, patience=tries, agreeing=agreeing)
-        best = one if best is None or one.misfit < best.misfit else best
-        if best.misfit <= goal:
+        best += descended(residual, chain(first, *guessed), goal)
+        first = []
+        if best[-1].misfit <= goal:
             break
-    assert best is not None
-    if several and best.misfit > goal:
-        tried = [best.asperities]
-        for friction in guesses:
-            tried += of_several_tools(problem, sought.load, friction, rng)
-        mixed = search(residual, tried, problem, goal, rng, sought, patience(problem, most), agreeing)
-        best = min(best, _with_fewer_tools(problem, residual, mixed, goal), key=lambda one: one.misfit)
-    return _to_rounding(problem, residual, best, rng, ATTEMPTS) if exact else best
+    best.sort(key=misfit_of)
+    tool, several = int(best[0].asperities.tool.max()), len(problem.tools) > 1
+    if best[0].misfit <= NEARBY or not several:
+        alone = replace(residual, problem=problem.alone(tool))
+        tried = [
+            Asperities(one.asperities.height, np.minimum(one.asperities.tool, 0))
+            for one in best
+            if not several or int(one.asperities.tool.max()) == tool
+        ]
+        one = search(alone, tried, goal, rng, 1 if several else agreeing)
+        at = one.asperities
+        best.insert(0, Found(Asperities(at.height, np.where(at.exists, tool, NONE)), one.misfit))
+    if several and best[0].misfit > goal:
+        mixed = chain(
+            [best[0].asperities],
+            *(of_several_tools(problem, sought.load, friction, rng) for friction in guesses),
+        )
+        best.append(_with_fewer_tools(residual, search(residual, mixed, goal, rng, agreeing), goal))
+    found = min(best, key=misfit_of)
+    # under a model with interaction the heights change again
+    return _to_rounding(residual, found, rng, ATTEMPTS) if exact and not problem.model.couples else found
 
 
-def _with_fewer_tools(problem: Problem, residual: Residual, best: Found, goal: float) -> Found:
+def _with_fewer_tools(residual: Residual, best: Found, goal: float) -> Found:
     """Return the asperities after tools whose asperities other tools can make are left out."""
     used, counts = np.unique(best.asperities.tool[best.asperities.exists], return_counts=True)
     for tool in used[np.argsort(counts, kind="stable")].tolist() if best.misfit <= NEAR * goal else ():
@@ -154,64 +155,31 @@ def _with_fewer_tools(problem: Problem, residual: Residual, best: Found, goal: f
         for other in others[np.argsort(np.abs(others - tool), kind="stable")].tolist():
             at = best.asperities
             fewer = Asperities(at.height, np.where(at.tool == tool, other, at.tool))
-            found = descend(residual, fewer, problem, goal)
+            found = descend(residual, fewer, goal)
             if found.misfit <= NEAR * goal:
-                return _with_fewer_tools(problem, residual, found, goal)
+                return _with_fewer_tools(residual, found, goal)
     return best
 
 
-def _to_rounding(
-    problem: Problem, residual: Residual, start: Found, rng: np.random.Generator, attempts: int
-) -> Found:
+def _to_rounding(residual: Residual, start: Found, rng: np.random.Generator, attempts: int) -> Found:
     """Return asperities whose law is exact, by descents from the start and from random changes."""
     best, at = start, start.asperities
-    for _ in range(1 if problem.draft else attempts):
-        found = descend(residual, at, problem, POINT_GOAL, exact=True)
-        best = found if found.misfit < best.misfit else best
+    for _ in range(1 if residual.problem.draft else attempts):
+        best = min(best, descend(residual, at, POINT_GOAL, exact=True), key=misfit_of)
         if best.misfit <= EXACT:
             break
-        at = changed(best.asperities, problem, rng)
+        at = changed(best.asperities, residual.problem, rng)
     return best
-
-
-def _levels(problem: Problem, law: TargetLaw, rng: np.random.Generator) -> Candidate | None:
-    """Return asperities on the levels of one tool through all points, with the fewest asperities, or None."""
-    paths: list[tuple[int, list[Level]]] = []
-    drops = (0.0,) if has_paraboloids(problem.model) else (LEVEL_DROP, 0.0)
-    for tool in problem.tools.tried.tolist():
-        for drop in drops:
-            path = levels_through(problem.alone(tool), law.load, law.lower, drop)
-            if not isinstance(path, Infeasible):
-                paths.append((tool, path))
-                break
-    if not paths:
-        return None
-    tool, path = min(paths, key=lambda each: sum(len(level.heights) for level in each[1]))
-    offset, height = problem.limits.offset, np.array([each for level in path for each in level.heights])
-    parameters: dict[str, Parameter] = {
-        "counts": np.array([level.number for level in path]),
-        "levels": offset + np.array([level.height for level in path]),
-        "adjustment_heights": offset
-        + np.array([level.height - level.depth + level.adjustment for level in path]),
-    }
-    return Candidate(placed(problem, height - height.max(), np.full(len(height), tool), rng), law, parameters)
 
 
 def refined(problem: Problem, candidate: Candidate, rng: np.random.Generator) -> Candidate:
     """Return the candidate with heights refined under the model, and a note on the change.
 
-    Heights on steps do not change. For independent asperities, heights change only if they follow a density
-    and miss its law; the law of a density is that of Hertz contacts. A model without gradients is replaced by
-    its `gradient_model`, whose gradients the last descent combines with the law of the model itself.
+    A model without gradients is replaced by its `gradient_model`, whose gradients the last descent combines
+    with the law of the model itself.
     """
-    model, density = problem.model, candidate.density is not None
-    other = density and problem.tools.law.power != 2.0
-    changes = model.couples or other
-    if candidate.stepped or not (changes or density):
-        return candidate
+    model = problem.model
     before = misfit(problem, candidate.asperities, candidate.law)
-    if not changes and before <= MISSED:
-        return candidate
     with doing("refining the heights under the model"):
         found = _refined(problem, candidate, before, rng)
         raised = _raised(problem, found)
@@ -219,19 +187,14 @@ def refined(problem: Problem, candidate: Candidate, rng: np.random.Generator) ->
         found = raised if lifted <= max(after, EXACT) else found
     if min(after, lifted) >= before:
         return candidate
-    start = candidate.asperities
-    same = start.exists & found.exists
-    change = 1e3 * float(np.abs(found.height - start.height)[same].max())
-    added = int(found.exists.sum() - start.exists.sum())
-    cause = "the interaction of the asperities" if model.couples else "the scatter of so few asperities"
-    if other and not model.couples:
-        cause = "the contact law, of which the density does not know"
-    more = f", and {added} asperities were added" if added > 0 else ""
-    under = (
-        "" if model.gradient_model == model else f"; the gradients were those of {model.gradient_model.name}"
+    same = candidate.asperities.exists & found.exists
+    change = 1e3 * float(np.abs(found.height - candidate.asperities.height)[same].max())
+    words = f"heights were moved by at most {change:.3g} um for the law under the model"
+    if model.gradient_model != model:
+        words += f"; the gradients were those of {model.gradient_model.name}"
+    return replace(
+        candidate.with_asperities(found), refined=True, notes=(*candidate.notes, information(words))
     )
-    note = information(f"heights were moved by at most {change:.3g} um for {cause}{more}{under}")
-    return replace(candidate.with_asperities(found), refined=True, notes=(*candidate.notes, note))
 
 
 def _refined(problem: Problem, candidate: Candidate, before: float, rng: np.random.Generator) -> Asperities:
@@ -240,38 +203,39 @@ def _refined(problem: Problem, candidate: Candidate, before: float, rng: np.rand
     goal = POINT_GOAL if exact else 2.0 * REFINED_GOAL if problem.draft else REFINED_GOAL
     if before <= (EXACT if exact else goal):
         return candidate.asperities
-    start, residual = candidate.asperities, model_residual(problem, law.aim)
+    start, residual = candidate.asperities, Residual.under_model(problem, law.aim, candidate.branches)
     starts = [start]
     if exact:
-        starts = [_stretched(problem, _filled(problem, start), factor) for factor in STRETCHES]
-        starts += [_stretched(problem, start, factor) for factor in STRETCHES[:2]]
+        starts = [_with_summits(problem, start), start]
     elif model.couples and before > CLOSE:
-        starts = [_corrected(problem, start, law, rng), start]
+        starts = [_corrected(residual, start, rng), start]
     # a step of interacting adhesive asperities takes a tenth of a second to a second
-    most = ADHESIVE_STEPS if problem.tools.law.adhesive and model.couples else None
-    enough = (AT_KINKS if most else EXACT) if exact else NEAR * goal
-    best = Found(start, np.inf)
+    slow = problem.tools.law.adhesive and model.couples
+    starts += [changed(start, problem, rng) for _ in range(ADHESIVE_TRIES if slow else 0)]
+    most, enough = ADHESIVE_STEPS if slow else EXACT_STEPS, AT_KINKS if slow or not exact else EXACT
+    found = list[Found]()
     for start in starts:
-        found = descend(residual, start, problem, goal, exact, most)
-        best = found if found.misfit < best.misfit else best
-        if best.misfit <= enough:
+        found.append(descend(residual, start, goal, exact, most))
+        if found[-1].misfit <= enough:
             break
-    if best.misfit > (AT_KINKS if exact else goal) and most is None:
-        given = residual, [best.asperities], problem, NEARLY if exact else goal, rng
-        found = search(*given, patience=patience(problem, PATIENCE_MODEL), agreeing=1)
-        best = min(best, found, key=lambda one: one.misfit)
-    if exact and best.misfit > EXACT and most is None:
-        best = _to_rounding(problem, residual, best, rng, ATTEMPTS_MODEL)
+    best = min(found, key=misfit_of)
+    if best.misfit > (AT_KINKS if exact else goal) and not slow:
+        best = min(
+            best, search(residual, [best.asperities], NEARLY if exact else goal, rng, 1), key=misfit_of
+        )
+    if exact and best.misfit > EXACT and not slow:
+        best = _to_rounding(residual, best, rng, ATTEMPTS_MODEL if best.misfit <= NEARLY else ATTEMPTS)
     if model.gradient_model != model:
-        best = descend(model_residual(problem, law, own=True), best.asperities, problem, goal, exact)
+        best = descend(replace(residual, law=law, own=True), best.asperities, goal, exact)
     return best.asperities
 
 
-def _corrected(problem: Problem, start: Asperities, law: TargetLaw, rng: np.random.Generator) -> Asperities:
+def _corrected(residual: Residual, start: Asperities, rng: np.random.Generator) -> Asperities:
     """Return independent asperities whose law is the target divided by A0(model)/A0(independent).
 
     This ratio is a smooth function of the load and depends little on small changes of the heights.
     """
+    problem, law = residual.problem, residual.law
     best, least = start, np.inf
     for _ in range(1 if problem.draft else CORRECTIONS):
         surface = problem.surface(start)
@@ -279,49 +243,29 @@ def _corrected(problem: Problem, start: Asperities, law: TargetLaw, rng: np.rand
             area = problem.model.gradient_model.curve(surface, law.load).checked().area
         except NotConverged:
             break
-        if law.misfit(area) < least:
-            best, least = start, law.misfit(area)
-        else:
+        if law.misfit(area) >= least:
+            break
+        best, least = start, law.misfit(area)
+        if least <= REFINED_GOAL:
             break
         ratio = area / problem.uncoupled.curve(surface, law.load).area
         powers = np.vander(np.log(law.load / law.load[-1]), RATIO_DEGREE + 1)
         smooth = powers @ np.linalg.lstsq(powers, ratio, rcond=None)[0]
-        divided = law.divided(smooth)
-        residual = independent_residual(problem, divided)
-        start = search(
-            residual, [start], problem, GOAL, rng, patience=patience(problem, PATIENCE // 4)
-        ).asperities
+        divided = replace(residual, law=law.divided(smooth), model=None, ratio=smooth)
+        start = search(divided, [start], GOAL, rng, 1).asperities
     return best
 
 
-def _stretched(problem: Problem, at: Asperities, factor: float) -> Asperities:
-    """Return the asperities with the depths below the tallest multiplied by a factor."""
-    height = at.height[at.sites]
-    deeper = np.clip(height.max() - factor * (height.max() - height), problem.foot, problem.limits.top)
-    held = np.isin(at.sites, list(problem.held))
-    return at.with_heights(np.where(held, height, deeper))
-
-
-def _filled(problem: Problem, at: Asperities) -> Asperities:
-    """Return the asperities with others on all sites, just below the lowest.
+def _with_summits(problem: Problem, at: Asperities) -> Asperities:
+    """Return the asperities a little lower than the tallest by more, with others just below on all sites.
 
     Interaction lowers the friction at every operating point. Without added summits, the friction could rise
     only if levels came into contact earlier. Added summits that are not needed can mislead the descent.
     """
-    height, on = at.height[at.exists], at.exists
-    lowest = float(height.min())
-    deep = max(lowest - ADDED_DEPTH * (float(height.max()) - lowest), problem.foot)
-    vacant = np.setdiff1d(problem.open, at.sites)
-    every, tool = at.height.copy(), at.tool.copy()
-    every[vacant], tool[vacant] = deep, at.tool[on][height.argmin()]
+    top, foot, free = at.height[at.exists].max(), problem.foot, np.setdiff1d(at.sites, list(problem.held))
+    every, tool, vacant = at.height.copy(), at.tool.copy(), np.setdiff1d(problem.open, at.sites)
+    every[free] = np.clip(top - STRETCH * (top - every[free]), foot, problem.limits.top)
+    lowest = at.sites[every[at.sites].argmin()]
+    every[vacant] = max(every[lowest] - ADDED_DEPTH * (top - every[lowest]), foot)
+    tool[vacant] = tool[lowest]
     return Asperities(every, tool)
-
-
-def unmet(problem: Problem, area: np.ndarray) -> Infeasible:
-    """Return the error for points that a search did not meet, with the reason of the levels."""
-    law = problem.law
-    reason = levels_through(problem.alone(0), law.load, law.lower)
-    words = str(reason) if isinstance(reason, Infeasible) else "no heights that meet the points were found"
-    far = percent(float(np.abs(law.difference(area)).max()), ".3g")
-    nearest = problem.target.near(law.load, area)
-    return Infeasible(f"{words}; the nearest law found differs by {far}", nearest, by_search=True)

@@ -16,13 +16,11 @@ from metafem._validate import FloatArray, IntArray
 from metafem._values import Value, percent, span
 from metafem.drawing import TARGET
 from metafem.errors import refuse_if
-from metafem.inversion.density import ExponentialDensity
-from metafem.inversion.from_density import law_of
-from metafem.inversion.laws import Target
+from metafem.inversion.density import ExponentialDensity, law_of
 from metafem.inversion.limits import Limits, Pinned
 from metafem.inversion.problem import Branch, Parameter
 from metafem.inversion.refinement import EXACT, MISSED, REACHED
-from metafem.inversion.target_law import TargetLaw
+from metafem.inversion.target_law import Target, TargetLaw
 from metafem.inversion.tools import PowerRange, RadiusRange, Tool
 from metafem.models.model import contact_of
 from metafem.notes import Note, late, printed_count
@@ -73,7 +71,7 @@ class Design(Value):
         this is larger. `misfit_meaning` states which definition applies.
     status : DesignStatus
     parameters : mapping
-        Quantities found by the inversion, read-only: ``scale`` [mm], ``weight``, ``crossover_height`` [mm],
+        Quantities found by the inversion: ``scale`` [mm], ``weight``, ``crossover_height`` [mm],
         ``counts``, ``levels`` [mm], ...
     sites : ndarray of int, (n,)
         Site of each asperity in the template, read-only.
@@ -88,7 +86,7 @@ class Design(Value):
     notes : tuple of Note
         Limitations of the design and of its model that matter for manufacturing.
     pinned : mapping of int to float or None
-        Prescribed height above the base plane [mm] of each pinned site, None for an empty site; read-only.
+        Prescribed height above the base plane [mm] of each pinned site, None for an empty site.
 
     Notes
     -----
@@ -128,24 +126,24 @@ class Design(Value):
     pinned: Pinned = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        count = self.surface.count
-        differ = self.sites.shape == (count,) and len(np.unique(self.sites)) == count
-        refuse_if(not differ, f"sites must hold {count} different sites, one for each asperity")
-        last = self.template.count - 1
-        inside = self.sites.min() >= 0 and self.sites.max() <= last
-        refuse_if(not inside, f"sites must be from 0 to {last}, as the template has them")
-        moved = not np.array_equal(self.surface.position, self.template.position[self.sites])
+        surface, template, known = self.surface, self.template, range(self.template.count)
+        different = len(set(self.sites.tolist())) == surface.count == len(self.sites)
+        words = f"sites must hold {surface.count} different sites of the template, from 0 to {known[-1]}"
+        refuse_if(not different or not {*self.sites.tolist()} <= {*known}, words)
+        moved = not np.array_equal(surface.position, template.position[self.sites])
         refuse_if(moved, "surface.position must be that of the template at the sites")
         refuse_if(not self.misfit >= 0.0, f"misfit = {self.misfit:g} must be at least 0")
-        pair = self.surface.material, self.surface.friction
-        other = (self.law.material, self.law.friction) != pair
+        other = (self.law.material, self.law.friction) != (surface.material, surface.friction)
         refuse_if(other, "law.material and law.friction must be those of the surface")
         bare = self.density is not None and not self.fits
         refuse_if(bare, "fits must hold the branches of the height density")
+        found = dict(zip(self.sites.tolist(), surface.height.tolist(), strict=True))
+        for site, height in self.pinned.items():
+            wanted = "empty" if height is None else f"{height:g} mm high"
+            refuse_if(found.get(site) != height, f"site {site} must be {wanted}, as pinned states")
         for value in (self.sites, *self.parameters.values()):
             if isinstance(value, np.ndarray):
                 value.flags.writeable = False
-        self._check_pinned()
         for name in ("parameters", "pinned"):
             object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
 
@@ -155,24 +153,20 @@ class Design(Value):
         plain = {"parameters": dict(self.parameters), "pinned": dict(self.pinned)}
         return partial(Design, **members | plain), ()
 
-    def _check_pinned(self) -> None:
-        """Refuse asperities on sites pinned as empty, and heights that differ from prescribed heights."""
-        found = dict(zip(self.sites.tolist(), self.surface.height.tolist(), strict=True))
-        for site, height in self.pinned.items():
-            wanted = "empty" if height is None else f"{height:g} mm high"
-            refuse_if(found.get(site) != height, f"site {site} must be {wanted}, as pinned states")
-
     def __repr__(self) -> str:
         lines = [f"  {name:<11} {words}" for name, words in self._facts().items()]
         return "\n".join([f"Design: {self.target.title}", *lines])
 
     def _facts(self) -> dict[str, str]:
         """Return the quantities for the printed summary."""
-        surface, law = self.surface, self.law
+        surface, law, wording = self.surface, self.law, self.target.wording
         empty = sum(height is None for height in self.pinned.values())
         pinned = {"pinned": f"{len(self.pinned) - empty} with a given height, {empty} empty"}
         return {
-            **{name: self._loads(loads) for name, loads in self.target.marked_loads.items()},
+            **{
+                name: ", ".join(wording.loads(*each) for each in loads)
+                for name, loads in self.target.marked_loads.items()
+            },
             "status": self.verdict,
             "misfit": f"{misfit_text(self.misfit)}, {self.misfit_meaning}",
             "asperities": f"{surface.count:,} on {self.template.count:,} sites{empty_sites_words(self)}",
@@ -184,11 +178,6 @@ class Design(Value):
             "parameters": ", ".join(self.parameters),
             "notes": printed_count(self, law),
         }
-
-    def _loads(self, loads: tuple[tuple[float, ...], ...]) -> str:
-        """Return loads and ranges of loads in words, in N and in mm^2."""
-        wording = self.target.wording.of_part(self.surface.material)
-        return ", ".join(wording.loads(*each) for each in loads)
 
     @property
     def target_law(self) -> TargetLaw:
@@ -269,11 +258,17 @@ def few(law: TargetLaw) -> bool:
 def draw_laws(design: Design, ax: Axes, label: str = "achieved") -> None:
     """Draw the achieved law with its label, and the target or the law of its height density."""
     design.law.plot(ax, label=label)
+    law = design.target_law
     if design.density is None:
-        law = design.target_law
         draw_target(design, ax, law.load, law.law(design.target_area) if law.is_open else law.middle)
     else:
-        _draw_density(design, ax)
+        ax.plot(law.load, law.middle, "k:", lw=1.0, label="law of the height density")
+    for i, (branch, fit) in enumerate(design.fits if design.density is not None else ()):
+        load, words = np.array(branch.load_range), "target slope"
+        start = fit.intercept + (fit.slope - branch.slope) * load.mean()
+        if branch.intercept is not None:
+            load, words, start = load * [0.0, 1.0], "target slope, asymptote", branch.intercept
+        ax.plot(load, start + branch.slope * load, color=TARGET, lw=1.4, label=words if i == 0 else None)
     for branch, _ in design.fits:
         ax.axvspan(*branch.load_range, color=TARGET, alpha=0.06, lw=0)
     ax.legend(frameon=False, loc="upper left")
@@ -287,10 +282,9 @@ def draw_target(design: Design, ax: Axes, load: FloatArray, friction: FloatArray
     law = design.target_law
     if law.is_band:
         lowest, highest = (friction / law.middle * end for end in (law.lower, law.upper))
-        ax.plot(
-            load, lowest, "--", marker="." if few(law) else "", color=TARGET, label="target: between these"
-        )
-        ax.plot(load, highest, "--", marker="." if few(law) else "", color=TARGET)
+        style: dict[str, Any] = {"ls": "--", "marker": "." if few(law) else "", "color": TARGET}
+        ax.plot(load, lowest, **style, label="target: between these")
+        ax.plot(load, highest, **style)
         ax.fill_between(load, lowest, highest, color=TARGET, alpha=0.06, lw=0)
         return
     if few(law):
@@ -301,21 +295,6 @@ def draw_target(design: Design, ax: Axes, load: FloatArray, friction: FloatArray
         on = (law.load >= low) & (law.load <= high)
         label = "target" if i == 0 else None
         ax.plot(load[on], friction[on], "--", lw=1.8, color=TARGET, label=label, zorder=3)
-
-
-def _draw_density(design: Design, ax: Axes) -> None:
-    """Draw the law of the height density, and straight lines with the target slopes next to its branches."""
-    law, words = design.target_law, "law of the height density"
-    ax.plot(law.load, law.middle, color="black", ls=(0, (2, 3)), lw=1.0, label=words)
-    for i, (branch, fit) in enumerate(design.fits):
-        load = np.array(branch.load_range)
-        middle = fit.intercept + fit.slope * load.mean()
-        through = middle - branch.slope * load.mean() if branch.intercept is None else branch.intercept
-        label = "target slope" + (", asymptote" if branch.intercept is not None else "") if i == 0 else None
-        wide = np.array([0.0 if branch.intercept is not None else load[0], load[1]])
-        ax.plot(wide, through + branch.slope * wide, color=TARGET, lw=1.4, label=label)
-    for branch, _ in design.fits[:-1]:
-        ax.axvline(branch.load_range[1], color=TARGET, ls=":", lw=1.2, label="target crossover")
 
 
 def empty_sites_words(design: Design) -> str:
@@ -338,10 +317,7 @@ def misfit_text(misfit: float, digits: int = 2) -> str:
     """
     if misfit <= EXACT:
         return "below 1e-9"
-    enough = (n for n in range(digits, MOST_DIGITS) if _above(float(f"{misfit:.{n}g}")) == _above(misfit))
-    return percent(misfit, f".{next(enough, digits)}g")
-
-
-def _above(misfit: float) -> list[bool]:
-    """Return whether a misfit exceeds `REACHED`, and whether it exceeds `MISSED`."""
-    return [misfit > limit for limit in (REACHED, MISSED)]
+    for limit in (REACHED, MISSED):
+        while digits < MOST_DIGITS and (float(f"{misfit:.{digits}g}") > limit) != (misfit > limit):
+            digits += 1
+    return percent(misfit, f".{digits}g")

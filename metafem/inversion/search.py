@@ -13,9 +13,9 @@ until restarts agree.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from functools import cache
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -23,9 +23,8 @@ from scipy.linalg.lapack import dposv
 
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
-from metafem.inversion.problem import NONE, Asperities, Problem
+from metafem.inversion.problem import NONE, Asperities, Branch, Problem
 from metafem.inversion.target_law import LateResidual, TargetLaw
-from metafem.models import Sensitivity
 from metafem.models.independent import load_equation
 from metafem.models.model import has_paraboloids
 from metafem.progress import each
@@ -53,15 +52,28 @@ AT_LIMIT = 1e-9
 # Random changes: fractions of the heights that move, probability that asperities are added, probability that
 # otherwise one is removed, the largest number of either, and probability of a new height anywhere.
 FRACTIONS = (0.2, 0.5, 1.0)
-ADDING, REMOVING, MOST_ADDED, ANYWHERE = 0.5, 0.3, 5, 0.3
+ADDING, REMOVING, MOST_ADDED, ANYWHERE, NEIGHBOURING = 0.5, 0.3, 5, 0.3, 0.5
 
 # Number of consecutive random changes without a gain of this fraction, after which a search ends; with many
 # asperities and loads, so many that all of them together evaluate this number of contacts.
-PATIENCE, LEAST_PATIENCE, GAIN, CONTACTS = 40, 4, 0.05, 2_000_000
+PATIENCE, LEAST_PATIENCE, GAIN, CONTACTS = 40, 4, 0.05, 6_000_000
+
+# The same for a draft; and contacts that take as long as an adhesive one, and as each neighbour of one.
+PATIENCE_DRAFT, ADHESIVE, COUPLED = 2, 40.0, 0.15
 
 # Restarts agree if this number of them end within this factor of the best; the largest number of restarts,
 # and the number of random changes from the best asperities to a new start.
 AGREEING, AGREE, MOST_RESTARTS, FAR = 3, 1.1, 8, 5
+
+# If a law counts by its largest difference, the part of it that counts as the misfit of a search: differences
+# of one sign and size would be a third of the usual largest ones.
+PEAK = 1.0 / 3.0
+
+# Weight of the error of a slope, over that of all differences at loads: a slope is met twice as loosely.
+SLOPES = 0.5
+
+# Dampings of steps along a range of tools.
+RANGE_DAMPINGS = (1.0, 0.1, 1e-2, 1e-3, 1e-4, 1e-5)
 
 # Number of exchanges of one tool that are combined to exchanges of two, and number of exchanges that are
 # tried by descents, each with the least predicted misfits.
@@ -93,109 +105,129 @@ EXACT_STEPS = 40
 
 @dataclass(frozen=True, eq=False)
 class Found:
-    """Asperities and the root mean square of the residual of their law [-]."""
+    """Asperities and the misfit of their law [-], see `Residual.misfit`."""
 
     asperities: Asperities
     misfit: float
 
 
-# Function that returns the residual of asperities (k + 1,) [-] and the function for its Jacobian [1/mm].
-Residual = Callable[[Asperities], LateResidual]
+@dataclass(frozen=True, eq=False)
+class Residual:
+    """Differences of the law of asperities from a target law, and their Jacobian.
 
+    The rows are the differences at the loads, those of the slopes of branches, and how far the plane is below
+    its least height over the base.
 
-def independent_residual(problem: Problem, law: TargetLaw) -> Residual:
-    """Return the residual of independent asperities; the sites have no effect."""
-    model, tools = problem.independent, problem.tools
-
-    def residual(at: Asperities) -> LateResidual:
-        some = at.sites
-        height, summits = at.height[some], tools.summits[at.tool[some]]
-        try:
-            found = model.sensitivity_of(height, summits, law.load)
-        except InvalidInput:  # beyond the range of the contact law
-            return _beyond(law, len(some))
-        return _with_base(found, law, height, summits, problem)
-
-    return residual
-
-
-def model_residual(problem: Problem, law: TargetLaw, own: bool = False) -> Residual:
-    """Return the residual under the model that has the gradients; with `own`, under the model itself."""
-    model, tools = problem.model.gradient_model, problem.tools
-    if model == problem.uncoupled:
-        return independent_residual(problem, law)
-
-    @cache
-    def surface_of(which: bytes) -> Any:
-        tool = np.frombuffer(which, dtype=np.int64)
-        return problem.surface(Asperities(np.where(tool == NONE, 0.0, problem.limits.top), tool))
-
-    def residual(at: Asperities) -> LateResidual:
-        some = at.sites
-        height, summits = at.height[some], tools.summits[at.tool[some]]
-        try:
-            found = model.sensitivity(surface_of(at.tool.tobytes()), law.load, height)
-            r, jacobian = _with_base(found, law, height, summits, problem)
-            if own:
-                area = problem.model.curve(problem.surface(at), law.load).area
-                r = np.append(law.residual(area, lambda: found.gradient)[0], r[-1])
-        except InvalidInput:
-            return _beyond(law, len(some))
-        return r, jacobian
-
-    return residual
-
-
-def _beyond(law: TargetLaw, count: int) -> LateResidual:
-    """Return infinite differences for heights beyond the range of the contact law."""
-    return np.full(len(law.load) + 1, np.inf), lambda: np.zeros((len(law.load) + 1, count))
-
-
-def _with_base(
-    found: Sensitivity, law: TargetLaw, height: FloatArray, summits: Any, problem: Problem
-) -> LateResidual:
-    """Return the differences from a law, and last how far the plane is below its least height over the base.
-
-    At a fixed load the separation follows the heights, weighted by the stiffnesses of the contacts.
+    - `model`: that of surfaces; None for lists of independent asperities, whose sites have no effect.
+    - `ratio` [-]: A0 of surfaces over that of independent asperities, by which the target was divided.
+    - `own`: whether the areas are those of the model of the problem, with the gradients of `model`.
     """
-    r, jacobian = law.residual(found.curve.area, lambda: found.gradient)
-    top = problem.limits.top
-    missing = CLEAR - (float(height.max()) - float(found.curve.approach[-1])) / top
-    weight = np.sqrt(len(r)) if missing > 0.0 else 0.0
 
-    def whole() -> FloatArray:
-        stiffness = np.zeros(len(height))
-        if weight:
-            stiffness = _rates(problem, found.indentation[-1:], summits)[1][0]
-            stiffness = stiffness / stiffness.sum()
-        return np.vstack([jacobian(), -weight / top * stiffness])
+    problem: Problem
+    law: TargetLaw
+    branches: tuple[Branch, ...] = ()
+    model: Any = None
+    ratio: FloatArray | float = 1.0
+    own: bool = False
 
-    return np.append(r, weight * missing), whole
+    @classmethod
+    def under_model(
+        cls, problem: Problem, law: TargetLaw, branches: tuple[Branch, ...], own: bool = False
+    ) -> Residual:
+        """Return the residual under the model that has the gradients; with `own`, under the model itself."""
+        model = problem.model.gradient_model
+        return cls(problem, law, branches, None if model == problem.uncoupled else model, own=own)
+
+    def __call__(self, at: Asperities) -> LateResidual:
+        """Return the rows (k,) [-], and the function that returns their Jacobian (k, n) [1/mm]."""
+        problem, law, some = self.problem, self.law, at.sites
+        height, summits = at.height[some], problem.tools.summits[at.tool[some]]
+        try:
+            if self.model is None:
+                found = problem.independent.sensitivity_of(height, summits, law.load)
+            else:
+                found = self.model.sensitivity(self._surface(at.tool.tobytes()), law.load, height)
+            area = problem.model.curve(problem.surface(at), law.load).area if self.own else found.curve.area
+        except InvalidInput:  # heights beyond the range of the contact law
+            count = len(law.load) + len(self._slopes) + 1
+            return np.full(count, np.inf), lambda: np.zeros((count, len(some)))
+        r, jacobian = law.residual(area, lambda: found.gradient)
+        top = problem.limits.top
+        missing = CLEAR - (float(height.max()) - float(found.curve.approach[-1])) / top
+        weight = np.sqrt(len(r)) if missing > 0.0 else 0.0
+
+        def whole() -> FloatArray:
+            # at a fixed load the separation follows the heights, weighted by the stiffnesses of the contacts
+            stiffness = np.zeros(len(height))
+            if weight:
+                stiffness = _rates(problem, found.indentation[-1:], summits)[1][0]
+                stiffness = stiffness / stiffness.sum()
+            return np.vstack([jacobian(), self._slopes @ found.gradient, -weight / top * stiffness])
+
+        return np.concatenate([r, self.slope_errors(area), [weight * missing]]), whole
+
+    def _surface(self, which: bytes) -> Any:
+        """Return the surface of asperities made by tools, at any heights."""
+        if which not in self._surfaces:
+            tool = np.frombuffer(which, dtype=np.int64)
+            self._surfaces[which] = self.problem.surface(
+                Asperities(np.where(tool == NONE, 0.0, self.problem.limits.top), tool)
+            )
+        return self._surfaces[which]
+
+    @cached_property
+    def _surfaces(self) -> dict[bytes, Any]:
+        return {}
+
+    @cached_property
+    def _slopes(self) -> FloatArray:
+        """Factors (b, k) of areas that give the weighted slopes of lines fitted to the branches."""
+        load, size = self.law.load, SLOPES * np.sqrt(len(self.law.load))
+        rows = []
+        for branch in () if self.law.pointwise else self.branches:
+            even = branch.load
+            line = (even - even.mean()) / ((even - even.mean()) ** 2).sum() / branch.slope
+            rows.append(size * np.array([line @ np.interp(even, load, one) for one in np.eye(len(load))]))
+        return np.reshape(rows, (-1, len(load))) * self.ratio
+
+    def slope_errors(self, area: FloatArray) -> FloatArray:
+        """Return the weighted relative errors of slopes (..., b) of area curves (..., k)."""
+        return np.asarray(area @ self._slopes.T - SLOPES * np.sqrt(len(self.law.load)))
+
+    def misfit(self, r: FloatArray) -> float:
+        """Return the root mean square of the rows, or the part PEAK of the largest."""
+        if self.law.pointwise:
+            return PEAK * float(np.abs(r).max())
+        return float(np.sqrt((r @ r) / len(self.law.load)))
+
+    def patience(self, asperities: int) -> int:
+        """Return the number of random changes without a gain after which a search ends."""
+        if self.problem.draft:
+            return PATIENCE_DRAFT
+        coupled = COUPLED * asperities * (self.model is not None)
+        each = (ADHESIVE if self.problem.tools.law.adhesive else 1.0) + coupled
+        contacts = HERTZ.steps * asperities * (len(self.law.load) + 1) * each
+        return min(PATIENCE, max(LEAST_PATIENCE, int(CONTACTS / contacts)))
 
 
 def descend(
-    residual: Residual,
-    start: Asperities,
-    problem: Problem,
-    goal: float,
-    exact: bool = False,
-    most: int | None = None,
+    residual: Residual, start: Asperities, goal: float, exact: bool = False, most: int = EXACT_STEPS
 ) -> Found:
     """Return the minimum of a descent from `start`, which ends at the goal or when no step lowers the misfit.
 
     The descent also ends at small gains; an exact one continues, and converges to rounding near a solution.
     most: largest number of steps, if it is below the usual one.
     """
+    problem = residual.problem
     options = HERTZ if has_paraboloids(problem.model) else OTHERS
     low, high = problem.foot, problem.limits.top
     near, some = AT_LIMIT * problem.limits.span, start.sites
     held = np.isin(some, list(problem.held))
     height, at, damping = start.height[some], start, options.damping
     r, jacobian = residual(at)
-    squares, count, known = float(r @ r), len(r) - 1, None
-    steps = EXACT_STEPS if exact else options.steps
-    for _ in each("step", range(min(steps, most or steps)), at_most=True):
-        if np.sqrt(squares / count) <= goal or damping > MOST_DAMPING or not np.isfinite(squares):
+    squares, known = float(r @ r), None
+    for _ in each("step", range(min(EXACT_STEPS if exact else options.steps, most)), at_most=True):
+        if residual.misfit(r) <= goal or damping > MOST_DAMPING or not np.isfinite(squares):
             break
         if known is None:
             known = jacobian()
@@ -217,7 +249,7 @@ def descend(
                 break
         else:
             damping *= DAMPING_FACTOR
-    return Found(at, float(np.sqrt(squares / count)))
+    return Found(at, residual.misfit(r))
 
 
 def _step(r: FloatArray, jacobian: FloatArray, damping: float) -> FloatArray | None:
@@ -238,74 +270,66 @@ def _step(r: FloatArray, jacobian: FloatArray, damping: float) -> FloatArray | N
 def search(
     residual: Residual,
     starts: Iterable[Asperities],
-    problem: Problem,
     goal: float,
     rng: np.random.Generator,
-    law: TargetLaw | None = None,
-    patience: int = PATIENCE,
     agreeing: int = AGREEING,
 ) -> Found:
     """Return the best asperities of descents from initial guesses, exchanges of tools and random changes.
 
-    The search ends at the goal, or when a number of restarts agree. law: that of independent asperities, by
-    which exchanges of tools are predicted; without it only random changes exchange tools.
+    The search ends at the goal, or when so many restarts agree; a single one has half the random changes.
     """
-    found: list[Found] = []
-    for start in starts:
-        found.append(descend(residual, start, problem, goal))
-        if found[-1].misfit <= NEAR * goal:
-            break
-    found.sort(key=lambda one: one.misfit)
-    best, contacts_of_one = found[0], found[0].asperities.exists.sum() * len(residual(found[0].asperities)[0])
-    patience = min(patience, max(LEAST_PATIENCE, int(CONTACTS / HERTZ.steps / contacts_of_one)))
-    ends: list[float] = []
-    for restart in range(MOST_RESTARTS if patience else 0):
+    found = descended(residual, starts, goal)
+    best, ends = found[0], list[float]()
+    patience = residual.patience(len(best.asperities.sites)) // (1 if agreeing > 1 else 2)
+    for restart in range(MOST_RESTARTS):
         if best.misfit <= goal or sum(end <= AGREE * best.misfit for end in ends) >= agreeing:
             break
-        begun = found[restart] if restart < len(found) else _far(residual, best, problem, goal, rng)
-        one = _changed(residual, begun, problem, goal, rng, law, patience)
-        best = min(best, one, key=lambda each: each.misfit)
-        ends.append(one.misfit)
+        begun = found[restart] if restart < len(found) else _far(residual, best, goal, rng)
+        ends.append((one := _changed(residual, begun, goal, rng, patience)).misfit)
+        best = min(best, one, key=misfit_of)
     return best
 
 
-def _far(residual: Residual, best: Found, problem: Problem, goal: float, rng: np.random.Generator) -> Found:
+def descended(residual: Residual, starts: Iterable[Asperities], goal: float) -> list[Found]:
+    """Return the results of descents, best first; the last one is that which comes near the goal."""
+    found = list[Found]()
+    for start in starts:
+        found.append(descend(residual, start, goal))
+        if found[-1].misfit <= NEAR * goal:
+            break
+    return sorted(found, key=misfit_of)
+
+
+def misfit_of(found: Found) -> float:
+    """Return the misfit, by which results are compared."""
+    return found.misfit
+
+
+def _far(residual: Residual, best: Found, goal: float, rng: np.random.Generator) -> Found:
     """Return the result of a descent from asperities far from the best ones."""
     at = best.asperities
     for _ in range(FAR):
-        at = changed(at, problem, rng)
-    return descend(residual, at, problem, goal)
+        at = changed(at, residual.problem, rng)
+    return descend(residual, at, goal)
 
 
-def _changed(
-    residual: Residual,
-    best: Found,
-    problem: Problem,
-    goal: float,
-    rng: np.random.Generator,
-    law: TargetLaw | None,
-    patience: int,
-) -> Found:
+def _changed(residual: Residual, best: Found, goal: float, rng: np.random.Generator, patience: int) -> Found:
     """Return the best asperities of exchanges and random changes of the best ones so far."""
-    fixed = law is None or len(problem.tools) == 1  # no exchanges of tools are tried
+    problem = residual.problem
+    fixed = residual.model is not None or len(problem.tools) == 1  # no exchanges of tools are tried
     failed, exchanged = 0, fixed
     for _ in each("random change", range(100 * patience), at_most=True):
         if best.misfit <= goal or failed >= patience:
             break
-        trials = [changed(best.asperities, problem, rng)]
-        if not exchanged:
-            trials = list(exchanges(best.asperities, problem, law)) if law is not None else []
-        one = min(
-            (descend(residual, trial, problem, goal) for trial in trials),
-            key=lambda each: each.misfit,
-            default=best,
-        )
+        at = best.asperities
+        trials = [changed(at, problem, rng)] if exchanged else exchanges(at, problem, residual.law)
+        one = min((descend(residual, trial, goal) for trial in trials), key=misfit_of, default=best)
         exchanged = exchanged or one.misfit >= best.misfit
         if one.misfit < (1.0 - GAIN) * best.misfit:
             failed, exchanged = 0, fixed
         else:
             failed += 1
-        best = min(best, one, key=lambda each: each.misfit)
+        best = min(best, one, key=misfit_of)
     return best
 
 
@@ -332,7 +356,10 @@ def changed(at: Asperities, problem: Problem, rng: np.random.Generator) -> Asper
         tool[rng.choice(free)] = NONE
     if len(problem.tools) > 1:
         anew = free[(rng.random(len(free)) < rng.choice((0.0, 0.1, 0.3))) & (tool[free] != NONE)]
-        tool[anew] = rng.integers(len(problem.tools), size=len(anew))
+        if problem.tools.ordered and rng.random() < NEIGHBOURING:
+            tool[anew] = np.clip(tool[anew] + rng.integers(-3, 4, len(anew)), 0, len(problem.tools) - 1)
+        else:
+            tool[anew] = rng.integers(len(problem.tools), size=len(anew))
     height = np.clip(height, low, high)
     for site, given in problem.held.items():
         height[site] = given
@@ -361,6 +388,16 @@ def exchanges(at: Asperities, problem: Problem, law: TargetLaw) -> Iterator[Aspe
     q, _ = np.linalg.qr(jacobian()[:, (found.gradient != 0.0).any(axis=0)], mode="complete")
     rest = q[:, int((found.gradient != 0.0).any(axis=0).sum()) :].T
     r, change = rest @ r, rest @ (scale[:, None] * change)
+    if tools.ordered and len(r):  # all tools at once, by damped steps along the range
+        last, column = len(tools) - 1, np.arange(len(some))
+        up, down = np.minimum(which + 1, last), np.maximum(which - 1, 0)
+        rates = (change[:, up * len(some) + column] - change[:, down * len(some) + column]) / (up - down)
+        for damping in RANGE_DAMPINGS:
+            step = _step(r, rates, damping)
+            if step is not None and (rounded := np.rint(step)).any():
+                tool = at.tool.copy()
+                tool[some] = np.clip(which + rounded, 0, last)
+                yield Asperities(at.height, tool)
     single = ((r[:, None] + change) ** 2).sum(axis=0)
     single[every == np.tile(which, len(tools))] = np.inf
     row = np.argsort(single, kind="stable")[:PAIRED]

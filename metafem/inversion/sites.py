@@ -17,7 +17,7 @@ import numpy as np
 from metafem import _validate as check
 from metafem._validate import FloatArray, IntArray
 from metafem._values import percent
-from metafem.inversion.design import assessed
+from metafem.inversion.design import assessed, refinable
 from metafem.inversion.problem import NONE, Asperities, Candidate, Problem
 from metafem.inversion.refinement import refined
 from metafem.inversion.result import DOUBT, Design, DesignStatus
@@ -90,7 +90,7 @@ def arrange(design: Design, tilt: float, rng: Any = 0) -> Design:
         design.target, design.template, design.law.model, design.limits, tools=design.tools
     )
     candidate = _candidate(design, surface, problem, rms)
-    if not (held.size or candidate.stepped):
+    if not held.size and refinable(problem, candidate):
         candidate = refined(problem, candidate, generator)
     words = f"a tilt of {math.degrees(angle):.3g} deg changes A0 by {percent(found.misfit)} (rms)"
     note = information(f"{words}; before heights were exchanged between sites it was {percent(first.misfit)}")

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from metafem._validate import FloatArray, IntArray
 from metafem.inversion.problem import NONE, Asperities, Candidate, Parameter, Problem, misfit
+from metafem.inversion.search import Residual
 from metafem.progress import each
 from metafem.surface import Surface
 
@@ -30,8 +31,8 @@ PAIRED, EVALUATED = 64, 24
 MOST_STEPPED, REPETITIONS = 512, 60
 
 # Misfit at which a search over steps ends, number of random changes of a few asperities that are tried above
-# it, under a model with interaction, largest number of asperities, and probability that one is removed.
-STEP_GOAL, KICKS, KICKS_MODEL, MOST_KICKED, REMOVED = 1e-3, 20, 3, 3, 0.3
+# it, largest number of asperities, and probability that one is removed.
+STEP_GOAL, KICKS, MOST_KICKED, REMOVED = 1e-3, 20, 3, 0.3
 
 # If the misfit is the largest difference, the sum of this power of the differences is minimised. For a
 # hundred differences, the corresponding root of the sum is at most 1.8 times the largest difference.
@@ -119,9 +120,10 @@ class _Steps:
         law = self.candidate.law
         areas = model.areas(self.surface, law.load, self.heights(index))
         good = np.isfinite(areas).all(axis=1)
-        found = np.full(areas.shape, np.inf)
-        scale = np.sqrt(law.weight)
-        found[good] = scale * (areas[good] / law.laws(areas[good]) - 1.0)
+        rows = [np.sqrt(law.weight) * (areas[good] / law.laws(areas[good]) - 1.0)]
+        rows.append(Residual(self.problem, law, self.candidate.branches).slope_errors(areas[good]))
+        found = np.full((len(areas), sum(each.shape[1] for each in rows)), np.inf)
+        found[good] = np.hstack(rows)
         return found
 
     def total(self, residual: FloatArray) -> FloatArray:
@@ -140,8 +142,7 @@ class _Steps:
         if len(self.sites) > MOST_STEPPED:
             return index
         index, residual = self._descended(index, residual)
-        kicks = 0 if self.problem.draft else KICKS_MODEL if self.problem.model.couples else KICKS
-        for _ in each("random change", range(kicks), at_most=True):
+        for _ in each("random change", range(0 if self.problem.draft else KICKS), at_most=True):
             if self.total(residual) <= self.total(np.full_like(residual, STEP_GOAL)):
                 break
             kicked = self._kicked(index, rng)

@@ -1,14 +1,18 @@
-"""Target law at a list of loads: a law or a band, possibly with free parameters."""
+"""What all targets have: a law or a band at a list of loads, possibly with free parameters."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from typing import Any, ClassVar
 
 import numpy as np
 from scipy.linalg.lapack import dgels
 
+from metafem import _validate as check
 from metafem._validate import FloatArray, IntArray
+from metafem._values import Value
+from metafem.inversion.wording import RESCALED, LoadRange, Wording
 
 # Relative differences (k,) [-] from a law, and a function that returns their Jacobian (k, n) [1/mm]. The
 # Jacobian takes longer to compute than the differences, and many steps do not need it.
@@ -24,6 +28,72 @@ INNER = 0.5
 # If the nearest law is not positive, it is raised to at least this fraction of the area curve, which makes
 # the differences large.
 FAR = 0.1
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Target(Value):
+    """Base class of target friction laws, in rescaled loads P/E* and frictions F/(sigma B) [mm^2].
+
+    A target is data: `curve` returns the law with its loads, its bounds and its free parameters.
+    """
+
+    # whether the law must pass through all points, to rounding
+    exact: ClassVar[bool] = False
+    # whether a target that a search misses is refused, with the nearest law, or else stated as missed
+    refused: ClassVar[bool] = False
+    # name of the free parameters of the law; "" if there are none
+    free_name: ClassVar[str] = ""
+
+    wording: Wording = field(default=RESCALED, kw_only=True, compare=False, repr=False)
+
+    def __post_init__(self) -> None:
+        check.instance("wording", self.wording, Wording, "a Wording, as from_friction_coefficient sets it")
+        for name, value in self._checked().items():
+            object.__setattr__(self, name, value)
+
+    def _checked(self) -> dict[str, Any]:
+        """Return the checked members."""
+        raise NotImplementedError
+
+    @property
+    def title(self) -> str:
+        """Description of the target in one line."""
+        raise NotImplementedError
+
+    @property
+    def last_load(self) -> float | None:
+        """Last rescaled load of the target [mm^2]; None if the height density determines it."""
+        law = self.curve()
+        return None if law is None else float(law.load[-1])
+
+    @property
+    def lines(self) -> tuple[tuple[float, float], ...]:
+        """Slope [-] of each line and the load [mm^2] at which it starts; empty if intercepts are free."""
+        return ()
+
+    @property
+    def branches(self) -> tuple[tuple[float, LoadRange], ...]:
+        """Slope [-] and range of rescaled loads [mm^2] of each straight branch."""
+        return ()
+
+    @property
+    def marked_loads(self) -> dict[str, tuple[tuple[float, ...], ...]]:
+        """Crossovers and load ranges of the target by name, as single loads or pairs of loads [mm^2]."""
+        return {}
+
+    def curve(self) -> TargetLaw | None:
+        """Return the law at the loads at which it is compared; None if a height density determines it."""
+        raise NotImplementedError
+
+    def near(self, load: FloatArray, friction: FloatArray) -> Target | None:
+        """Return the target of this kind with a law, (k,) each [mm^2]; None if there is none."""
+        return None
+
+    @property
+    def law(self) -> tuple[FloatArray, FloatArray] | None:
+        """Rescaled loads and frictions, both (k,) [mm^2]; None if the target does not fix them completely."""
+        law = self.curve()
+        return None if law is None or law.is_open else (law.load, law.middle)
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,9 +124,9 @@ class TargetLaw:
         noise: float = 0.0,
     ) -> TargetLaw:
         """Return a law or a band; default: one law without free parameters and with equal weights."""
-        columns = np.empty((len(load), 0)) if free is None else free
-        given = np.ones(len(load)) if weight is None else weight / weight.mean()
-        return cls(load, lower, lower if upper is None else upper, columns, given, pointwise, noise)
+        free = np.empty((len(load), 0)) if free is None else free
+        weight = np.ones(len(load)) if weight is None else weight / weight.mean()
+        return cls(load, lower, lower if upper is None else upper, free, weight, pointwise, noise)
 
     @property
     def is_open(self) -> bool:

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 import scipy
 
 from metafem import _validate as check
-from metafem._given import Given as Argument
 from metafem._given import shown
 from metafem._validate import FloatArray, IntArray
 from metafem.caps import SPHERE, Cap, Caps, Paraboloid, Power, Sphere
@@ -29,9 +29,6 @@ EXPONENT_STEP = 0.1
 
 # Multiples of a step are rounded to this many decimals, which removes their rounding error.
 DECIMALS = 12
-
-# A step may exceed its range by this fraction, which is treated as rounding.
-ROUNDING = 1e-9
 
 # Number of tools of a range, evenly spaced in logarithms, that are tried for all asperities and of which
 # initial guesses consist; exchanges of tools then reach the others.
@@ -87,7 +84,7 @@ class RadiusRange:
     Raises
     ------
     InvalidInput
-        If `low` or `step` is not positive, `high` does not exceed `low`, or `step` exceeds ``high - low``.
+        If `low` or `step` is not positive, or `high` does not exceed `low`.
 
     Examples
     --------
@@ -103,20 +100,20 @@ class RadiusRange:
         check.member(self, "low", above=0.0)
         check.member(self, "high", above=self.low)
         check.member(self, "step", optional=True, above=0.0)
-        _refuse_wide_step(self.step or 0.0, self.low, self.high)
 
     @property
     def radii(self) -> FloatArray:
         """The allowed radii, increasing [mm]."""
         if self.step is not None:
             return _on_steps(self.low, self.high, self.step)
-        fine, coarse = STEPS
-        parts = []
-        if self.low < COARSE:
-            parts.append(_on_steps(self.low, min(self.high, COARSE), fine))
-        if self.high > COARSE:
-            parts.append(_on_steps(max(self.low, COARSE), self.high, coarse))
-        return np.unique(np.concatenate(parts))
+        fine, coarse = (_on_steps(self.low, self.high, step) for step in STEPS)
+        return np.unique(np.append(fine[fine <= COARSE], coarse[coarse > COARSE]))
+
+    sizes = radii
+
+    def tools(self, template: Surface) -> list[Tool]:
+        """Return a tool of each radius, with the cap of the template."""
+        return [Tool(radius, _common_cap(template)) for radius in self.radii.tolist()]
 
 
 @dataclass(frozen=True)
@@ -141,7 +138,7 @@ class PowerRange:
     Raises
     ------
     InvalidInput
-        If a value is outside its range, `high` does not exceed `low`, or `step` exceeds ``high - low``.
+        If a value is outside its range, or `high` does not exceed `low`.
 
     Examples
     --------
@@ -161,12 +158,18 @@ class PowerRange:
         check.member(self, "step", above=0.0)
         check.member(self, "radius", optional=True, above=0.0)
         check.member(self, "coefficient", above=0.0)
-        _refuse_wide_step(self.step, self.low, self.high)
 
     @property
     def exponents(self) -> FloatArray:
         """The allowed exponents, increasing."""
         return _on_steps(self.low, self.high, self.step)
+
+    sizes = exponents
+
+    def tools(self, template: Surface) -> list[Tool]:
+        """Return a tool of each exponent."""
+        radius = self.radius or _common_radius(template)
+        return [Tool(radius, Power(n, self.coefficient)) for n in self.exponents.tolist()]
 
 
 # The argument `tools` of a design.
@@ -181,37 +184,45 @@ class Tools:
     ----------
     all : tuple of Tool
         Of a range, one tool for each step, in order.
-    given : the argument `tools` of the design, or None
-    law : Contact
-        Law of one contact for unit E*, bound to the material and the caps of all tools.
-    summits : ndarray, (t,)
-        What the methods of the law take as `radius`, for each tool.
+    given : RadiusRange, PowerRange, tuple of Tool or of float, or None
+        The argument `tools` of the design: a range, different tools or radii [mm], or None.
     laws : tuple of (Contact, float)
-        The law of each tool alone, and what its methods take as `radius`.
+        The law of each tool alone for unit E*, and what its methods take as `radius`.
+    law : Contact
+        The law for all tools, bound to the material and to their caps.
+    summits : ndarray, (t,)
+        What the methods of `law` take as `radius`, for each tool.
     """
 
     all: tuple[Tool, ...]
-    given: Given | None
+    given: RadiusRange | PowerRange | tuple[Tool | float, ...] | None
+    laws: tuple[tuple[Contact, float], ...]
     law: Contact
     summits: Any
-    laws: tuple[tuple[Contact, float], ...]
 
     @classmethod
     def of(cls, given: Given | None, template: Surface, contact: Contact) -> Tools:
         """Return the tools of the argument `given`; default: the common radius and cap of the template."""
-        listed = _listed(given, template)
-        radius = np.array([tool.radius for tool in listed])
-        position = np.column_stack([np.cumsum(radius), np.zeros(len(listed))])
-        cap = Caps.of([tool.cap for tool in listed])
-        one_each = Surface(position, np.zeros(len(listed)), radius, template.material, cap=cap)
-        law = contact.bound(one_each)
-        summits = np.broadcast_to(law.summits(one_each), len(listed))
-        if isinstance(cap, Caps):
-            alone = [one_each.only([i]) for i in range(len(listed))]
-            single = [(own := contact.bound(part), float(own.summits(part)[0])) for part in alone]
+        if given is None:
+            every = [Tool(_common_radius(template), _common_cap(template))]
+        elif isinstance(given, (RadiusRange, PowerRange)):
+            every = given.tools(template)
         else:
-            single = [(law, summit) for summit in summits.tolist()]
-        return cls(tuple(listed), given, law, summits, tuple(single))
+            every = _listed(given, template)
+            plain = not any(isinstance(tool, Tool) for tool in given)
+            given = tuple(tool.radius if plain else tool for tool in every)
+        radius = np.array([tool.radius for tool in every])
+        position = np.column_stack([np.cumsum(radius), np.zeros(len(every))])
+        cap = Caps.of([tool.cap for tool in every])
+        each = Surface(position, np.zeros(len(every)), radius, template.material, cap=cap)
+        law: Any = contact.bound(each)
+        law = _shared(law) if isinstance(law, Hashable) else law
+        summits = np.broadcast_to(law.summits(each), len(every))
+        laws = [(law, summit) for summit in summits.tolist()]
+        if isinstance(cap, Caps):
+            alone = [each.only([i]) for i in range(len(every))]
+            laws = [(own := contact.bound(part), float(own.summits(part)[0])) for part in alone]
+        return cls(tuple(every), given, tuple(laws), law, summits)
 
     def __len__(self) -> int:
         return len(self.all)
@@ -224,13 +235,10 @@ class Tools:
     @property
     def tried(self) -> IntArray:
         """Tools that are tried for all asperities: all of a list, some of a range."""
-        if not self.ordered or len(self) <= TRIED:
-            return np.arange(len(self))
-        size = [
-            tool.cap.exponent if isinstance(tool.cap, Power) else tool.radius  # what differs in a range
-            for tool in self.all
-        ]
-        some = np.interp(np.geomspace(size[0], size[-1], TRIED), size, np.arange(len(size)))
+        count, given = len(self), self.given
+        if count <= TRIED or not isinstance(given, (RadiusRange, PowerRange)):
+            return np.arange(count)
+        some = np.interp(np.geomspace(given.low, given.high, TRIED), given.sizes, np.arange(count))
         return np.unique(some.round().astype(np.int64))
 
     @property
@@ -241,16 +249,7 @@ class Tools:
     def only(self, index: int) -> Tools:
         """Return one of the tools as the only one."""
         law, summit = self.laws[index]
-        return Tools((self.all[index],), self.given, law, np.array([summit]), ((law, summit),))
-
-    @property
-    def argument(self) -> RadiusRange | PowerRange | tuple[float | Tool, ...] | None:
-        """The argument `tools` of a design with these tools: a range, different radii or tools, or None."""
-        if self.given is None or isinstance(self.given, (RadiusRange, PowerRange)):
-            return self.given
-        if any(isinstance(each, Tool) for each in self.given):
-            return self.all
-        return tuple(tool.radius for tool in self.all)
+        return Tools((self.all[index],), self.given, self.laws[index : index + 1], law, np.array([summit]))
 
     def radius(self, which: IntArray) -> FloatArray:
         """Return the radii [mm] of asperities made by tools (n,)."""
@@ -260,24 +259,37 @@ class Tools:
         """Return the caps of asperities made by tools (n,)."""
         return Caps.of([self.all[i].cap for i in which.tolist()])
 
+    def counts(self, which: IntArray) -> dict[str, IntArray | FloatArray]:
+        """Return the parameters that state by which tools asperities (n,) are made."""
+        if self.given is None:
+            return {}
+        if not (self.same_shape or isinstance(self.given, PowerRange)):
+            return {"tool_counts": np.bincount(which, minlength=len(self))}
+        used, counts = np.unique(which, return_counts=True)
+        if isinstance(self.given, PowerRange):
+            return {"used_exponents": self.given.exponents[used], "exponent_counts": counts}
+        return {"used_radii": self.radius(used), "radius_counts": counts}
+
     def __str__(self) -> str:
-        radii = [tool.radius for tool in self.all]
         if isinstance(self.given, PowerRange):
             return f"power caps of exponents from {self.given.low:g} to {self.given.high:g}"
         if not self.same_shape:
             return f"{len(self)} tools"
-        if len(self) == 1:
-            return f"radius {radii[0]:g} mm"
-        return f"radii from {min(radii):g} to {max(radii):g} mm"
+        low, high = (f"{end([tool.radius for tool in self.all]):g}" for end in (min, max))
+        return f"radius {low} mm" if len(self) == 1 else f"radii from {low} to {high} mm"
+
+
+@lru_cache(maxsize=64)
+def _shared(law: Any) -> Any:
+    """Return the first of equal laws: comparing laws of many caps takes longer than a step of a search."""
+    return law
 
 
 def default_contact(tools: Given | None) -> Contact:
     """Return the default contact law: `Hertz()` if all tools are spheres or paraboloids, or `Elastic()`."""
-    if isinstance(tools, PowerRange):
-        return Elastic()
     listed: Any = tools if isinstance(tools, (Sequence, np.ndarray)) else ()
-    curved = (isinstance(tool.cap, (Sphere, Paraboloid)) for tool in listed if isinstance(tool, Tool))
-    return PARABOLOID if all(curved) else Elastic()
+    other = (isinstance(tool, Tool) and not isinstance(tool.cap, (Sphere, Paraboloid)) for tool in listed)
+    return Elastic() if isinstance(tools, PowerRange) or any(other) else PARABOLOID
 
 
 def refuse_misfits(tools: Tools, template: Surface, top: float) -> None:
@@ -294,29 +306,17 @@ def refuse_misfits(tools: Tools, template: Surface, top: float) -> None:
     for tool in tools.all:
         radius = np.array([tool.radius])
         high = float(tool.cap.tallest(radius)[0])
+        wide = 2.0 * float(tool.cap.foot_radius(np.array([min(top, high)]), radius)[0])
         refuse_if(
-            high < top,
-            f"tools: {tool!r} has caps of at most {high:.4g} mm, but limits allow heights of {top:.4g} mm: "
-            "use a larger radius or a smaller max_height",
-        )
-        wide = 2.0 * float(tool.cap.foot_radius(np.array([top]), radius)[0])
-        refuse_if(
-            wide > apart,
-            f"tools: {tool!r} has a foot {wide:.4g} mm wide at the largest height of {top:.4g} mm, but the "
-            f"nearest sites are {apart:.4g} mm apart: use a smaller radius, a larger coefficient, a smaller "
-            "max_height or a larger pitch",
+            high < top or wide > apart,
+            f"tools: {tool!r} has caps of at most {high:.4g} mm with a foot {wide:.4g} mm wide, but limits "
+            f"allow heights of {top:.4g} mm, and the nearest sites are {apart:.4g} mm apart: use another "
+            "radius, a smaller max_height or a larger pitch",
         )
 
 
-def _listed(given: Given | None, template: Surface) -> list[Tool]:
-    """Return the different tools of the argument `given`, in order; plain radii have the template's cap."""
-    if isinstance(given, PowerRange):
-        radius = _common_radius(template) if given.radius is None else given.radius
-        return [Tool(radius, Power(n, given.coefficient)) for n in given.exponents.tolist()]
-    if given is None:
-        return [Tool(_common_radius(template), _common_cap(template))]
-    if isinstance(given, RadiusRange):
-        return [Tool(radius, _common_cap(template)) for radius in given.radii.tolist()]
+def _listed(given: Sequence[Tool | float], template: Surface) -> list[Tool]:
+    """Return the different tools of a list, in order; plain radii are sorted and have the template's cap."""
     words = "must be a list of metafem.Tool or of radii [mm], a RadiusRange or a PowerRange"
     values: Any = given
     if isinstance(values, (str, bytes)) or not isinstance(values, (Sequence, np.ndarray)) or not len(values):
@@ -324,8 +324,8 @@ def _listed(given: Given | None, template: Surface) -> list[Tool]:
     found = []
     for i, value in enumerate(values):
         if not isinstance(value, Tool):
-            if isinstance(value, str) or not check.scalar(value):
-                raise InvalidInput(words, key=f"tools[{i}]", value=shown(value))
+            wrong = isinstance(value, str) or not check.scalar(value)
+            refuse_if(wrong, words, key=f"tools[{i}]", value=shown(value))
             value = Tool(check.number(f"tools[{i}]", value, above=0.0), _common_cap(template))
         found.append(value)
     different = list(dict.fromkeys(found))
@@ -339,22 +339,13 @@ def _common_cap(template: Surface) -> Cap:
 
 
 def _common_radius(template: Surface) -> float:
-    radius = template.radius
-    refuse_if(
-        (radius != radius[0]).any(),
-        f"template.radius runs from {radius.min():g} to {radius.max():g} mm; one common radius is needed "
-        "here, and the argument tools allows several",
-    )
-    return float(radius[0])
+    low, high = float(template.radius.min()), float(template.radius.max())
+    words = "one common radius is needed here, and the argument tools allows several"
+    refuse_if(low < high, f"template.radius runs from {low:g} to {high:g} mm; {words}")
+    return low
 
 
 def _on_steps(low: float, high: float, step: float) -> FloatArray:
     """Return the multiples of a step between two values, and the values themselves, increasing."""
     inside = np.round(step * np.arange(np.ceil(low / step), np.floor(high / step) + 1.0), DECIMALS)
     return np.unique(np.concatenate([[low, high], inside]))
-
-
-def _refuse_wide_step(step: float, low: float, high: float) -> None:
-    wide = step > (high - low) * (1.0 + ROUNDING)
-    words = "exceeds the range from {.number} to {.number}; give a smaller step"
-    refuse_if(wide, words, Argument("low", low), Argument("high", high), key="step", value=step)

@@ -2,25 +2,16 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from numpy.typing import ArrayLike
 
 from metafem import _validate as check
 from metafem._validate import FloatArray
-from metafem.errors import InvalidInput
+from metafem.errors import refuse_if
 from metafem.surface import Friction, Material
 
 LoadRange = tuple[float, float]
-
-# Converted values are rounded to this many digits. A friction coefficient or force with up to this many
-# digits is then reproduced after conversion to its rescaled value and back.
-DIGITS = 15
-
-# Number of digits of a bound in a message.
-BOUND_DIGITS = 4
 
 
 @dataclass(frozen=True)
@@ -62,55 +53,25 @@ class Wording:
             return None
         return self.shear_stress / self.composite_modulus
 
-    @property
-    def keys(self) -> tuple[str, str]:
-        """Key for one slope, and key for several slopes."""
-        if self.per_slope is None:
-            return "slope", "slopes"
-        return "friction_coefficient", "friction_coefficients"
-
     def name(self, count: int = 1) -> str:
         """Return the name of `count` slopes for use in a sentence."""
-        return self.keys[count > 1].replace("_", " ")
-
-    def slope(self, coefficient: float) -> float:
-        """Return the slope [-] for a value in the unit of the target, the inverse of `coefficient`."""
-        return coefficient / (self.per_slope or 1.0)
-
-    def from_newtons(self, load: float) -> float:
-        """Return P/E* [mm^2] for a load P [N]."""
-        return load / (self.composite_modulus or 1.0)
-
-    def range_from_newtons(self, load_range: ArrayLike | None) -> LoadRange | None:
-        """Return a checked range of P/E* [mm^2] from a range of loads [N]."""
-        if load_range is None:
-            return None
-        low, high = check.interval("load_range_N", load_range)
-        return self.from_newtons(low), self.from_newtons(high)
+        return ("slope" if self.per_slope is None else "friction coefficient") + "s" * (count > 1)
 
     def coefficient(self, slope: float) -> float:
-        """Return a slope in the unit of the target, either unchanged or as a friction coefficient [-]."""
-        return _digits(slope * (self.per_slope or 1.0), DIGITS)
+        """Return a slope as a friction coefficient [-], to 15 digits, if the target states slopes so."""
+        return float(f"{slope * (self.per_slope or 1.0):.15g}")
 
     def coefficients(self, slopes: tuple[float, ...]) -> tuple[float, ...] | None:
         """Return slopes as friction coefficients [-]; None if slopes are not converted."""
-        return None if self.per_slope is None else tuple(self.coefficient(slope) for slope in slopes)
+        return None if self.per_slope is None else tuple(map(self.coefficient, slopes))
 
     def given_slopes(self, friction_coefficients: ArrayLike, count: int | None) -> list[float]:
         """Return the slopes [-] of friction coefficients [-] after a check, (count,)."""
-        values = check.array("friction_coefficients", friction_coefficients, shape=(count,))
-        return [
-            self.slope(check.number(f"friction_coefficients[{i}]", mu, above=0.0))
-            for i, mu in enumerate(values.tolist())
-        ]
+        values = check.array("friction_coefficients", friction_coefficients, shape=(count,), positive=True)
+        return [mu / (self.per_slope or 1.0) for mu in values.tolist()]
 
     def rescaled(
-        self,
-        load: ArrayLike,
-        friction_force: ArrayLike,
-        use: str = "a law",
-        least: int = 1,
-        rising: bool = True,
+        self, load: ArrayLike, friction_force: ArrayLike, least: int = 1, rising: bool = True
     ) -> tuple[FloatArray, FloatArray]:
         """Return P/E* and F/(sigma B), both (k,) [mm^2], for loads and friction forces, both (k,) [N].
 
@@ -118,10 +79,9 @@ class Wording:
         `least` points.
         """
         newtons = check.increasing("load", check.array("load", load, shape=(None,)))
-        if len(newtons) < least:
-            words = f"holds {len(newtons)} value; {use} needs at least {least} points"
-            raise InvalidInput(words, key="load")
-        force = check.array("friction_force", friction_force, shape=(len(newtons),), positive=not rising)
+        few = f"holds {len(newtons)} value; at least {least} points are needed"
+        refuse_if(len(newtons) < least, few, key="load")
+        force = check.array("friction_force", friction_force, shape=newtons.shape, positive=not rising)
         force = check.increasing("friction_force", force) if rising else force
         return newtons / (self.composite_modulus or 1.0), force / (self.shear_stress or 1.0)
 
@@ -129,32 +89,18 @@ class Wording:
         """Return slopes in words: ``slopes 6 and 9``."""
         return f"{self.name(len(slopes))} {listed([f'{self.coefficient(slope):.6g}' for slope in slopes])}"
 
-    def slope_bound(self, slope: float, *, up: bool) -> str:
-        """Return a bound on slopes as text; `up` rounds it up, otherwise down, so that it is reachable."""
-        return f"{_rounded(self.coefficient(slope), up, None):.6g}"
-
     def title_loads(self, *loads: float) -> str:
         """Return rescaled loads in words for a title, in the unit of the target: ``0.05 to 0.2 mm²``."""
         return _stated(loads, self.composite_modulus).replace("^2", "²")
 
     def loads(self, *loads: float) -> str:
         """Return rescaled loads in words: ``0.05 to 0.2 mm^2``, or ``0.068 N (0.05 mm^2)``."""
-        return self._in_both(lambda factor: _stated(loads, factor))
-
-    def inside(self, low: float, high: float) -> str:
-        """Return a range of loads in words, with its ends rounded inwards."""
-        return self._in_both(
-            lambda factor: _stated((_rounded(low, True, factor), _rounded(high, False, factor)), factor)
-        )
-
-    def _in_both(self, words: Callable[[float | None], str]) -> str:
-        """Return loads in the unit of the target, followed by the other unit in brackets if E* is known.
-
-        `words` maps E* [MPa] to the loads in newtons, and None to the loads in mm^2.
-        """
-        if self.composite_modulus is not None:
-            return f"{words(self.composite_modulus)} ({words(None)})"
-        return words(None) + (f" ({words(self.part_modulus)})" if self.part_modulus else "")
+        modulus = self.composite_modulus or self.part_modulus
+        if modulus is None:
+            return _stated(loads)
+        both = _stated(loads), _stated(loads, modulus)
+        first, second = both if self.composite_modulus is None else both[::-1]
+        return f"{first} ({second})"
 
     def frictions(self, *frictions: float) -> str:
         """Return rescaled frictions in words: ``0.84 to 1.68 mm^2``."""
@@ -165,24 +111,10 @@ class Wording:
 RESCALED = Wording()
 
 
-def _digits(value: float, digits: int) -> float:
-    return float(f"{value:.{digits}g}")
-
-
-def _stated(values: tuple[float, ...], factor: float | None) -> str:
+def _stated(values: tuple[float, ...], factor: float | None = None) -> str:
     """Return rescaled values in words: in mm^2, or multiplied by a factor [MPa] in N."""
-    digits = (f"{_digits((factor or 1.0) * value, DIGITS):.6g}" for value in values)
-    return f"{' to '.join(digits)} {'mm^2' if factor is None else 'N'}"
-
-
-def _rounded(given: float, up: bool, factor: float | None) -> float:
-    """Return a positive number rounded up or down so that its product with a factor has few digits."""
-    value = (factor or 1.0) * given
-    near = _digits(value, BOUND_DIGITS)
-    if not ((near >= value) if up else (near <= value)):
-        step = 10.0 ** (math.floor(math.log10(value)) - BOUND_DIGITS + 1)
-        near = _digits(near + (step if up else -step), BOUND_DIGITS)
-    return near / (factor or 1.0)
+    numbers = " to ".join(f"{(factor or 1.0) * value:.6g}" for value in values)
+    return f"{numbers} {'mm^2' if factor is None else 'N'}"
 
 
 def listed(words: list[str]) -> str:

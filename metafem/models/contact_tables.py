@@ -29,15 +29,16 @@ SAME = 1e-9
 
 def tables(law: Contact, radius: Any) -> Law:
     """Return the tables of a law for unit E* and radii (..., n) [mm], as the kernels read them."""
-    if law == PARABOLOID:
-        return kernel.hertz_law(np.array(radius, dtype=np.float64, order="C"))
     mixed = isinstance(law, Elastic) and isinstance(law.cap, Caps)
+    if not mixed and law == PARABOLOID:  # many caps take long to compare
+        return kernel.hertz_law(np.array(radius, dtype=np.float64, order="C"))
     kept, kinds = (_kept, _kinds) if isinstance(law, Hashable) else (_kept.__wrapped__, _kinds.__wrapped__)
-    size, laws = np.array(radius["radius"] if mixed else radius, dtype=np.float64, order="C"), kinds(law)  # type: ignore[arg-type]
+    size = np.array(radius["radius"] if mixed else radius, dtype=np.float64, order="C")
+    laws, similar = kinds(law, kept)  # type: ignore[arg-type]
     which, keys = np.zeros(size.shape, dtype=np.int64), list[tuple[Contact, float]]()
-    if all(one.similar for one in laws):
+    if similar is not None:
         which += radius["cap"] if mixed else 0
-        return Law(size, which, size, kept(tuple((one, 1.0) for one in laws)))
+        return Law(size, which, size, similar)
     for k, one in enumerate(laws):
         own = radius["cap"] == k if mixed else np.full(size.shape, True)
         sizes, inverse = np.unique(size[own], return_inverse=True)
@@ -47,10 +48,12 @@ def tables(law: Contact, radius: Any) -> Law:
 
 
 @lru_cache(maxsize=64)
-def _kinds(law: Any) -> tuple[Contact, ...]:
-    """Return the law of each kind of cap."""
+def _kinds(law: Any, kept: Callable[..., FloatArray]) -> tuple[tuple[Contact, ...], FloatArray | None]:
+    """Return the law of each kind of cap, and their tables if these serve for any radius."""
     cap = getattr(law, "cap", None)
-    return tuple(Elastic(each) for each in cap.kinds) if isinstance(cap, Caps) else (law,)
+    laws = tuple(Elastic(each) for each in cap.kinds) if isinstance(cap, Caps) else (law,)
+    similar = all(one.similar for one in laws)
+    return laws, kept(tuple((one, 1.0) for one in laws)) if similar else None
 
 
 def rows_of(law: Law, rows: int | slice) -> Law:

@@ -12,7 +12,7 @@ from metafem.explorer.text.document import Document
 from metafem.explorer.text.handles import added, scene_of
 from metafem.explorer.text.kinds import near_design
 from metafem.explorer.text.marks import members
-from metafem.inversion import OperatingPoints
+from metafem.inversion import OperatingPoints, SampledLaw
 from metafem.inversion.wording import listed
 
 # Largest number of nearest laws, each of the refusal of the one before, that are tried.
@@ -90,4 +90,7 @@ def with_nearest(answer: Answer) -> str:
     if target is None or specification is None:
         raise InvalidInput("no nearest law is known")
     scene = scene_of(answer.state.text, specification, answer.design)
-    return scene.written(members(target, MEMBERS), RESOLUTION)
+    numbers = members(target, MEMBERS)
+    if isinstance(target, SampledLaw) and scene.kind != "sampled":  # no law of the kind is near
+        return scene.document.with_kind("target", "sampled", scene.stated(numbers, RESOLUTION))
+    return scene.written(numbers, RESOLUTION)

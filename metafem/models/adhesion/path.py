@@ -20,6 +20,7 @@ from scipy.optimize import elementwise
 
 from metafem._validate import FloatArray, IntArray
 from metafem.errors import InvalidInput, NotConverged
+from metafem.models.adhesion.apart import loaded_apart
 from metafem.models.adhesion.contacts import TOLERANCE, BoolArray, Scene, States, joined
 from metafem.models.adhesion.walk import CLOSED, LOCATED, MOST_TRIALS, NODES, walk
 
@@ -101,7 +102,8 @@ def loading(scene: Scene, goal: float, by_load: bool) -> Path:
 
 def loaded(scene: Scene, load: FloatArray) -> States:
     """Return the states at increasing loads (k,) on loading."""
-    return loading(scene, float(load[-1]), by_load=True).at(load)
+    found = loaded_apart(scene, load) if scene.influence is None else None
+    return found if found is not None else loading(scene, float(load[-1]), by_load=True).at(load)
 
 
 def unloading(scene: Scene, largest: float, goal: float, by_load: bool) -> Path:

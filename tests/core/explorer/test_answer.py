@@ -153,6 +153,12 @@ def test_the_nearest_law_keeps_the_kind_of_the_target():
         assert Document(found).value("target.kind") == Document(refused.state.text).value("target.kind")
 
 
+def test_samples_are_offered_where_no_law_of_the_kind_is_near():
+    refused = to(Document(TEXT).with_kind("target", "multilinear", {"slopes": [1.0], "crossover_loads": [],
+                                          "load_range": ["0.1 mm^2", "0.4 mm^2"]}))  # fmt: skip
+    assert to(with_nearest(refused)).current
+
+
 @pytest.mark.parametrize("kind", ["sampled", "bilinear"])
 def test_a_law_that_lower_limits_refuse_has_one_that_can_be_reached(kind):
     first = to(TEXT)

@@ -32,12 +32,12 @@ def exact_moment(density, power, delta):
     """Mean of (h - delta)^power in thirty digits, piece by piece."""
     with mpmath.workdps(30):
         total = mpmath.mpf(0)
-        for piece in density.pieces:
-            low = max(piece.low, delta)
-            if piece.high > low:
+        for start, end, alpha in density.pieces:
+            low = max(start, delta)
+            if end > low:
                 # h = delta + t^2 removes the root at the lower end
-                ends = [mpmath.sqrt(mpmath.mpf(low) - delta), mpmath.sqrt(mpmath.mpf(piece.high) - delta)]
-                total += piece.alpha * mpmath.quad(
+                ends = [mpmath.sqrt(mpmath.mpf(low) - delta), mpmath.sqrt(mpmath.mpf(end) - delta)]
+                total += alpha * mpmath.quad(
                     lambda t: 2 * t ** (2 * power + 1) * mpmath.exp(-(delta + t * t) / density.scale), ends
                 )
         return total

@@ -5,8 +5,7 @@ import pytest
 
 import metafem as mf
 from metafem.inversion import DesignStatus
-from metafem.inversion.bounds import Bounds
-from metafem.inversion.infeasible import nearest_law
+from metafem.inversion.bounds import Bounds, nearest_law
 from metafem.inversion.target_law import TargetLaw
 from metafem.inversion.tools import Tools
 from validation.scenes.random_laws import LATTICE, random_law

@@ -1,0 +1,90 @@
+"""Loading curves of adhesive contacts that do not interact, for all loads at once.
+
+The contacts close at ``x = gap``, where the load jumps down; between, it is an increasing and convex function
+of the approach, so that Newton's method converges from above. It begins with tables of the contacts, and ends
+with the equations themselves.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from metafem._validate import FloatArray
+from metafem.contact import JKR
+from metafem.models.adhesion.contacts import TOLERANCE, Scene, States
+
+# Number of contacts in a table, which has relative errors below 1e-4; each of the last steps of Newton's
+# method doubles the number of correct digits.
+TABULATED, TABLE_ERROR, LAST_STEPS = 400, 1e-4, 3
+
+# Largest number of steps with the tables: far above the load, each divides the approach by three.
+MOST_STEPS = 60
+
+
+def loaded_apart(scene: Scene, load: FloatArray) -> States | None:
+    """Return the states at increasing loads (k,), or None if some are beyond the range of the law."""
+    gap, start = scene.gap, np.unique(scene.gap)
+    closed, ends = gap <= start[:, None], np.append(start[1:], np.inf)
+    most = np.where(closed, gap + scene.law.largest_indentation(scene.radius), np.inf).min(axis=1)
+    last = int((ends >= most).argmax())
+    contacts = _Tables(scene)
+    carried = contacts(ends[:last], closed[:last])[1].sum(axis=1)
+    piece = np.searchsorted(np.maximum.accumulate(carried), load)
+    now, high = closed[piece], np.minimum(ends, most)[piece]
+    x = high = np.minimum(high, gap.min() + contacts.alone(load))
+    for _ in range(MOST_STEPS):
+        a, carried, rate = contacts(x, now)
+        step = (load - carried.sum(axis=1)) / rate.sum(axis=1)
+        x = x + step
+        if (np.abs(step) <= TABLE_ERROR * x).all():
+            break
+    for _ in range(LAST_STEPS):
+        a = np.maximum(a, scene.entry_radius)
+        at = scene.fields(a, now)
+        missing = x[:, None] - gap - (at.depth - at.deficit)
+        rate = at.rise / at.slope
+        step = (load - (at.load + rate * missing).sum(axis=1)) / rate.sum(axis=1)
+        a, x = a + (missing + step[:, None]) / at.slope, x + step
+    found = States(scene, now, np.where(now, a, 0.0), x, scene.at_load(load))
+    return found if (found.residual <= TOLERANCE).all() and (x <= high * (1.0 + TOLERANCE)).all() else None
+
+
+class _Tables:
+    """Radii [mm], loads [mm^2] and dP/dd [mm] of contacts, interpolated."""
+
+    def __init__(self, scene: Scene) -> None:
+        self.gap, radius = scene.gap, scene.radius
+        sizes, which = np.unique(radius, return_inverse=True)
+        self.parts = [
+            (which == i, _table(scene.law, size.tobytes(), sizes.dtype)) for i, size in enumerate(sizes)
+        ]
+        # the others pull by at most the loads after their jumps into contact
+        self.pulled = sum(-table[2][0] * members.sum() for members, table in self.parts)
+        self.tallest = next(table for members, table in self.parts if members[scene.gap.argmin()])
+
+    def __call__(self, x: FloatArray, closed: np.ndarray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return the contacts at approaches (k,) [mm], (k, n) each; loads and rates of open ones are 0."""
+        depth = np.maximum(x[:, None] - self.gap, 0.0)
+        found = np.empty((3, *depth.shape))
+        for members, (d, *values) in self.parts:
+            for value, result in zip(values, found, strict=True):
+                result[:, members] = np.interp(depth[:, members], d, value)
+        return found[0], found[1] * closed, found[2] * closed
+
+    def alone(self, load: FloatArray) -> FloatArray:
+        """Return upper bounds of the approaches at loads (k,) [mm]."""
+        depth, _, carried, _ = self.tallest
+        return np.interp(load + self.pulled, carried, depth, right=np.inf)
+
+
+@lru_cache(maxsize=64)
+def _table(law: JKR, radius: bytes, kind: Any) -> tuple[FloatArray, ...]:
+    """Return increasing indentations [mm] of one contact, its radii [mm], loads [mm^2] and dP/dd [mm]."""
+    scene = Scene(law, np.frombuffer(radius, kind), np.zeros(1))
+    a = np.geomspace(scene.entry_radius[0], scene.largest_radius[0], TABULATED)
+    found = scene.fields(a[:, None], np.ones((TABULATED, 1), dtype=bool))
+    depth, load = found.depth - found.deficit, found.load
+    return tuple(each.ravel() for each in (depth, a, load, found.rise / found.slope))
