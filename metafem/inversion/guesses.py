@@ -29,10 +29,10 @@ from metafem.inversion.problem import Asperities, Problem
 from metafem.inversion.target_law import TargetLaw
 
 # Smallest and largest indentation over R in the table of contacts, and number of tabulated contacts.
-TABLE, TABULATED = (1e-9, 10.0), 400
+TABLE, TABULATED = (1e-18, 10.0), 800
 
 # Number of depths of the plane among which that of a sample is bracketed, and number of times.
-ZOOM, ZOOMS = 24, 2
+ZOOM, ZOOMS = 32, 2
 
 # If some asperities of an initial guess are lower than allowed, guesses with these fractions of them are
 # tried. Raised to the foot, they come into contact earlier, and fewer of them are enough.

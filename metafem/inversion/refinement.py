@@ -52,7 +52,7 @@ CLOSE, CORRECTIONS = 5.0 * REFINED_GOAL, 3
 # kinks of single contacts, which move with the heights.
 RATIO_DEGREE = 3
 
-# Largest number of steps of a descent of interacting adhesive asperities, and of descents after changes.
+# Largest number of steps of a descent of interacting adhesive asperities, and of random changes of a start.
 ADHESIVE_STEPS, ADHESIVE_TRIES = 6, 4
 
 # Up to this misfit under a model, laws are met up to their kinks, and no random changes follow.

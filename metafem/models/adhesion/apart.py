@@ -77,7 +77,7 @@ class _Tables:
     def alone(self, load: FloatArray) -> FloatArray:
         """Return upper bounds of the approaches at loads (k,) [mm]."""
         depth, _, carried, _ = self.tallest
-        return np.interp(load + self.pulled, carried, depth, right=np.inf)
+        return np.asarray(np.interp(load + self.pulled, carried, depth, right=np.inf))
 
 
 @lru_cache(maxsize=64)

@@ -28,7 +28,8 @@ def test_the_effect_of_a_tilt_is_reduced_and_the_target_still_met(model):
     assert found.parameters["tilt_before"] == pytest.approx(change(design), rel=0.1)
     if not model.couples:
         assert sorted(found.surface.height) == sorted(design.surface.height)
-        assert found.parameters["tilt_after"] == pytest.approx(change(found), rel=0.1)
+        # the exchanges were chosen by the changes at ten of the loads
+        assert found.parameters["tilt_after"] == pytest.approx(change(found), rel=0.15)
         assert found.misfit == pytest.approx(design.misfit, rel=1e-9)
 
 
