@@ -88,8 +88,8 @@ def compared(design: Design, *, elements: bool, wait: bool) -> xr.Dataset:
     """Return the dataset of `fidelity`, and notes on what is left out.
 
     All models have the contact law of the design with its largest order of interaction. Left out are the
-    layer and the true block if the surface has no block, the true block if `wait` is False, and models without
-    a solution.
+    layer and the true block if the surface has no block, the true block if `wait` is False, and models
+    without a solution.
     """
     surface, law, error, notes = design.surface, design.law, float("nan"), []
     contact = contact_of(law.model)
