@@ -11,7 +11,6 @@ from __future__ import annotations
 import hashlib
 import pickle
 import platform
-import subprocess
 from collections.abc import Callable
 from contextlib import suppress
 from functools import lru_cache
@@ -76,22 +75,6 @@ def folder() -> Path:
     return _caches.kernel_folder() / _version()
 
 
-def stored(function: Callable[..., Any]) -> bool:
-    """Whether any signature of a function is stored."""
-    try:
-        return any(folder().glob(f"{_name(function)}-*"))
-    except OSError:
-        return False
-
-
-def wait_for(function: Callable[..., Any], process: subprocess.Popen[bytes]) -> None:
-    """Let this process wait for another one, which compiles a function, before it compiles that function."""
-    _elsewhere[_name(function)] = process
-
-
-# Processes that compile functions, by the names of these.
-_elsewhere: dict[str, subprocess.Popen[bytes]] = {}
-
 # What is called once, when the first kernel is compiled because it was not stored.
 _first: list[Callable[[], None]] = []
 
@@ -101,21 +84,15 @@ def on_first_compilation(callback: Callable[[], None]) -> None:
     _first.append(callback)
 
 
-def _name(function: Callable[..., Any]) -> str:
-    return f"{function.__module__}.{function.__qualname__}"
-
-
 class _Kept(NullCache):
     """Cache of one function's compiled signatures on disk; a signature without a file is compiled."""
 
     def __init__(self, function):
-        self._name = _name(function)
+        self._name = f"{function.__module__}.{function.__qualname__}"
 
     def load_overload(self, signature, target_context):
         """Return the stored code of a signature, or None if no file exists."""
         target_context.refresh()
-        if self._name in _elsewhere:
-            _elsewhere.pop(self._name).wait()
         with suppress(OSError):
             data = self._path(signature, target_context.codegen()).read_bytes()
             return CompileResult._rebuild(target_context, *pickle.loads(data))

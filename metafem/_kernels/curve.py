@@ -78,14 +78,9 @@ def load_and_rate(law, i, z):
 @compiled
 def uniform_approach(gap, law, load):
     """Return the approach [mm] at which independent asperities carry `load` within 10 %."""
-    radius, which, scale, data = law
     x = math.inf
     for i in range(gap.size):  # asperity i needs this approach to carry the load by itself: an upper bound
-        if data.size == 0:
-            alone = contact.hertz_indentation(radius[i], load)
-        else:
-            alone = contact.indentation_at_load(data, which[i], scale[i], load)
-        x = min(x, gap[i] + alone)
+        x = min(x, gap[i] + contact.alone(law, i, load))
     low, high = gap.min(), math.inf
     for _ in range(60):
         p = slope = 0.0
@@ -177,15 +172,6 @@ def tangent(field, order, self_term, s, closed, count, warm, matrix):
     return 1.0 / form if good and form > 0.0 else math.inf
 
 
-@inlined
-def independent_start(gap, law, control, by_load, z):
-    """Fill the z of independent asperities; return the approach."""
-    start = uniform_approach(gap, law, control) if by_load else control
-    for i in range(z.size):
-        z[i] = start - gap[i]
-    return start
-
-
 @compiled
 def curves(field, order, law, self_term, gap, control, by_load, found, s, closed, matrix, all_z):
     """Fill `found` (7, m, k), the results of m surfaces, and `all_z` (k, n), z of the last one, unless empty.
@@ -218,7 +204,9 @@ def curves(field, order, law, self_term, gap, control, by_load, found, s, closed
             alone = points == 0
             while True:
                 if alone:
-                    start = independent_start(gap[row], law_of_row, control[j], by_load, s[Z])
+                    start = uniform_approach(gap[row], law_of_row, target) if by_load else control[j]
+                    for i in range(n):
+                        s[Z, i] = start - gap[row, i]
                 else:
                     x = control[j]
                     if by_load:

@@ -77,14 +77,6 @@ def shallowest(gap, approach):
 
 
 @compiled
-def alone(law, load):
-    """Return an upper bound of the approach [mm]: the tallest asperity carries the load by itself."""
-    if law.data.size:  # the factor allows for the rounding of the tables
-        return contact.indentation_at_load(law.data, law.which[0], law.scale[0], load) * (1.0 + 1e-9)
-    return contact.hertz_indentation(law.radius[0], load)
-
-
-@compiled
 def stepped(gap, last, depth, step, low, high):
     """Return the shallowest contact and its indentation after a step, which stays between low and high."""
     x = gap[last] + depth
@@ -110,7 +102,8 @@ def curves(law, gap, load, approach, carried, area, slope):
         p = s = a = 0.0
         for j in range(load.size):
             if load[j] > 0.0:
-                low, high, before = 0.0, alone(own, load[j]), math.inf
+                # beyond it the tallest alone carries more; the factor allows for the rounding of the tables
+                low, high, before = 0.0, contact.alone(own, 0, load[j]) * (1.0 + 1e-9), math.inf
                 if p == 0.0:
                     last, depth = shallowest(gaps, high)
                     p, s, a = sums(own, gaps, last, depth)
@@ -156,12 +149,8 @@ def press(law, z, load, stiffness, area, area_slope):
     for i in range(z.size if law.data.size else 0):
         if z[i] > 0.0:
             p, rate, square, by_load = contact.pressed(law.data, law.which[i], law.scale[i], z[i])
-            load[i], stiffness[i], area[i], area_slope[i] = (
-                p,
-                rate,
-                math.pi * square,
-                math.pi * by_load * rate,
-            )
+            load[i], stiffness[i] = p, rate
+            area[i], area_slope[i] = math.pi * square, math.pi * by_load * rate
 
 
 @partial(compiled, any_order=True)

@@ -134,12 +134,6 @@ def covers(data, at, scale, z):
 
 
 @compiled
-def flat_slope(data, at):
-    """Return dT/dp of a contact that just touches, over the scale; 0 unless its summit is flat."""
-    return data[at, 2]
-
-
-@compiled
 def load_and_rate(data, at, scale, z):
     """Return p [mm^2] and dp/dz [mm] at z > 0."""
     first, t, beyond = panel(data, at, math.log(z / scale))
@@ -169,7 +163,7 @@ def tilted(data, at, scale, z):
     widening = square * g1 * inverse
     area = scale * scale
     if p <= data[at, 1]:
-        rate, bend = flat_slope(data, at), 0.0
+        rate, bend = data[at, 2], 0.0
         lever = rate * p
     else:
         a = math.sqrt(square)
@@ -313,6 +307,8 @@ def indentation_at_load(data, at, scale, load):
 
 
 @compiled
-def hertz_indentation(radius, load):
-    """Return d = (3/4 P/sqrt(R))^(2/3) [mm] of Hertz's law."""
-    return (load / (LOAD * math.sqrt(radius))) ** (2.0 / 3.0)
+def alone(law, i, load):
+    """Return the indentation [mm] at which asperity i carries a load [mm^2] by itself."""
+    if law.data.size > 0:
+        return indentation_at_load(law.data, law.which[i], law.scale[i], load)
+    return (load / (LOAD * math.sqrt(law.radius[i]))) ** (2.0 / 3.0)

@@ -28,16 +28,10 @@ def total_of(a):
 @compiled
 def largest(a):
     """Return the largest number in a, or 0 if all are negative."""
-    s0 = s1 = s2 = s3 = 0.0
-    whole = a.size - a.size % 4
-    for i in range(0, whole, 4):
-        s0 = a[i] if a[i] > s0 else s0
-        s1 = a[i + 1] if a[i + 1] > s1 else s1
-        s2 = a[i + 2] if a[i + 2] > s2 else s2
-        s3 = a[i + 3] if a[i + 3] > s3 else s3
-    for i in range(whole, a.size):
-        s0 = a[i] if a[i] > s0 else s0
-    return max(max(s0, s1), max(s2, s3))
+    most = 0.0
+    for i in range(a.size):
+        most = a[i] if a[i] > most else most
+    return most
 
 
 @compiled

@@ -75,10 +75,7 @@ def design(
     format that `metafem compare` reads, and its error bars are used. If a target is refused, the nearest law
     is written next to the result folder DIR, as DIR-nearest.csv.
     """
-    from metafem._kernels import ahead
-
     mf.files.refuse_existing(output, force, folder=True)
-    ahead.start()  # the report needs them after everything else
     with progress(), doing("designing"):
         specification = mf.read_spec(spec)
         block = specification.template.block

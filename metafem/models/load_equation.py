@@ -81,7 +81,9 @@ class LoadEquation:
 
         def gradient() -> FloatArray:
             _, stiffness, _, area_rate = self.rates(indentation, radius)
-            return at_fixed_load(stiffness, area_rate)
+            total = stiffness.sum(axis=1, keepdims=True)
+            share = stiffness / np.where(total > 0.0, total, 1.0)
+            return np.asarray(area_rate - area_rate.sum(axis=1, keepdims=True) * share)
 
         return Sensitivity(curve, gradient, indentation)
 
@@ -139,16 +141,6 @@ class LoadEquation:
         indentation = depth + (base - (top - height))
         load, _, area, _ = self.rates(indentation[None, :], radius)
         return RescaledState(load[0], area[0], indentation, top - (base + depth), self.model)
-
-
-def at_fixed_load(stiffness: FloatArray, area_rate: FloatArray) -> FloatArray:
-    """Return dA0/dh at fixed load [mm], (k, n): ``A'_i - P'_i sum_j A'_j / sum_j P'_j``.
-
-    P', A': derivatives of load and area with respect to the indentation, (k, n); 0 for open asperities.
-    """
-    total = stiffness.sum(axis=1, keepdims=True)
-    share = stiffness / np.where(total > 0.0, total, 1.0)
-    return np.asarray(area_rate - area_rate.sum(axis=1, keepdims=True) * share)
 
 
 def _error(carried: FloatArray, load: FloatArray) -> FloatArray:
