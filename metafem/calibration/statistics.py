@@ -365,15 +365,14 @@ def _accepted() -> tuple[FloatArray, FloatArray, FloatArray]:
 
 
 def checked_covariance(
-    names: Sequence[str], covariance: ArrayLike | None, known: Sequence[str], ignored: str = ""
+    names: Sequence[str], covariance: ArrayLike | None, known: Sequence[str]
 ) -> tuple[tuple[str, ...], FloatArray]:
     """Return the names of parameters and their covariance (p, p), or raise InvalidInput.
 
-    The names must be different names of `known`; the parameter `ignored` is left out. No covariance is that
-    of no parameters.
+    The names must be different names of `known`. No covariance is that of no parameters.
     """
     names = tuple(names)
-    unknown = set(names) - {*known, ignored} or len(set(names)) < len(names)
+    unknown = set(names) - set(known) or len(set(names)) < len(names)
     refuse_if(unknown, f"parameters = {shown(names)} must be different names of {', '.join(known)}")
     if covariance is None:
         return (), np.zeros((0, 0))
@@ -385,8 +384,7 @@ def checked_covariance(
     wrong = not symmetric or np.linalg.eigvalsh(scaled).min(initial=0.0) < -ASYMMETRY
     must = f"of {', '.join(names)} must be symmetric and positive semidefinite"
     refuse_if(wrong, f"covariance = {shown(matrix.tolist())} {must}")
-    rows = [i for i, name in enumerate(names) if name != ignored]
-    return tuple(names[i] for i in rows), matrix[np.ix_(rows, rows)]
+    return names, matrix
 
 
 def joint_covariance(*calibrations: Calibration) -> tuple[tuple[str, ...], FloatArray]:
@@ -394,7 +392,7 @@ def joint_covariance(*calibrations: Calibration) -> tuple[tuple[str, ...], Float
 
     Parameters
     ----------
-    *calibrations : ContactCalibration, ShearCalibration or StrengthFit
+    *calibrations : ContactCalibration or ShearCalibration
         Calibrations without a parameter in common.
 
     Returns

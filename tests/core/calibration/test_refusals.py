@@ -115,7 +115,6 @@ REFUSALS = [
     (slid(lambda b, s, f: (b, s, f * np.nan)), "sigma", "0"),
     (strength(known={"friction_force": None, "area": np.full(12, 0.2)}), "law", "sigma"),
     (strength(known={"friction_force": np.linspace(-3e-3, -1e-3, 12)}), "friction_force", "-"),
-    (strength(covariance=[[1e-4, 1.0], [1.0, 1e-4]]), "covariance", "0.0001"),
     (
         strength(surface=SURFACE.replaced(friction=None), known={"friction": None, "area": np.full(12, 0.2)}),
         *("B", "area_ratio"),
@@ -156,7 +155,6 @@ REFUSALS = [
     (lambda: aligned(0.7 * FOUR.position, FOUR.height, FOUR, False), "caps", "1.05"),
     (mapped(height_map=np.full((80, 80), np.nan)), "map", "heights"),
     (lambda: shear(AREA, AREA / 0.85, AREA), "area_ratio", "1.176"),
-    (strength(covariance=[[1e-4]], parameters=["wear"]), "parameters", "wear"),
     (lambda: at_peak(X, -force(X)), "friction_force", "0"),
     (lambda: at_peak(X[::-1], force(X)), "displacement[1]", "0.59"),
     (lambda: at_peak(X, force(X), area(X)[:9]), "values", "9"),

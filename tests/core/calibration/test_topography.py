@@ -8,7 +8,6 @@ from scipy.ndimage import gaussian_filter
 from scipy.special import ndtri
 
 import metafem as mf
-from metafem.calibration.figures import made_figure
 from metafem.calibration.topography import SD_OF_MEDIAN, _map, aligned, base_plane, correlated, pooled
 from tests.calibration.topography.scenes import FOUR, PIXEL, damaged, lattice, mapped
 from validation.scenes.height_maps import Placement, Roughness, height_map
@@ -105,25 +104,6 @@ def test_summits_are_matched_whichever_way_the_part_lay_on_the_map():
         assert np.abs(found.position - design.position[summits]).max() < 1e-3
         turned = -degrees if mirrored else degrees
         assert math.remainder(found.rotation - math.radians(turned), math.tau) == pytest.approx(0, abs=1e-3)
-    pair = mf.Surface([[0.0, 0.0], [0.1, 1.5]], [0.1, 0.2], 0.526, mf.Material(1.36))
-    found = aligned(pair.position[::-1] + 4.0, pair.height[::-1], pair, False)
-    assert found.site.tolist() == [1, 0]
-    np.testing.assert_allclose(found.position, pair.position[::-1], atol=1e-15)
-
-
-def test_an_exact_map_leaves_nothing_above_the_feet_and_is_drawn():
-    row = mf.Surface.square_lattice([0.05, 0.12, 0.2], (1, 3), radius=0.526, material=mf.Material(1.36))
-    exact = height_map(row, (160, 460), 0.01, **EXACT)
-    exact[20:40, 20:40] += 5e-3
-    made = made_surface(exact, 0.01, row)
-    np.testing.assert_allclose(made.extent, (4.6, 1.6))
-    assert made.residual.shape == (80, 230)
-    # caps and feet leave nothing: the spheres are subtracted at the pixels, not at the middles of cells
-    assert np.abs(made.residual[25:]).max() < 1e-6
-    np.testing.assert_allclose(made.residual[11:19, 11:19], 5e-3, atol=1e-6)
-    law = mf.friction_law(row)
-    figure = made_figure(made, law, mf.friction_law(made.surface, load=law.load))
-    assert [ax.get_ylabel() != "" for ax in figure.axes[:4]] == [True] * 4
 
 
 def test_equal_heights_decide_nothing():

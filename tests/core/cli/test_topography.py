@@ -29,9 +29,8 @@ def part(run, tmp_path, heights):
 
 def test_the_made_surface_is_printed_written_and_predicted(run, part):
     measured = ("topography", "part.npy", *PIXEL, "--design", "design", "-o", "made.csv")
-    text = run(*measured, "--picture", "made.svg").told
+    text = run(*measured).told
     assert "height_um 4.0" in " ".join(text.split())
-    assert "<svg" in (part / "made.svg").read_text("utf-8")
     assert "not read" not in run("predict", "made.csv", "--composite-modulus", "1.36 MPa").told
     assert run(*measured, "--force").exit_code == 0
 

@@ -128,8 +128,6 @@ def test_shear_tests_and_records_are_points(read):
     assert (static.values[2].tolist(), static.test) == ([0.015] * 2, ("records",) * 2)
     np.testing.assert_allclose(static.values[1], 0.35, rtol=1e-12)
     np.testing.assert_allclose(static.values[0], 0.5, rtol=1e-12)
-    data = read(PULL, sliding=True)
-    np.testing.assert_allclose(data.shear.values[2], 0.012, rtol=1e-12)
 
 
 def test_contacts_of_images_are_points(read):

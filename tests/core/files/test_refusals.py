@@ -303,7 +303,6 @@ TABLES = {
         (PULL + "".join(f"{i},{i},{5 - i}\n" for i in range(5)), "friction_force", "end of the record"),
         (f"{IMAGES}\na,,1,3,0,0,.1,.01\n", "t.csv", "no image has a load"),
     ],
-    partial(calibration, sliding=True): [("load_mN,area_mm2\n1,2\n", "--sliding", "displacement_um")],
     partial(files.read_forces, ["1.tif", "s.tif:1", "s.tif:2"]): [
         ("image,load_mN\n1.tif,\n", "line 2: load_mN", "empty"),
         ("image,load_mN\ns.tif,5\n", "t.csv", "s.tif is not among the images 1.tif, s.tif:1"),
