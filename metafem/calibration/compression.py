@@ -47,12 +47,9 @@ KNOWN = 0.5
 # a figure shows the law.
 OPEN, GRID = 1e-6, 200
 
-# Range of the contact radius over R, and of E* [MPa] for soft contacts (a/R above SOFT). Beyond it, a unit or
-# a number is usually wrong: rubbers and gels have moduli of 0.01 to 100 MPa.
-SHARES, MODULI, SOFT = (1e-3, 1.0), (0.01, 100.0), 0.02
-
-# What a user does whose numbers are right although they are unusual.
-INSIST = "; if they are right, insist with the option --unusual (in Python, Sample(unusual=True))"
+# Range of the largest contact radius over R, and of E* [MPa]. Beyond it, a unit or a number is usually wrong:
+# rubbers and gels have moduli of 0.01 to 100 MPa.
+SHARES, MODULI = (1e-3, 1.0), (0.01, 100.0)
 
 # Smallest ratio of a fitted to a measured area during the iteration, which keeps the areas positive.
 SMALLEST_PART = 0.1
@@ -76,8 +73,8 @@ class Sample:
     contact : Contact
         Elastic contact law of a cap, without adhesion; default: `metafem.Hertz`.
     unusual : bool
-        Whether moduli outside 0.01 to 100 MPa of contacts with a/R > 0.02, and contact radii outside 0.001 R
-        to R, are accepted; default: False.
+        Whether moduli outside 0.01 to 100 MPa, and contact radii outside 0.001 R to R, are accepted; default:
+        False.
 
     Raises
     ------
@@ -386,11 +383,11 @@ def fit_compression(
         change = 0.5 * (high - low)
     alone = points.fit(points.law(adhesive=False))
     modulus = float(alone.parameter[0])
-    own = replace(given, radius_sd=0.0)
+    exact = replace(given, radius_sd=0.0)
     tests = each_test(
         test,
         len(points.load),
-        lambda rows: fit_compression(points.load[rows], np.asarray(area)[rows], size, own, errors=errors),
+        lambda rows: fit_compression(points.load[rows], np.asarray(area)[rows], size, exact, errors=errors),
     )
     fitted = [each for each in tests.values() if each is not None]
     made = ContactCalibration(
@@ -411,14 +408,15 @@ def fit_compression(
             [each.root_covariance for each in fitted],
         ),
     )
-    widest = math.sqrt(points.area.max() / math.pi) / size
-    least, most = MODULI
-    unusual = widest > SOFT and not given.unusual and not least <= made.material.composite_modulus <= most
+    widest, own = math.sqrt(points.area.max() / math.pi) / size, made.material.composite_modulus
+    (small, wide), (least, most) = SHARES, MODULI
+    usual = small <= widest <= wide and least <= own <= most
     refuse_if(
-        unusual,
-        f"E* = {made.material.composite_modulus:.4g} MPa is not that of a soft material, {least:g} to "
-        f"{most:g} MPa; check the unit of the loads, that of the radius, {size:g} mm, and that of the areas"
-        f"{INSIST}",
+        not (usual or given.unusual),
+        f"E* = {own:.4g} MPa with contact radii up to {widest:.3g} R is unusual: soft materials have "
+        f"{least:g} to {most:g} MPa, and contacts {small:g} to {wide:g} R; check the units of loads and "
+        f"areas, the radius, {size:g} mm, and the number of contacts under one load, {given.contacts}; if "
+        "they are right, insist with the option --unusual (in Python, Sample(unusual=True))",
     )
     return replace(made, notes=(*_notes(made, widest), *made.doubts()))
 
@@ -483,18 +481,9 @@ def _points(
     refuse_if(np.ptp(total) <= ONE_AREA * total.max(), same)
     points = _Points(loads, given if one_by_one else given[:, None] / number, sample, radius, errors)
     share = (np.sqrt(points.area / math.pi) / radius).reshape(given.shape)
-    reach, usual = points.law().widest / radius, float(np.median(share[share > 0.0]))
+    reach = points.law().widest / radius
     ends = f"is beyond the largest contact of {shown(sample.contact)}, whose radius is {reach:.3g} R; leave "
     check.refuse_entries("area", given, share > (1.0 + ROUNDING) * reach, f"{ends}the point out")
-    least, most = SHARES
-    wrong = share > most if usual >= least else (share <= usual) & (share > 0.0)
-    check.refuse_entries(
-        "area",
-        given,
-        wrong & (not sample.unusual),
-        f"is not that of a contact radius of {least:g} to {most:g} R; check the radius, {radius:g} mm, the "
-        f"unit of the areas, and the number of contacts under one load, {number}{INSIST}",
-    )
     return points
 
 

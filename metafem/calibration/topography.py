@@ -306,22 +306,6 @@ def fitted(levelled: Map, start: Cap) -> Fit | None:
     return None
 
 
-def pooled(value: FloatArray, covariance: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return (x, y, height, radius) of caps (n, 4) and their covariance (n, 4, 4) for one common radius.
-
-    The common radius R is the mean of the radii R_i, weighted by their inverse variances. The other
-    quantities v are corrected by their regression on the radius, ``v - C_vR / C_RR (R_i - R)``. Their
-    variance then includes the error of R instead of the error of R_i.
-    """
-    variance = covariance[:, 3, 3]
-    own = 1.0 / float((1.0 / variance).sum())
-    common = own * float((value[:, 3] / variance).sum())
-    slope = covariance[:, :, 3] / variance[:, None]
-    outer = slope[:, :, None] * slope[:, None, :]
-    changed = covariance - outer * variance[:, None, None] + outer * own
-    return value - slope * (value[:, 3] - common)[:, None], changed
-
-
 class Alignment(NamedTuple):
     """Sites of summits (m,), -1 for no site, and their positions in the design's coordinates (m, 2) [mm].
 
@@ -436,7 +420,6 @@ def made_surface(
     design_surface: Surface,
     *,
     bow: bool = True,
-    common_radius: bool = False,
     mould: bool = False,
 ) -> MadeSurface:
     """Return the made surface: heights, radii and positions of the asperities on a map of heights.
@@ -448,7 +431,7 @@ def made_surface(
     are ``2 s l/a`` for the height, ``4 sqrt(3) s l R^2/a^3`` for the radius and ``2 s l R/a^2`` for each
     coordinate, to first order in a/R and l/a. No unbiased estimate is better by more than terms of order l/a.
     For caps 0.05 to 0.27 mm high with R = 0.526 mm and an arithmetic roughness of 1.2 um, the root mean
-    square error of the heights is at most 0.1 um up to l = 12 um, or up to l = 23 um with a common radius.
+    square error of the heights is at most 0.1 um up to l = 12 um.
     The returned standard errors are computed from the correlation of the measured residuals.
 
     Parameters
@@ -462,9 +445,6 @@ def made_surface(
     bow : bool
         Whether to subtract a second-order surface instead of a plane; default: True. This also subtracts a
         bow of the part itself. A block glued to glass has no bow, but a free block may have one.
-    common_radius : bool
-        Whether all caps have the same radius, for example because one tool made them; default: False. A
-        common radius halves the errors of the heights.
     mould : bool
         Whether the map shows the mould, whose holes form the caps, so that it is a mirror image of the part;
         default: False.
@@ -519,8 +499,6 @@ def made_surface(
     pixels = [np.count_nonzero(fit.distance) for fit in fits]
     variance = sum(float((fit.distance**2).sum()) for fit in fits) / sum(pixels)
     covariance = alike * variance * np.array([fit.inverse for fit in fits])
-    if common_radius:
-        value, covariance = pooled(value, covariance)
     place = aligned(value[:, :2], value[:, 2], design, mould)
     matched = np.flatnonzero(place.site >= 0)
     order = matched[np.argsort(place.site[matched])]

@@ -8,7 +8,7 @@ from scipy.ndimage import gaussian_filter
 from scipy.special import ndtri
 
 import metafem as mf
-from metafem.calibration.topography import SD_OF_MEDIAN, _map, aligned, base_plane, correlated, pooled
+from metafem.calibration.topography import SD_OF_MEDIAN, _map, aligned, base_plane, correlated
 from tests.calibration.topography.scenes import FOUR, PIXEL, damaged, lattice, mapped
 from validation.scenes.height_maps import Placement, Roughness, height_map
 
@@ -36,10 +36,6 @@ def test_heights_radii_and_positions_of_rough_caps_and_of_a_mould():
     assert not made.notes
     mould = made_surface(-rough[:, ::-1], PIXEL, FOUR, mould=True)
     np.testing.assert_allclose(mould.surface.height, made.surface.height, atol=1e-4)
-    common = made_surface(rough, PIXEL, FOUR, common_radius=True)
-    assert (common.height_sd < made.height_sd).all()
-    assert np.ptp(common.surface.radius) == 0.0
-    assert np.abs(common.height_error / common.height_sd).max() < 4.0
     other = FOUR.replaced(height=np.array([0.5, 2.0, 0.7, 1.6]) * FOUR.height)
     assert "heights" in str(made_surface(rough, PIXEL, other).notes[0])
 
@@ -135,24 +131,3 @@ def test_the_correlation_of_fitted_residuals_gives_the_variance_of_the_fit(width
     expected = variance * correlated(rest, 1, 5) / disc.sum()
     # the variance of 300 means has a relative standard error of sqrt(2 / 300), 8 %
     assert expected == pytest.approx(means.var(), rel=0.2)
-
-
-def test_a_common_radius_is_the_joint_least_squares_estimate():
-    rng = np.random.default_rng(2)
-    root = rng.normal(size=(3, 4, 4))
-    covariance = root @ root.transpose(0, 2, 1)
-    value = rng.normal(size=(3, 4))
-    found, error = pooled(value, covariance)
-    # unknowns: x, y, height of each of three caps, and one radius
-    matrix, weight = np.zeros((12, 10)), np.zeros((12, 12))
-    for i in range(3):
-        matrix[4 * i : 4 * i + 3, 3 * i : 3 * i + 3] = np.eye(3)
-        matrix[4 * i + 3, 9] = 1.0
-        weight[4 * i : 4 * i + 4, 4 * i : 4 * i + 4] = np.linalg.inv(covariance[i])
-    spread = np.linalg.inv(matrix.T @ weight @ matrix)
-    joint = spread @ matrix.T @ weight @ value.ravel()
-    np.testing.assert_allclose(found[:, :3].ravel(), joint[:9], atol=1e-9)
-    np.testing.assert_allclose(found[:, 3], joint[9], atol=1e-9)
-    for i in range(3):
-        at = [3 * i, 3 * i + 1, 3 * i + 2, 9]
-        np.testing.assert_allclose(error[i], spread[np.ix_(at, at)], atol=1e-8)

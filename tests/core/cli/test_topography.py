@@ -36,7 +36,6 @@ def test_the_made_surface_is_printed_written_and_predicted(run, part):
 
 
 def test_json_holds_the_heights(run, part):
-    data = run("topography", "part.npy", *PIXEL, "--design", "design", "--common-radius", "--json").data
+    data = run("topography", "part.npy", *PIXEL, "--design", "design", "--json").data
     assert data["missing"] == []
     np.testing.assert_allclose(data["height_mm"], MADE.height, atol=3e-4)
-    assert len(set(data["radius_mm"])) == 1
