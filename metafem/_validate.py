@@ -23,9 +23,9 @@ IntArray = NDArray[np.int64]
 # normal number in double precision.
 SMALLEST, LARGEST = sys.float_info.min**0.2, sys.float_info.max**0.2
 
-# Bounds of lengths that must be positive, and largest magnitude of all lengths [mm]. Rounding then loses no
-# length when two of them are added.
-SHORTEST, LONGEST = 1e-8, 1e8
+# Bounds of lengths that must be positive, and largest magnitude of all lengths [mm]: far below an atom, and
+# far above any part, so that lengths may also be given in units a million times larger or smaller.
+SHORTEST, LONGEST = 1e-12, 1e8
 
 # Bounds of Poisson's ratio; a material with 0.5 is incompressible.
 POISSON: Mapping[str, Any] = {"at_least": 0.0, "at_most": 0.5}

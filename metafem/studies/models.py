@@ -38,10 +38,7 @@ DEEPER = 1.2
 RANDOM_LOADS = 20
 
 # Why the true block is left out of a report.
-NOT_KEPT = (
-    "its influence between these sites has not been computed. This takes about a minute; `metafem study "
-    "fidelity` computes and stores it"
-)
+NOT_KEPT = "its influence between these sites takes about a minute; `metafem study fidelity` computes it"
 
 
 @doing("comparing the models")
@@ -91,8 +88,8 @@ def compared(design: Design, *, elements: bool, wait: bool) -> xr.Dataset:
     """Return the dataset of `fidelity`, and notes on what is left out.
 
     All models have the contact law of the design with its largest order of interaction. Left out are the
-    layer and the true block if the surface has no block, the true block if its influence is not on disk and
-    `wait` is False, and models without a solution.
+    layer and the true block if the surface has no block, the true block if `wait` is False, and models
+    without a solution.
     """
     surface, law, error, notes = design.surface, design.law, float("nan"), []
     contact = contact_of(law.model)
@@ -107,7 +104,7 @@ def compared(design: Design, *, elements: bool, wait: bool) -> xr.Dataset:
     laws = {"independent": friction_law(surface, Independent(contact), load=law.load)}
     for name, substrate in each("law", list(substrates.items())):
         try:
-            refuse_if(name == "true block" and not (wait or substrate.is_kept(surface)), NOT_KEPT)
+            refuse_if(name == "true block" and not wait, NOT_KEPT)
             model = Interacting(order, substrate, contact)
             laws[name.removeprefix("true ")] = friction_law(surface, model, load=law.load)
         except InvalidInput as reason:

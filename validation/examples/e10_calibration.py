@@ -20,8 +20,8 @@ measured_load = load + rng.normal(0.0, errors.of_load(load))
 measured_area = area + rng.normal(0.0, errors.of_area(area))
 
 found = mf.calibration.fit_compression(measured_load, measured_area, radius, errors=errors)
-low, high = found.adhesion_energy_interval
-sd = found.composite_modulus_interval[1] - found.composite_modulus, 0.5 * (high - low)
+low, high = found.estimates["adhesion_energy"].interval
+sd = found.estimates["composite_modulus"].sd, 0.5 * (high - low)
 print(f"E*: true {modulus:.2f} MPa, found {found.composite_modulus:.3f} ± {sd[0]:.3f} MPa")
 print(
     f"w: true {1e6 * adhesion:.1f} mJ/m², found {1e6 * found.adhesion_energy:.1f} ± {1e6 * sd[1]:.1f} mJ/m²"
