@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -20,7 +20,6 @@ from metafem.calibration.statistics import (
     Estimate,
     Line,
     MeasurementErrors,
-    Verdict,
     each_test,
     positive,
     scatter,
@@ -30,7 +29,7 @@ from metafem.contact.elastic import usual_law
 from metafem.errors import InvalidInput, refuse_if
 from metafem.material import Friction
 from metafem.models import Independent, Model
-from metafem.notes import Note, information
+from metafem.notes import information
 from metafem.prediction import equilibrium, friction_law
 from metafem.surface import Surface
 
@@ -88,7 +87,7 @@ def proportional(measured: FloatArray, deviation: Sequence[Deviation]) -> variab
     return variables.fit(model, y, of, factor, start[..., None], (least[..., None], np.inf))
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class ShearCalibration(Calibration):
     """Area ratio B and shear strength sigma of sheared contacts, with their errors.
 
@@ -96,8 +95,11 @@ class ShearCalibration(Calibration):
     ----------
     area_ratio, shear_strength : float
         Area ratio B [-] and shear strength sigma [MPa].
-    covariance : ndarray, (2, 2)
-        Covariance of B and sigma, in this order. They are correlated because both depend on the sheared area.
+    friction : metafem.Friction
+    estimates : mapping of str to Estimate
+        Value, standard deviation and 68 % interval of B and sigma.
+    parameters, covariance : tuple of str, and ndarray, (2, 2)
+        Names and covariance of B and sigma. They are correlated because both depend on the sheared area.
     lines : (Line, Line)
         The lines ``Af = B A0`` and ``F = sigma Af`` with their points and verdicts.
     area_fitted : ndarray, (k,)
@@ -107,9 +109,6 @@ class ShearCalibration(Calibration):
     heterogeneity : Verdict or None
         Whether the tests agree; None for a single test.
     notes : tuple of Note
-    friction : metafem.Friction
-    estimates : dict of str to Estimate
-        Value, standard deviation and 68 % interval of B and sigma.
 
     Examples
     --------
@@ -120,35 +119,22 @@ class ShearCalibration(Calibration):
     (0.85, 0.37)
     """
 
-    area_ratio: float
-    shear_strength: float
-    covariance: FloatArray
-    lines: tuple[Line, Line]
     area_fitted: FloatArray
-    tests: Mapping[str, ShearCalibration | None] = field(default_factory=dict)
-    heterogeneity: Verdict | None = None
-    notes: tuple[Note, ...] = ()
 
-    # Names of the rows of `covariance`, for `joint_covariance`.
-    parameters = ("area_ratio", "shear_strength")
+    @property
+    def area_ratio(self) -> float:
+        """Area ratio B [-]."""
+        return self.estimates["area_ratio"].value
+
+    @property
+    def shear_strength(self) -> float:
+        """Shear strength sigma [MPa]."""
+        return self.estimates["shear_strength"].value
 
     @property
     def friction(self) -> Friction:
         """Friction with the fitted area ratio, or 1 if errors make it larger, and the shear strength."""
         return Friction(self.shear_strength, min(self.area_ratio, 1.0))
-
-    @property
-    def parameter_covariance(self) -> FloatArray:
-        """Covariance of B [-] and sigma [MPa], for `joint_covariance`."""
-        return self.covariance
-
-    @property
-    def estimates(self) -> dict[str, Estimate]:
-        """Estimates of B and sigma."""
-        return {
-            name: positive(getattr(self, name), self.covariance[i, i])
-            for i, name in enumerate(self.parameters)
-        }
 
 
 def shear(
@@ -225,12 +211,16 @@ def shear(
     )
     tests = each_test(test, len(before), lambda rows: shear(*points[:, rows], errors=errors))
     fitted = [each for each in tests.values() if each is not None]
+    names, values = ("area_ratio", "shear_strength"), (float(ratio), float(strength))
+    variances = np.diagonal(covariance).tolist()
     found = ShearCalibration(
-        *(float(ratio), float(strength), covariance),
-        _lines(points, float(ratio), float(strength), value, errors),
-        value,
-        tests,
-        scatter(
+        estimates=dict(zip(names, map(positive, values, variances), strict=True)),
+        parameters=names,
+        covariance=covariance,
+        lines=_lines(points, *values, value, errors),
+        area_fitted=value,
+        tests=tests,
+        heterogeneity=scatter(
             [(each.area_ratio, each.shear_strength) for each in fitted],
             [each.covariance for each in fitted],
         ),

@@ -285,13 +285,13 @@ def calibration_text(
     lines = [FIRST, *(f"# Measured: {source}" for source in sources)]
     if contact is not None:
         modulus, energy = contact.estimates.values()
-        lines += ["", "[material]", _stated("composite_modulus", modulus, contact.line)]
+        lines += ["", "[material]", _stated("composite_modulus", modulus, contact.lines[0])]
         cap = cap or {"kind": "hertz"}
         low, high = (end / ENERGY for end in energy.interval)
         energy = Estimate(energy.value / ENERGY, 0.5 * (high - low), (low, high))
         lines += ["", "[contact]"]
         if contact.adhesive and cap["kind"] != "tabulated":
-            lines += ['kind = "jkr"', _stated("adhesion_energy", energy, contact.line, "mJ/m^2")]
+            lines += ['kind = "jkr"', _stated("adhesion_energy", energy, contact.lines[0], "mJ/m^2")]
             lines += ["", "[contact.cap]", *_keys(cap)] if cap["kind"] != "hertz" else []
         else:
             lines += [*_keys(cap), f"# The adhesion energy is {interval(energy, 'mJ/m^2')}."]
