@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,7 +20,6 @@ from metafem.calibration.statistics import (
     Estimate,
     Line,
     MeasurementErrors,
-    Verdict,
     each_test,
     positive,
     scatter,
@@ -47,12 +46,9 @@ KNOWN = 0.5
 # a figure shows the law.
 OPEN, GRID = 1e-6, 200
 
-# Range of the contact radius over R, and of E* [MPa] for soft contacts (a/R above SOFT). Beyond it, a unit or
-# a number is usually wrong: rubbers and gels have moduli of 0.01 to 100 MPa.
-SHARES, MODULI, SOFT = (1e-3, 1.0), (0.01, 100.0), 0.02
-
-# What a user does whose numbers are right although they are unusual.
-INSIST = "; if they are right, insist with the option --unusual (in Python, Sample(unusual=True))"
+# Range of the largest contact radius over R, and of E* [MPa]. Beyond it, a unit or a number is usually wrong:
+# rubbers and gels have moduli of 0.01 to 100 MPa.
+SHARES, MODULI = (1e-3, 1.0), (0.01, 100.0)
 
 # Smallest ratio of a fitted to a measured area during the iteration, which keeps the areas positive.
 SMALLEST_PART = 0.1
@@ -76,8 +72,8 @@ class Sample:
     contact : Contact
         Elastic contact law of a cap, without adhesion; default: `metafem.Hertz`.
     unusual : bool
-        Whether moduli outside 0.01 to 100 MPa of contacts with a/R > 0.02, and contact radii outside 0.001 R
-        to R, are accepted; default: False.
+        Whether moduli outside 0.01 to 100 MPa, and contact radii outside 0.001 R to R, are accepted; default:
+        False.
 
     Raises
     ------
@@ -115,7 +111,7 @@ class Sample:
         return JKR(adhesion_energy, cap) if adhesion_energy > 0.0 and cap.largest_order > 1 else cap
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class ContactCalibration(Calibration):
     """Composite modulus E* and adhesion energy w from compression tests.
 
@@ -134,10 +130,10 @@ class ContactCalibration(Calibration):
         Covariance of E* and sqrt(w), including the error of the radius.
     modulus_without_adhesion : (float, float)
         E* and its standard deviation [MPa] if w is known to be 0.
-    estimates : dict of str to Estimate
+    estimates : mapping of str to Estimate
         Value, standard deviation and 68 % interval of the E* of `material` and of w; the interval of w is
         asymmetric and may include 0.
-    parameters, parameter_covariance : tuple of str, and ndarray, (p, p)
+    parameters, covariance : tuple of str, and ndarray, (p, p)
         Names and covariance of the parameters for `metafem.studies.uncertainty`; `joint_covariance` adds the
         parameters of shear tests. At a fixed load, the effects of an error of the radius and of the resulting
         error of E* on the contact area nearly cancel.
@@ -149,7 +145,7 @@ class ContactCalibration(Calibration):
         Radius of the caps [mm].
     radius_change : ndarray, (2,)
         Changes of E* and sqrt(w) if the radius grows by its standard deviation.
-    line : Line
+    lines : (Line,)
         Total loads [N] over total areas [mm^2] with the fitted law of equal contacts, and their verdict.
     tests : mapping of str to ContactCalibration
         Calibration by each test if there are several; None for a test without a fit.
@@ -162,7 +158,7 @@ class ContactCalibration(Calibration):
     >>> from metafem.calibration import fit_compression
     >>> a = np.linspace(0.08, 0.4, 20)
     >>> found = fit_compression(1.36 * 4 * a**3 / (3 * 0.526), np.pi * a**2, 0.526)
-    >>> round(found.composite_modulus, 4), found.adhesive, found.line.verdict.fits
+    >>> round(found.composite_modulus, 4), found.adhesive, found.lines[0].verdict.fits
     (1.36, False, True)
     """
 
@@ -173,10 +169,6 @@ class ContactCalibration(Calibration):
     sample: Sample
     radius: float
     radius_change: FloatArray
-    line: Line
-    tests: Mapping[str, ContactCalibration | None] = field(default_factory=dict)
-    heterogeneity: Verdict | None = None
-    notes: tuple[Note, ...] = ()
 
     @property
     def adhesion_energy(self) -> float:
@@ -186,23 +178,7 @@ class ContactCalibration(Calibration):
     @property
     def adhesive(self) -> bool:
         """Whether the 68 % interval of w does not begin at 0."""
-        return positive(self.adhesion_root, self.root_covariance[1, 1]).interval[0] > 0.0
-
-    @property
-    def estimates(self) -> dict[str, Estimate]:
-        """Estimates of the E* of `material` and of w."""
-        modulus = positive(self.composite_modulus, self.root_covariance[0, 0])
-        if not self.adhesive:
-            value, sd = self.modulus_without_adhesion
-            modulus = positive(value, sd**2)
-        root, sd, (low, high) = positive(self.adhesion_root, self.root_covariance[1, 1])
-        energy = Estimate(self.adhesion_energy, 2.0 * abs(root) * sd, (low**2, high**2))
-        return {"composite_modulus": modulus, "adhesion_energy": energy}
-
-    @property
-    def lines(self) -> tuple[Line, ...]:
-        """The fitted law."""
-        return (self.line,)
+        return self.estimates["adhesion_energy"].interval[0] > 0.0
 
     @property
     def material(self) -> Material:
@@ -214,19 +190,6 @@ class ContactCalibration(Calibration):
         """Contact law for a model, adhesive if the data show adhesion."""
         energy = self.adhesion_energy if self.adhesive else 0.0
         return self.sample.law(energy, self.material.composite_modulus)
-
-    @property
-    def parameters(self) -> tuple[str, ...]:
-        """Names of the rows of `parameter_covariance`."""
-        return ("radius", "composite_modulus") if self.sample.radius_sd else ("composite_modulus",)
-
-    @property
-    def parameter_covariance(self) -> FloatArray:
-        """Covariance of the radius [mm], if it has an error, and the E* of `material` [MPa]."""
-        modulus, sd = self.estimates["composite_modulus"], self.sample.radius_sd
-        change = sd * self.radius_change[0] * modulus.value / self.composite_modulus
-        whole = np.array([[sd**2, change], [change, modulus.sd**2]])
-        return whole if sd else whole[1:, 1:]
 
 
 @dataclass(frozen=True, eq=False)
@@ -379,32 +342,36 @@ def fit_compression(
     law = points.law()
     found = points.whole(law)
     value, covariance = of_root(found)
-    change = np.zeros(2)
-    if given.radius_sd:
-        scales = (1.0 + sign * given.radius_sd / size for sign in (1.0, -1.0))
-        high, low = (of_root(points.whole(points.law(scale=scale)))[0] for scale in scales)
-        change = 0.5 * (high - low)
+    change = _radius_change(points)
+    total = covariance + np.outer(change, change)
     alone = points.fit(points.law(adhesive=False))
-    modulus = float(alone.parameter[0])
-    own = replace(given, radius_sd=0.0)
+    without = float(alone.parameter[0])
+    sd = math.hypot(math.sqrt(alone.covariance[0, 0]), without * change[0] / float(value[0]))
+    root, root_sd, (lowest, highest) = positive(float(value[1]), total[1, 1])
+    modulus = positive(float(value[0]), total[0, 0]) if lowest > 0.0 else positive(without, sd**2)
+    energy = Estimate(max(root, 0.0) ** 2, 2.0 * abs(root) * root_sd, (lowest**2, highest**2))
+    shared = given.radius_sd * change[0] * modulus.value / float(value[0])
+    joint = np.array([[given.radius_sd**2, shared], [shared, modulus.sd**2]])
+    known = 0 if given.radius_sd else 1
+    exact = replace(given, radius_sd=0.0)
     tests = each_test(
         test,
         len(points.load),
-        lambda rows: fit_compression(points.load[rows], np.asarray(area)[rows], size, own, errors=errors),
+        lambda rows: fit_compression(points.load[rows], np.asarray(area)[rows], size, exact, errors=errors),
     )
     fitted = [each for each in tests.values() if each is not None]
     made = ContactCalibration(
         composite_modulus=float(value[0]),
         adhesion_root=float(value[1]),
-        root_covariance=covariance + np.outer(change, change),
-        modulus_without_adhesion=(
-            modulus,
-            math.hypot(math.sqrt(alone.covariance[0, 0]), modulus * change[0] / float(value[0])),
-        ),
+        root_covariance=total,
+        modulus_without_adhesion=(without, sd),
+        estimates={"composite_modulus": modulus, "adhesion_energy": energy},
+        parameters=("radius", "composite_modulus")[known:],
+        covariance=joint[known:, known:],
         sample=given,
         radius=size,
         radius_change=change,
-        line=_line(points, law, found),
+        lines=(_line(points, law, found),),
         tests=tests,
         heterogeneity=scatter(
             [(each.composite_modulus, each.adhesion_root) for each in fitted],
@@ -412,14 +379,7 @@ def fit_compression(
         ),
     )
     widest = math.sqrt(points.area.max() / math.pi) / size
-    least, most = MODULI
-    unusual = widest > SOFT and not given.unusual and not least <= made.material.composite_modulus <= most
-    refuse_if(
-        unusual,
-        f"E* = {made.material.composite_modulus:.4g} MPa is not that of a soft material, {least:g} to "
-        f"{most:g} MPa; check the unit of the loads, that of the radius, {size:g} mm, and that of the areas"
-        f"{INSIST}",
-    )
+    _refuse_unusual(modulus.value, widest, points)
     return replace(made, notes=(*_notes(made, widest), *made.doubts()))
 
 
@@ -483,19 +443,33 @@ def _points(
     refuse_if(np.ptp(total) <= ONE_AREA * total.max(), same)
     points = _Points(loads, given if one_by_one else given[:, None] / number, sample, radius, errors)
     share = (np.sqrt(points.area / math.pi) / radius).reshape(given.shape)
-    reach, usual = points.law().widest / radius, float(np.median(share[share > 0.0]))
+    reach = points.law().widest / radius
     ends = f"is beyond the largest contact of {shown(sample.contact)}, whose radius is {reach:.3g} R; leave "
     check.refuse_entries("area", given, share > (1.0 + ROUNDING) * reach, f"{ends}the point out")
-    least, most = SHARES
-    wrong = share > most if usual >= least else (share <= usual) & (share > 0.0)
-    check.refuse_entries(
-        "area",
-        given,
-        wrong & (not sample.unusual),
-        f"is not that of a contact radius of {least:g} to {most:g} R; check the radius, {radius:g} mm, the "
-        f"unit of the areas, and the number of contacts under one load, {number}{INSIST}",
-    )
     return points
+
+
+def _radius_change(points: _Points) -> FloatArray:
+    """Return the changes of E* and sqrt(w) if the radius grows by its standard deviation, (2,)."""
+    sd = points.sample.radius_sd / points.radius
+    if sd == 0.0:
+        return np.zeros(2)
+    high, low = (of_root(points.whole(points.law(scale=1.0 + sign * sd)))[0] for sign in (1.0, -1.0))
+    return np.asarray(0.5 * (high - low))
+
+
+def _refuse_unusual(modulus: float, widest: float, points: _Points) -> None:
+    """Raise InvalidInput if E* [MPa] or the largest contact radius over R is not that of a soft material."""
+    (small, wide), (least, most), sample = SHARES, MODULI, points.sample
+    usual = small <= widest <= wide and least <= modulus <= most
+    refuse_if(
+        not (usual or sample.unusual),
+        f"E* = {modulus:.4g} MPa with contact radii up to {widest:.3g} R is unusual: soft materials have "
+        f"{least:g} to {most:g} MPa, and contacts {small:g} to {wide:g} R; check the units of loads and "
+        f"areas, the radius, {points.radius:g} mm, and the number of contacts under one load, "
+        f"{sample.contacts}; if they are right, insist with the option --unusual (in Python, "
+        "Sample(unusual=True))",
+    )
 
 
 def _line(points: _Points, law: AreaLaw, fit: variables.Fit) -> Line:

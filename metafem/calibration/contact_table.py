@@ -118,50 +118,28 @@ def sheared_points(table: DataFrame) -> tuple[FloatArray, IntArray, list[Note]]:
     The rows of the points are the areas before and after shear [mm^2] and the friction forces [N]. Values
     that were not measured are nan.
 
-    An image gives one point if all its contacts were measured before and after shear. Otherwise it gives up
-    to two points. One has the areas of the contacts that are visible before and after shear, and determines
-    B. The other, if the sheared areas of all contacts are known, has their sum and the friction force, and
-    determines sigma. The two points share the errors of the sheared areas; this only affects the covariance
-    of B and sigma.
-
-    A contact that is too small to be detected in one of the two images would bias the ratio of the sums, so B
-    is fitted without it. If such a contact is not detected after shear, the sum for sigma contains an
-    estimate of its sheared area: its area before shear times the ratio of the other contacts, but at most the
-    smallest detectable area.
+    An image gives one point if all its contacts were measured before and after shear. Otherwise the contacts
+    that are visible before and after shear give a point that determines B; a contact that is too small to be
+    detected in one of the two images would bias the ratio of the sums. The sheared areas of all contacts, if
+    they were measured, give another one with the friction force, which determines sigma.
     """
     images, areas = by_image(table)
     before, after, force = areas["area"], areas["sheared_area"], images["friction_force"].to_numpy()
     both = np.isfinite(before) & np.isfinite(after)
-    seen = both & (before > 0.0) & (after > 0.0)
-    one = both & ((before > 0.0) != (after > 0.0))
-    first, second = (np.where(seen, area, 0.0).sum(axis=1) for area in (before, after))
-    ratio = np.divide(second, first, np.zeros(first.shape), where=first > 0.0)[:, None]
-    least = np.minimum(ratio * before, areas["sheared_area_error"])
-    total = np.where(one & (before > 0.0), least, after).sum(axis=1)  # nan where a contact was not measured
-    of_ratio, of_strength = first > 0.0, (total > 0.0) & np.isfinite(force)
-    single = of_ratio & of_strength & both.all(axis=1) & ~one.any(axis=1)
-    rows = []
-    for i in np.flatnonzero(of_ratio | of_strength).tolist():
-        if single[i]:
-            rows.append((first[i], second[i], force[i], i))
-            continue
-        if of_ratio[i]:
-            rows.append((first[i], second[i], np.nan, i))
-        if of_strength[i]:
-            rows.append((np.nan, total[i], force[i], i))
-    columns = np.array(rows, dtype=np.float64).reshape(-1, 4).T
-    unused = np.isfinite(force) & np.isfinite(after).any(axis=1) & ~of_strength
-    notes = [
-        information(words.format(listed(images["image"][which])))
-        for which, words in (
-            (
-                one.any(axis=1) & of_ratio,
-                "B is fitted without contacts that one image of a pair does not show: {}",
-            ),
-            (unused, "sigma is fitted without {}, which lack the sheared area of a contact"),
-        )
-        if which.any()
-    ]
+    seen, hidden = both & (before > 0.0) & (after > 0.0), both & ((before > 0.0) != (after > 0.0))
+    hides = hidden.any(axis=1)
+    sums = [np.where(seen, area, 0.0).sum(axis=1) for area in (before, after)]
+    first, second = (np.where(seen.any(axis=1), each, np.nan) for each in sums)
+    total = np.where(hides, np.nan, after.sum(axis=1))
+    whole = both.all(axis=1) & ~hides
+    alone = ~whole & (total > 0.0) & np.isfinite(force)
+    every, lacking = np.arange(len(force)), np.full(len(force), np.nan)
+    rows = np.array([first, second, np.where(whole, force, np.nan), every])
+    more = np.array([lacking, total, force, every])[:, alone]
+    columns = np.hstack([rows[:, np.isfinite(first)], more])
+    unused = np.isfinite(force) & np.isfinite(after).any(axis=1) & ~whole & ~alone
+    words = f"sigma is fitted without {listed(images['image'][unused])}, of which a contact is not measured"
+    notes = [information(f"{words} before or after shear")] * bool(unused.any())
     return columns[:3], columns[3].astype(np.int64), notes
 
 

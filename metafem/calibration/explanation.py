@@ -9,7 +9,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from metafem import _validate as check
-from metafem._given import shown
 from metafem._validate import FloatArray
 from metafem._values import Value, percent
 from metafem.calibration.laws import MeasuredLaw
@@ -23,15 +22,16 @@ from metafem.prediction import equilibrium
 from metafem.progress import doing
 from metafem.surface import STEEPEST, Surface
 
-# Expected standard deviations: tilt about either axis [rad], common factor of all heights, E* and sigma B
-# [-], and each height [mm], as in the parts of Aymard et al. (2024).
+# Expected standard deviations: tilt about either axis [rad], factor of all heights, E* and sigma B [-],
+# as in the parts of Aymard et al. (2024), and that of each height [mm].
 EXPECTED = {
-    "angle": math.radians(0.05),
+    "angle_x": math.radians(0.05),
+    "angle_y": math.radians(0.05),
     "height_scale": 0.02,
     "composite_modulus": 0.05,
     "friction": 0.05,
-    "height": 0.9e-3,
 }
+HEIGHT = 0.9e-3
 
 # Names of the errors that are found.
 NAMES = {
@@ -42,9 +42,8 @@ NAMES = {
     "friction": "σB",
 }
 
-# Largest expected relative standard deviation of a factor, which remains positive then, and largest relative
-# error that is found.
-WIDEST, MOST = 1.0 / 3.0, 0.9
+# Largest relative error that is found.
+MOST = 0.9
 
 # Steps of the fit: the full length at first, and half of it where contacts that open and close make it swing.
 # It ends when no error changes by more than ENOUGH of its standard deviation.
@@ -107,16 +106,15 @@ def explain(
     design: Design | Surface,
     *,
     model: Model | None = None,
-    expected: Mapping[str, float] | None = None,
 ) -> Explanation:
     """Return the errors of a part that explain why its measured law differs from the design.
 
     The tilt, a common factor of all heights, E* and sigma B are fitted by least squares to friction forces,
     and to the areas of the single contacts or to their sum. The errors count as measured values of 0 with
-    their expected standard deviations. The covariance of the measured values includes the errors of the loads
-    and of the single heights. Values are those of the model; their derivatives are those of contacts without
-    interaction, so that each step solves the model once. Tarantola, Inverse Problem Theory (SIAM, 2005),
-    doi:10.1137/1.9780898717921, section 3.2.3.
+    their expected standard deviations: 0.05 degrees about either axis, 2 %, 5 % and 5 %. The covariance of
+    the measured values includes the errors of the loads and of the single heights, 0.9 um. Values are those
+    of the model; their derivatives are those of contacts without interaction, so that each step solves the
+    model once. Tarantola, Inverse Problem Theory (SIAM, 2005), doi:10.1137/1.9780898717921, section 3.2.3.
 
     Parameters
     ----------
@@ -125,10 +123,6 @@ def explain(
     design : Design or Surface
     model : Model, optional
         Default: the model of the design; for a Surface, independent asperities.
-    expected : mapping of str to float, optional
-        Expected standard deviations that differ from the default: ``angle`` [rad], ``height_scale``,
-        ``composite_modulus``, ``friction`` [-], and ``height``, of each single height [mm]. An error with the
-        standard deviation 0 is left out. Default: 0.05 degrees, 2 %, 5 %, 5 % and 0.9 um.
 
     Returns
     -------
@@ -155,13 +149,6 @@ def explain(
     check.instance("measured", measured, MeasuredLaw, "a metafem.calibration.MeasuredLaw")
     surface = design.surface if isinstance(design, Design) else design
     check.instance("design", surface, Surface, "a metafem.Design or a metafem.Surface")
-    unknown = set(expected or {}) - EXPECTED.keys()
-    refuse_if(unknown, f"expected = {shown(sorted(unknown))} must be names of {', '.join(EXPECTED)}")
-    most = {"angle": STEEPEST, "height": math.inf}
-    prior = {
-        name: check.number(f"{name}_sd", value, at_least=0.0, at_most=most.get(name, WIDEST))
-        for name, value in {**EXPECTED, **(expected or {})}.items()
-    }
     usual = design.law.model if isinstance(design, Design) else Independent(contact=usual_law(surface))
     friction = measured.friction or surface.friction
     without = "measured friction forces need a design or a measured law with a Friction"
@@ -169,9 +156,8 @@ def explain(
     last = 0 if measured.site is None else int(measured.site.max())
     refuse_if(last >= surface.count, f"site names asperity {last}; the design has {surface.count}, from 0")
     stress = friction.stress if friction is not None and measured.friction_force is not None else None
-    fit = _Fit(measured, surface, usual if model is None else checked_model(model), stress, prior["height"])
-    sd = {name: prior.get(name, prior["angle"]) for name in NAMES if name != "friction" or stress is not None}
-    sd = {name: value for name, value in sd.items() if value > 0.0}
+    fit = _Fit(measured, surface, usual if model is None else checked_model(model), stress)
+    sd = {name: value for name, value in EXPECTED.items() if name != "friction" or stress is not None}
     scale = np.array(list(sd.values()))
     ends = np.array([STEEPEST if name.startswith("angle") else MOST for name in sd])
     error = np.zeros(len(sd))
@@ -201,7 +187,6 @@ class _Fit:
     surface: Surface
     model: Model
     stress: float | None
-    height_sd: float
 
     def part(self, error: Mapping[str, float]) -> Surface:
         """Return the part with errors."""
@@ -259,9 +244,9 @@ class _Fit:
             if name == "friction" and self.stress is not None:
                 column[: len(loads)] = value[: len(loads)] / factor
         by_loads = by_load[:, :, None] * law.load_sd * np.eye(len(loads))[:, None]
-        change = self.values(np.concatenate([self.height_sd * by_height, by_loads], axis=2), factor)
+        change = self.values(np.concatenate([HEIGHT * by_height, by_loads], axis=2), factor)
         # a contact that is found or computed to be open has at least the area error of a touching contact
-        least = law.errors.of_open + self.height_sd * float(slope.max())
+        least = law.errors.of_open + HEIGHT * float(slope.max())
         sd = np.maximum(self.own("_sd"), np.where(np.minimum(self.own(), value) <= 0.0, least, 0.0))
         root = np.linalg.cholesky(np.diag(sd**2) + change @ change.T)
         right = np.column_stack([self.own() - value, *slopes])

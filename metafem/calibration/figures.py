@@ -1,4 +1,4 @@
-"""Figures of the contacts found in an image, and of made surfaces."""
+"""Figure of the contacts found in an image."""
 
 from __future__ import annotations
 
@@ -8,17 +8,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from metafem.drawing import calibration as lines
 from metafem.drawing import contacts as drawing
-from metafem.drawing import new_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from metafem.calibration.images import ContactAreas
     from metafem.calibration.sites import Placed
-    from metafem.calibration.topography import MadeSurface
-    from metafem.prediction import FrictionLaw
 
 
 def found_figure(
@@ -48,20 +44,4 @@ def found_figure(
     ):
         drawing.numbers(ax, away[which], [str(n) for n in np.array(number)[which]], colour)
     drawing.heading(ax, title)
-    return figure
-
-
-def made_figure(
-    made: MadeSurface,
-    designed: FrictionLaw,
-    law: FrictionLaw,
-) -> Figure:
-    """Return a figure of the height errors at the sites and over height, the residuals and the two laws."""
-    figure = new_figure(10.0, 8.4)
-    (sites, residual), (heights, laws) = figure.subplots(2, 2)
-    design = made.design
-    lines.height_errors(sites, design.position[made.site], made.height_error, design.position[made.missing])
-    lines.residual_map(residual, made.residual, *made.extent)
-    lines.errors_over_height(heights, design.height[made.site], made.height_error, made.height_sd)
-    lines.made_law(laws, designed.rescaled_load, designed.area, law.area)
     return figure

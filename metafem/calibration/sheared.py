@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.linalg import block_diag
 
 from metafem import _validate as check
 from metafem._validate import FloatArray
@@ -21,8 +20,6 @@ from metafem.calibration.statistics import (
     Estimate,
     Line,
     MeasurementErrors,
-    Verdict,
-    checked_covariance,
     each_test,
     positive,
     scatter,
@@ -32,8 +29,7 @@ from metafem.contact.elastic import usual_law
 from metafem.errors import InvalidInput, refuse_if
 from metafem.material import Friction
 from metafem.models import Independent, Model
-from metafem.models.model import contact_of
-from metafem.notes import Note, information
+from metafem.notes import information
 from metafem.prediction import equilibrium, friction_law
 from metafem.surface import Surface
 
@@ -55,9 +51,6 @@ SLIDING, ROUNDING = (0.1, 0.2), 1e-12
 # Relative step of central differences. The error of a difference is about the square of the step, and the
 # rounding error 1e-16 over the step.
 STEP = 1e-4
-
-# Parameters whose errors affect the sigma of a part in full contact.
-PARAMETERS = ("composite_modulus", "area_ratio", "radius")
 
 RESIST = "forces that resist sliding are positive"
 
@@ -94,7 +87,7 @@ def proportional(measured: FloatArray, deviation: Sequence[Deviation]) -> variab
     return variables.fit(model, y, of, factor, start[..., None], (least[..., None], np.inf))
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class ShearCalibration(Calibration):
     """Area ratio B and shear strength sigma of sheared contacts, with their errors.
 
@@ -102,8 +95,11 @@ class ShearCalibration(Calibration):
     ----------
     area_ratio, shear_strength : float
         Area ratio B [-] and shear strength sigma [MPa].
-    covariance : ndarray, (2, 2)
-        Covariance of B and sigma, in this order. They are correlated because both depend on the sheared area.
+    friction : metafem.Friction
+    estimates : mapping of str to Estimate
+        Value, standard deviation and 68 % interval of B and sigma.
+    parameters, covariance : tuple of str, and ndarray, (2, 2)
+        Names and covariance of B and sigma. They are correlated because both depend on the sheared area.
     lines : (Line, Line)
         The lines ``Af = B A0`` and ``F = sigma Af`` with their points and verdicts.
     area_fitted : ndarray, (k,)
@@ -113,9 +109,6 @@ class ShearCalibration(Calibration):
     heterogeneity : Verdict or None
         Whether the tests agree; None for a single test.
     notes : tuple of Note
-    friction : metafem.Friction
-    estimates : dict of str to Estimate
-        Value, standard deviation and 68 % interval of B and sigma.
 
     Examples
     --------
@@ -126,35 +119,22 @@ class ShearCalibration(Calibration):
     (0.85, 0.37)
     """
 
-    area_ratio: float
-    shear_strength: float
-    covariance: FloatArray
-    lines: tuple[Line, Line]
     area_fitted: FloatArray
-    tests: Mapping[str, ShearCalibration | None] = field(default_factory=dict)
-    heterogeneity: Verdict | None = None
-    notes: tuple[Note, ...] = ()
 
-    # Names of the rows of `covariance`, for `joint_covariance`.
-    parameters = ("area_ratio", "shear_strength")
+    @property
+    def area_ratio(self) -> float:
+        """Area ratio B [-]."""
+        return self.estimates["area_ratio"].value
+
+    @property
+    def shear_strength(self) -> float:
+        """Shear strength sigma [MPa]."""
+        return self.estimates["shear_strength"].value
 
     @property
     def friction(self) -> Friction:
         """Friction with the fitted area ratio, or 1 if errors make it larger, and the shear strength."""
         return Friction(self.shear_strength, min(self.area_ratio, 1.0))
-
-    @property
-    def parameter_covariance(self) -> FloatArray:
-        """Covariance of B [-] and sigma [MPa], for `joint_covariance`."""
-        return self.covariance
-
-    @property
-    def estimates(self) -> dict[str, Estimate]:
-        """Estimates of B and sigma."""
-        return {
-            name: positive(getattr(self, name), self.covariance[i, i])
-            for i, name in enumerate(self.parameters)
-        }
 
 
 def shear(
@@ -231,12 +211,16 @@ def shear(
     )
     tests = each_test(test, len(before), lambda rows: shear(*points[:, rows], errors=errors))
     fitted = [each for each in tests.values() if each is not None]
+    names, values = ("area_ratio", "shear_strength"), (float(ratio), float(strength))
+    variances = np.diagonal(covariance).tolist()
     found = ShearCalibration(
-        *(float(ratio), float(strength), covariance),
-        _lines(points, float(ratio), float(strength), value, errors),
-        value,
-        tests,
-        scatter(
+        estimates=dict(zip(names, map(positive, values, variances), strict=True)),
+        parameters=names,
+        covariance=covariance,
+        lines=_lines(points, *values, value, errors),
+        area_fitted=value,
+        tests=tests,
+        heterogeneity=scatter(
             [(each.area_ratio, each.shear_strength) for each in fitted],
             [each.covariance for each in fitted],
         ),
@@ -280,93 +264,15 @@ def _lines(
     return found[0], found[1]
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class StrengthFit(Calibration):
-    """Shear strength from a surface in full contact, with its errors.
-
-    Attributes
-    ----------
-    shear_strength : float
-        Shear strength sigma [MPa].
-    parameters : tuple of str
-        Names of the rows of `covariance`: the parameters of the call, then ``shear_strength``.
-    covariance : ndarray, (p, p)
-        Covariance of `parameters`, in mm, MPa and 1.
-    measured_sd : float
-        Standard deviation of sigma due to the errors of loads and friction forces only [MPa].
-    line : Line
-        Friction forces over predicted areas before shear, with their verdict.
-    area_ratio : float
-        Area ratio B that was used [-].
-    friction : metafem.Friction
-    estimates : dict of str to Estimate
-        Value, standard deviation and 68 % interval of sigma.
-
-    Examples
-    --------
-    >>> import metafem as mf
-    >>> surface = mf.Surface.square_lattice(
-    ...     0.1, radius=0.526, material=mf.Material(1.36), friction=mf.Friction(0.4, 0.85)
-    ... )
-    >>> law = mf.friction_law(surface, load=[0.5, 1.0, 1.5])
-    >>> measured = mf.calibration.MeasuredLaw(
-    ...     law.load, friction_force=law.friction_force, material=surface.material, friction=surface.friction
-    ... )
-    >>> mf.calibration.shear_strength(measured, surface, 0.5)
-    <StrengthFit: shear_strength = 0.4 ± 0.0026 MPa, 3 points, fits>
-    """
-
-    shear_strength: float
-    parameters: tuple[str, ...]
-    covariance: FloatArray
-    measured_sd: float
-    line: Line
-    area_ratio: float
-
-    @property
-    def parameter_covariance(self) -> FloatArray:
-        """Covariance of the parameters, for `metafem.calibration.joint_covariance`."""
-        return self.covariance
-
-    @property
-    def lines(self) -> tuple[Line, ...]:
-        """The fitted line."""
-        return (self.line,)
-
-    @property
-    def notes(self) -> tuple[Note, ...]:
-        """Note on a line that does not fit."""
-        return tuple(self.doubts())
-
-    @property
-    def friction(self) -> Friction:
-        """Friction with the fitted shear strength and the area ratio that was used."""
-        return Friction(self.shear_strength, self.area_ratio)
-
-    @property
-    def estimates(self) -> dict[str, Estimate]:
-        """Estimate of sigma."""
-        return {"shear_strength": positive(self.shear_strength, self.covariance[-1, -1])}
-
-
 def shear_strength(
-    law: MeasuredLaw,
-    surface: Surface,
-    load_min: float,
-    *,
-    model: Model | None = None,
-    covariance: ArrayLike | None = None,
-    parameters: Sequence[str] = PARAMETERS[:2],
-) -> StrengthFit:
-    """Return the shear strength sigma, fitted to friction forces at loads with all asperities in contact.
+    law: MeasuredLaw, surface: Surface, load_min: float, *, model: Model | None = None
+) -> Estimate:
+    """Return the shear strength sigma [MPa], fitted to friction forces of a part in full contact.
 
-    At these loads no new contacts form, and the predicted area A0(P) hardly depends on the heights. The fit
-    of ``F = sigma B A0(P)`` takes the errors of load and friction force into account and gives sigma B, which
-    is divided by B. The relative sensitivity of sigma to E*, ``dlog(sigma)/dlog(E*)``, is about 2/3. The
-    sensitivity to B is -1, and the sensitivity to the radius is about -2/3. If E* was calibrated with caps of
-    the same radius, E* is proportional to the radius, and the effect of an error of the radius on sigma
-    nearly cancels. Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234, supplementary text
-    "Model parameter values".
+    The line ``F = sigma B A0`` is fitted to the friction forces, with the area A0 that the model predicts at
+    each load. Both have errors. The errors of E*, B and the radii are not included: an error of B changes
+    sigma by the same factor. Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234,
+    supplementary text "Model parameter values".
 
     Parameters
     ----------
@@ -376,20 +282,15 @@ def shear_strength(
         Designed or measured surface with its E*. Its friction provides the area ratio B; if it has no
         friction, the law provides B.
     load_min : float
-        Smallest load that is used [N].
+        Smallest load that is used [N], at which all asperities are in contact.
     model : Model, optional
         Model of the contact area; default: independent asperities with the contact law `Hertz`, or `Elastic`
         if a summit has no finite curvature.
-    covariance : array_like, (p, p), optional
-        Covariance of the `parameters`, in mm, MPa and 1; default: no errors.
-    parameters : sequence of str
-        Names of the rows of `covariance`: ``radius`` (the mean radius; all radii change by the same factor),
-        ``composite_modulus`` and ``area_ratio``; default: the last two. The names from
-        `metafem.calibration.joint_covariance` are accepted, and ``shear_strength`` is ignored.
 
     Returns
     -------
-    StrengthFit
+    Estimate
+        Value, standard deviation and 68 % interval of sigma [MPa].
 
     Raises
     ------
@@ -405,87 +306,36 @@ def shear_strength(
     ...     [0.1, 0.2, 0.3], friction_force=[0.127, 0.2, 0.264],
     ...     material=surface.material, friction=mf.Friction(0.4, 0.85),
     ... )
-    >>> shear_strength(law, surface, 0.1)
-    <StrengthFit: shear_strength = 0.3987 ± 0.0052 MPa, 3 points, fits>
+    >>> found = shear_strength(law, surface, 0.1)
+    >>> round(found.value, 4), round(found.sd, 4)
+    (0.3987, 0.0052)
     """
     check.instance("law", law, MeasuredLaw, "a metafem.calibration.MeasuredLaw")
     check.instance("surface", surface, Surface, "a metafem.Surface")
     least = check.number("load_min", load_min, above=0.0)
     solver = Independent(contact=usual_law(surface)) if model is None else model
-    names, known = checked_covariance(parameters, covariance, PARAMETERS, "shear_strength")
-    friction = surface.friction or law.friction
-    if law.friction_force is None or law.friction_force_sd is None:
-        raise InvalidInput("law has no friction forces; sigma needs them")
-    if friction is None:
+    friction, force, force_sd = surface.friction or law.friction, law.friction_force, law.friction_force_sd
+    if force is None or force_sd is None or friction is None:
         raise InvalidInput(
-            "the area ratio B is not known; give the surface a friction=metafem.Friction(shear_strength, "
-            "area_ratio), whose shear strength is not used"
+            "sigma needs a law with friction forces, and the area_ratio B of a metafem.Friction"
         )
     used = law.load >= least
     refuse_if(used.sum() < 2, f"law has {int(used.sum())} points from {least:g} N on; sigma needs at least 2")
-    _refuse_open(surface, solver, least)
-    load, force, load_sd = law.load[used], law.friction_force[used], law.load_sd[used]
-    area, slope = _areas(surface, solver, load)
-    area_sd, of_force, force_sd = slope * load_sd, law.errors.of_friction_force, law.friction_force_sd[used]
+    opened = int((equilibrium(surface, solver, load=least).asperity_area <= 0.0).sum())
+    must = f"is too small: {opened} of {surface.count} asperities are not in contact at this load"
+    refuse_if(opened, must, key="load_min", value=load_min)
+    load, force, force_sd = law.load[used], force[used], force_sd[used]
+    single, places = np.unique(load * (1.0 + STEP * np.array([[-1.0], [0.0], [1.0]])), return_inverse=True)
+    low, area, high = friction_law(surface, solver, load=single).area[places].reshape(3, -1)
+    area_sd = (high - low) / (2.0 * STEP * load) * law.load_sd[used]
     # default standard deviations are computed from the fitted force, because the measured force is noisy
+    of_force = law.errors.of_friction_force
     of = of_force if np.allclose(force_sd, of_force(force), rtol=1e-9) else lambda _: force_sd
     fit = proportional(np.stack([area, force]), (lambda _: area_sd, of))
-    factor, variance = float(fit.parameter[0]), float(fit.covariance[0, 0])
+    factor, ratio = float(fit.parameter[0]), float(friction.area_ratio)
     refuse_if(factor <= 0.0, f"friction_force is not positive: sigma B = {factor:.4g} MPa; {RESIST}")
-    fitted_sd = of(factor * fit.abscissa[:, 0])
-    spread = np.hypot(fitted_sd, factor * area_sd)
-    ratio = float(friction.area_ratio)
     strength = float(factor / ratio)
-    # relative changes of sigma with each parameter, through the areas (weighted as in the fit) or through B
-    weight = area / spread**2 / ((area / spread) ** 2).sum()
-    change = {
-        "composite_modulus": lambda: float(weight @ (load * slope)) / surface.material.composite_modulus,
-        "area_ratio": lambda: -1.0 / ratio,
-        "radius": lambda: -float(weight @ _growth(surface, solver, load)) / float(surface.radius.mean()),
-    }
-    gradient = strength * np.array([change[name]() for name in names])
-    jacobian = np.vstack([np.eye(len(names), len(names) + 1), np.append(gradient, 1.0)])
-    axes = "predicted area  A0 [mm²]", COLUMNS["friction_force"]
-    return StrengthFit(
-        shear_strength=strength,
-        parameters=(*names, "shear_strength"),
-        covariance=jacobian @ block_diag(known, variance / ratio**2) @ jacobian.T,
-        measured_sd=math.sqrt(variance) / ratio,
-        line=straight("F = sigma B A0", axes, (area, force, area_sd, fitted_sd), factor, spread),
-        area_ratio=ratio,
-    )
-
-
-def _growth(surface: Surface, model: Model, load: FloatArray) -> FloatArray:
-    """Return the derivative of A0 with respect to the logarithm of all radii [mm^2], (k,)."""
-    low, high = (
-        _areas(surface.replaced(radius=surface.radius * (1.0 + sign * STEP)), model, load)[0]
-        for sign in (-1.0, 1.0)
-    )
-    return (high - low) / (2.0 * STEP)
-
-
-def _areas(surface: Surface, model: Model, load: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return A0 [mm^2] and dA0/dP [mm^2/N] at loads in any order, (k,) each."""
-    wanted = load * (1.0 + STEP * np.array([[-1.0], [0.0], [1.0]]))
-    single, places = np.unique(wanted, return_inverse=True)
-    low, area, high = friction_law(surface, model, load=single).area[places].reshape(wanted.shape)
-    return area, (high - low) / (2.0 * STEP * load)
-
-
-def _refuse_open(surface: Surface, model: Model, load: float) -> None:
-    """Raise InvalidInput if an asperity is open; the message states a sufficient load."""
-    opened = int((equilibrium(surface, model, load=load).asperity_area <= 0.0).sum())
-    if opened:
-        alone = Independent(contact=contact_of(model))
-        least = equilibrium(surface, alone, approach=float(np.ptp(surface.height))).load
-        unit = 10.0 ** (math.floor(math.log10(least)) - 2)  # unit of the third digit
-        raise InvalidInput(
-            f"is too small: {opened} of {surface.count} asperities are not in contact at this load; all are "
-            f"from {math.ceil(least / unit) * unit:g} N on without interaction",
-            key="load_min",
-            value=load,
-        )
+    return positive(strength, float(fit.covariance[0, 0]) / ratio**2)
 
 
 def at_peak(displacement: ArrayLike, friction_force: ArrayLike, values: ArrayLike | None = None) -> float:

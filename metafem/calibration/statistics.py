@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -193,34 +192,32 @@ def straight(
     return Line(name, axes, x, y, x_sd, y_sd, ends, factor * ends, (y - factor * x) / spread)
 
 
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Calibration(Value):
-    """Base class of the results of calibrations: estimates, lines with verdicts, tests and notes."""
+    """Base class of the results of calibrations.
 
-    # The fits to tests that were pooled by their labels, None for a test without a fit, and their agreement.
-    tests: Mapping[str, Calibration | None] = MappingProxyType({})
+    Attributes
+    ----------
+    estimates : mapping of str to Estimate
+        Value, standard deviation and 68 % interval of each quantity.
+    parameters, covariance : tuple of str, and ndarray, (p, p)
+        Names and covariance of the parameters for `metafem.studies.uncertainty` and `joint_covariance`.
+    lines : tuple of Line
+        Fitted laws with their points.
+    tests : mapping of str to Calibration
+        Calibration by each test if there are several; None for a test without a fit.
+    heterogeneity : Verdict or None
+        Whether the tests agree; None for a single test.
+    notes : tuple of Note
+    """
+
+    estimates: Mapping[str, Estimate]
+    parameters: tuple[str, ...]
+    covariance: FloatArray
+    lines: tuple[Line, ...]
+    tests: Mapping[str, Any] = field(default_factory=dict)
     heterogeneity: Verdict | None = None
-
-    if TYPE_CHECKING:
-
-        @property
-        def estimates(self) -> dict[str, Estimate]:
-            """Value, standard deviation and 68 % interval of each quantity by name."""
-
-        @property
-        def lines(self) -> tuple[Line, ...]:
-            """Fitted laws with their points."""
-
-        @property
-        def notes(self) -> tuple[Note, ...]:
-            """What the result is to be read with."""
-
-        @property
-        def parameters(self) -> tuple[str, ...]:
-            """Names of the rows of `parameter_covariance`."""
-
-        @property
-        def parameter_covariance(self) -> FloatArray:
-            """Covariance of `parameters`."""
+    notes: tuple[Note, ...] = ()
 
     def __repr__(self) -> str:
         stated = [
@@ -365,15 +362,14 @@ def _accepted() -> tuple[FloatArray, FloatArray, FloatArray]:
 
 
 def checked_covariance(
-    names: Sequence[str], covariance: ArrayLike | None, known: Sequence[str], ignored: str = ""
+    names: Sequence[str], covariance: ArrayLike | None, known: Sequence[str]
 ) -> tuple[tuple[str, ...], FloatArray]:
     """Return the names of parameters and their covariance (p, p), or raise InvalidInput.
 
-    The names must be different names of `known`; the parameter `ignored` is left out. No covariance is that
-    of no parameters.
+    The names must be different names of `known`. No covariance is that of no parameters.
     """
     names = tuple(names)
-    unknown = set(names) - {*known, ignored} or len(set(names)) < len(names)
+    unknown = set(names) - set(known) or len(set(names)) < len(names)
     refuse_if(unknown, f"parameters = {shown(names)} must be different names of {', '.join(known)}")
     if covariance is None:
         return (), np.zeros((0, 0))
@@ -385,8 +381,7 @@ def checked_covariance(
     wrong = not symmetric or np.linalg.eigvalsh(scaled).min(initial=0.0) < -ASYMMETRY
     must = f"of {', '.join(names)} must be symmetric and positive semidefinite"
     refuse_if(wrong, f"covariance = {shown(matrix.tolist())} {must}")
-    rows = [i for i, name in enumerate(names) if name != ignored]
-    return tuple(names[i] for i in rows), matrix[np.ix_(rows, rows)]
+    return names, matrix
 
 
 def joint_covariance(*calibrations: Calibration) -> tuple[tuple[str, ...], FloatArray]:
@@ -394,7 +389,7 @@ def joint_covariance(*calibrations: Calibration) -> tuple[tuple[str, ...], Float
 
     Parameters
     ----------
-    *calibrations : ContactCalibration, ShearCalibration or StrengthFit
+    *calibrations : ContactCalibration or ShearCalibration
         Calibrations without a parameter in common.
 
     Returns
@@ -423,7 +418,7 @@ def joint_covariance(*calibrations: Calibration) -> tuple[tuple[str, ...], Float
     for name in names:
         twice = f"{name} is a parameter of two calibrations; pool their tests in one calibration"
         refuse_if(names.count(name) > 1, twice)
-    blocks = [each.parameter_covariance for each in calibrations]
+    blocks = [each.covariance for each in calibrations]
     return tuple(names), np.asarray(block_diag(*blocks)) if blocks else np.zeros((0, 0))
 
 

@@ -84,9 +84,8 @@ SCALE = 2e-3
 # another part, the errors are as large as the differences between heights.
 FOREIGN, FOREIGN_MEAN = 0.5, 0.05
 
-# Largest number of caps, hills or missing asperities whose places a note lists, and largest number of cells
-# along an axis of the residual map. The means over cells are less noisy than pixels.
-NAMED, MOST = 5, 300
+# Largest number of caps, hills or missing asperities whose places a note lists.
+NAMED = 5
 
 
 class Map(NamedTuple):
@@ -307,22 +306,6 @@ def fitted(levelled: Map, start: Cap) -> Fit | None:
     return None
 
 
-def pooled(value: FloatArray, covariance: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return (x, y, height, radius) of caps (n, 4) and their covariance (n, 4, 4) for one common radius.
-
-    The common radius R is the mean of the radii R_i, weighted by their inverse variances. The other
-    quantities v are corrected by their regression on the radius, ``v - C_vR / C_RR (R_i - R)``. Their
-    variance then includes the error of R instead of the error of R_i.
-    """
-    variance = covariance[:, 3, 3]
-    own = 1.0 / float((1.0 / variance).sum())
-    common = own * float((value[:, 3] / variance).sum())
-    slope = covariance[:, :, 3] / variance[:, None]
-    outer = slope[:, :, None] * slope[:, None, :]
-    changed = covariance - outer * variance[:, None, None] + outer * own
-    return value - slope * (value[:, 3] - common)[:, None], changed
-
-
 class Alignment(NamedTuple):
     """Sites of summits (m,), -1 for no site, and their positions in the design's coordinates (m, 2) [mm].
 
@@ -343,17 +326,11 @@ def aligned(centre: FloatArray, height: FloatArray, design: Surface, mirrored: b
     """Return the alignment of summits (m, 2) with heights (m,) to the sites of a design.
 
     Of the quarter turns and shifts with the largest number of matched summits, the one that fits the heights
-    is used. One or two summits are matched by their order.
+    is used.
     """
-    if min(len(centre), design.count) < FEWEST_SITES:
-        words = f"the map shows {len(centre)} caps and the design has {design.count} asperities"
-        few = f"{words}; at least {FEWEST_SITES} of each are needed to match them"
-        refuse_if(len(centre) != design.count, few)
-        axis = int(np.abs(centre[-1] - centre[0]).argmax())
-        site = np.empty(design.count, dtype=np.int64)
-        site[np.argsort(centre[:, axis])] = np.argsort(design.position[:, axis])
-        position = centre - centre.mean(axis=0) + design.position.mean(axis=0)
-        return Alignment(site, position, 0.0, 1.0, float((height - design.height[site]).std()), True)
+    words = f"the map shows {len(centre)} caps and the design has {design.count} asperities"
+    few = f"{words}; at least {FEWEST_SITES} of each are needed to match them"
+    refuse_if(min(len(centre), design.count) < FEWEST_SITES, few)
     points, sites = complex_points(centre), Sites(complex_points(design.position, mirrored))
     poses = sites.search(points, [0.5 * math.pi * quarter for quarter in range(4)], TURN)
     misfits = [float((height - design.height[pose.site])[pose.site >= 0].std()) for pose in poses]
@@ -391,10 +368,6 @@ class MadeSurface(Value):
         Standard deviation of the pixels' distances from the spheres [mm].
     rotation : float
         Angle of the part on the map, anticlockwise, including quarter turns [rad].
-    residual : ndarray, (rows, columns)
-        Map without base plane and spheres: means over square cells [mm].
-    extent : tuple of float
-        Width and height of the map [mm].
     notes : tuple of Note
     height_error, radius_error : ndarray, (n,)
         Made minus designed [mm].
@@ -404,12 +377,12 @@ class MadeSurface(Value):
     Examples
     --------
     >>> import metafem as mf
-    >>> design = mf.Surface([[0.0, 0.0]], [0.1], 0.526, mf.Material(1.36))
+    >>> design = mf.Surface.square_lattice(0.1, (1, 3), 1.2, radius=0.526, material=mf.Material(1.36))
     >>> x = 0.004 * (np.arange(300) - 149.5)
     >>> cap = np.sqrt(np.maximum(0.526**2 - x**2 - x[:, None] ** 2, 0.425**2)) - 0.425
-    >>> made = mf.calibration.made_surface(cap, 0.004, design)
+    >>> made = mf.calibration.made_surface(np.tile(cap, 3), 0.004, design)
     >>> made.height_error.round(6), made.missing
-    (array([0.001]), array([], dtype=int64))
+    (array([0.001, 0.001, 0.001]), array([], dtype=int64))
     """
 
     surface: Surface
@@ -423,8 +396,6 @@ class MadeSurface(Value):
     missing: IntArray
     roughness: float
     rotation: float
-    residual: FloatArray
-    extent: tuple[float, float]
     notes: tuple[Note, ...] = ()
 
     @property
@@ -449,7 +420,6 @@ def made_surface(
     design_surface: Surface,
     *,
     bow: bool = True,
-    common_radius: bool = False,
     mould: bool = False,
 ) -> MadeSurface:
     """Return the made surface: heights, radii and positions of the asperities on a map of heights.
@@ -461,7 +431,7 @@ def made_surface(
     are ``2 s l/a`` for the height, ``4 sqrt(3) s l R^2/a^3`` for the radius and ``2 s l R/a^2`` for each
     coordinate, to first order in a/R and l/a. No unbiased estimate is better by more than terms of order l/a.
     For caps 0.05 to 0.27 mm high with R = 0.526 mm and an arithmetic roughness of 1.2 um, the root mean
-    square error of the heights is at most 0.1 um up to l = 12 um, or up to l = 23 um with a common radius.
+    square error of the heights is at most 0.1 um up to l = 12 um.
     The returned standard errors are computed from the correlation of the measured residuals.
 
     Parameters
@@ -475,9 +445,6 @@ def made_surface(
     bow : bool
         Whether to subtract a second-order surface instead of a plane; default: True. This also subtracts a
         bow of the part itself. A block glued to glass has no bow, but a free block may have one.
-    common_radius : bool
-        Whether all caps have the same radius, for example because one tool made them; default: False. A
-        common radius halves the errors of the heights.
     mould : bool
         Whether the map shows the mould, whose holes form the caps, so that it is a mirror image of the part;
         default: False.
@@ -501,12 +468,12 @@ def made_surface(
     Examples
     --------
     >>> import metafem as mf
-    >>> design = mf.Surface([[0.0, 0.0]], [0.1], 0.526, mf.Material(1.36))
+    >>> design = mf.Surface.square_lattice(0.1, (1, 3), 1.2, radius=0.526, material=mf.Material(1.36))
     >>> x = 0.004 * (np.arange(300) - 149.5)
     >>> cap = np.sqrt(np.maximum(0.526**2 - x**2 - x[:, None] ** 2, 0.426**2)) - 0.426
-    >>> made = mf.calibration.made_surface(cap + 0.002 * x, 0.004, design)
+    >>> made = mf.calibration.made_surface(np.tile(cap, 3) + 5e-6 * np.arange(900), 0.004, design)
     >>> made.surface.height.round(6), made.surface.radius.round(6)
-    (array([0.1]), array([0.526]))
+    (array([0.1, 0.1, 0.1]), array([0.526, 0.526, 0.526]))
     """
     check.instance("design_surface", design_surface, Surface, "a metafem.Surface")
     design = design_surface
@@ -532,8 +499,6 @@ def made_surface(
     pixels = [np.count_nonzero(fit.distance) for fit in fits]
     variance = sum(float((fit.distance**2).sum()) for fit in fits) / sum(pixels)
     covariance = alike * variance * np.array([fit.inverse for fit in fits])
-    if common_radius:
-        value, covariance = pooled(value, covariance)
     place = aligned(value[:, :2], value[:, 2], design, mould)
     matched = np.flatnonzero(place.site >= 0)
     order = matched[np.argsort(place.site[matched])]
@@ -554,8 +519,6 @@ def made_surface(
         missing=missing,
         roughness=float(np.sqrt(np.mean([fit.sd**2 for fit in fits]))),
         rotation=place.rotation,
-        residual=_residual(levelled, value[order]),
-        extent=(pixel * len(surface.x), float(np.ptp(surface.y)) * len(surface.y) / (len(surface.y) - 1)),
         notes=tuple(_notes(design, value[:, :2], place, missing, [*other, *lost])),
     )
 
@@ -595,22 +558,6 @@ def _levelled(
     return base_plane(found, bow, ~on_hills), starts, other
 
 
-def _residual(levelled: Map, caps: FloatArray) -> FloatArray:
-    """Return means of a levelled map without its spheres (n, 4), over cells.
-
-    The mean height of a sphere over a cell of side s is s^2 / (12 R) below the height at the centre of the
-    cell. Therefore the spheres are subtracted from each pixel, before the means are taken.
-    """
-    rest = levelled._replace(z=levelled.z.copy())
-    for x, y, height, radius in caps.tolist():
-        foot = math.sqrt(max(height * (2.0 * radius - height), 0.0))
-        window = rest.window(x, y, foot)
-        square = (rest.x[window[1]] - x) ** 2 + (rest.y[window[0], None] - y) ** 2
-        under = np.maximum(radius**2 - square, (radius - height) ** 2)
-        rest.z[window] -= np.sqrt(under) - (radius - height)
-    return np.asarray(rest.cells(math.ceil(max(rest.z.shape) / MOST)).z, dtype=np.float64)
-
-
 def _notes(
     design: Surface, centre: FloatArray, place: Alignment, missing: IntArray, other: list[tuple[float, float]]
 ) -> Iterator[Note]:
@@ -630,13 +577,8 @@ def _notes(
             f"{place.misfit:g} mm, the designed heights {height.std():g} mm; check the design, and whether "
             "the map shows the mould"
         )
-    turn = round(math.degrees(place.rotation) / 90.0) % 4 * 90
     if not place.decided:
-        yield information(
-            "the heights do not show how the part was turned or shifted; the map is used as it is"
-        )
-    elif turn:
-        yield information(f"by its heights, the part is turned by {turn} degrees on the map")
+        yield information("the heights do not show how the part was turned or shifted on the map")
     if abs(place.scale - 1.0) > SCALE:
         larger = percent(place.scale - 1.0, "+.2g")
         yield Note(f"distances on the map differ from the design's by {larger}; check pixel_size")

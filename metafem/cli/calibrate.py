@@ -16,18 +16,16 @@ from metafem.cli.options import (
     command,
     force_option,
     json_option,
-    option_name,
     quantities,
-    quantity,
     refuse_files,
 )
 from metafem.cli.output import notes_data, show
-from metafem.cli.progress import loaded, progress
+from metafem.cli.progress import progress
 from metafem.errors import refuse_if
 from metafem.notes import Note, information
 
 if TYPE_CHECKING:
-    from metafem.calibration import ContactCalibration, MeasurementErrors, ShearCalibration, StrengthFit
+    from metafem.calibration import ContactCalibration, MeasurementErrors, ShearCalibration
     from metafem.files import CalibrationData
 
 # Options of the dimensions of a sample, and of the standard deviations: unit, example and help text.
@@ -53,9 +51,6 @@ ERRORS = {
 # Member of MeasurementErrors for each option of a standard deviation.
 MEMBERS = dict(zip(ERRORS, ("load", "boundary", "friction_force", "friction_relative"), strict=True))
 
-# Options of a part in full contact; all of them are needed.
-FULL = ("full_contact", "part", "load_min")
-
 # Name, unit and size of the unit of each quantity that is printed.
 PRINTED = {
     "composite_modulus": ("E*, composite modulus", "MPa", 1.0),
@@ -77,9 +72,6 @@ PRINTED = {
     *quantities(ERRORS),
     column_option,
     click.option(
-        "--sliding", is_flag=True, help="Use the sliding friction of records instead of the static one."
-    ),
-    click.option(
         "--contact",
         metavar="LAW",
         help='Contact law of the caps without adhesion, such as "elastic" or the table of a law. Default: '
@@ -90,15 +82,6 @@ PRINTED = {
         is_flag=True,
         help="Accept moduli outside 0.01 to 100 MPa, and contact radii outside 0.001 R to R.",
     ),
-    click.option(
-        "--full-contact",
-        type=Name(),
-        metavar="TABLE.csv",
-        help="Loads and friction forces (load_mN,friction_force_mN) of a part of which all asperities are in "
-        "contact: σ follows with its model, E* and B.",
-    ),
-    click.option("--part", type=Name(), metavar="DIR", help="Result folder of that part."),
-    quantity("load_min", "N", "0.5 N", "Smallest load that is used of it, such as {}."),
     click.option(
         "-o",
         "--output",
@@ -123,31 +106,29 @@ def calibrate(
     The columns determine the kind of a table. A compression test has load_mN,area_mm2 (or area_1_mm2,
     area_2_mm2 ... for single contacts). A shear test has area_before_mm2,area_sheared_mm2,friction_force_mN.
     The record of one pull has displacement_um,friction_force_mN,area_mm2. Tables of metafem images are also
-    read. Each table is one test, unless a column test holds labels. The shear strength σ can also be
-    determined from a part in full contact.
+    read. Each table is one test, unless a column test holds labels.
 
     Example: metafem calibrate compression.csv shear.csv --contacts 5 --radius "526 um" --radius-sd "5 um"
     """
     wrong = output is not None and output.suffix.lower() != ".toml"
     refuse_if(wrong, f"--output {output} must end with .toml")
     refuse_files(force, output)
-    sources = [str(path) for path in (*data, options["full_contact"]) if path is not None]
+    sources = [str(path) for path in data]
     refuse_if(not sources, "no table is given; write for example metafem calibrate compression.csv shear.csv")
     with progress():
         columns = columns_of(options["column"])
-        measured = mf.files.read_calibration(data, sliding=options["sliding"], columns=columns)
+        measured = mf.files.read_calibration(data, columns=columns)
         given = {} if measured.boundary is None else {"boundary": measured.boundary}
         given |= {MEMBERS[name]: options[name] for name in ERRORS if options[name] is not None}
         errors = mf.calibration.MeasurementErrors(**given)
         contact, shear = _contact(measured, options, errors, sources), _shear(measured, errors, sources)
-        strength = _strength(options, contact, shear, errors)
-        found = [each for each in (contact, shear, strength) if each is not None]
+        found = [each for each in (contact, shear) if each is not None]
         notes = [*measured.notes, *(note for each in found for note in each.notes), *_shared(measured)]
         if output is not None:
             cap = mf.files.section_named(options["contact"].split()) if options["contact"] else None
-            text = mf.files.calibration_text(contact, shear, strength, sources=sources, cap=cap)
+            text = mf.files.calibration_text(contact, shear, sources=sources, cap=cap)
             mf.files.write_text(output, text, force=force)
-    results = {"files": sources, **mf.files.calibration_data(contact, shear, strength)}
+    results = {"files": sources, **mf.files.calibration_data(contact, shear)}
     table = ("quantity", "value", "68 % interval", "unit", "± standard deviation"), [*_rows(found)], None
     lines = [text for each in found for text in _verdicts(each)]
     data_of_notes = {"notes": notes_data(notes)}
@@ -188,40 +169,6 @@ def _shear(
         return mf.calibration.shear(*points.values, errors=errors, test=points.test)
 
 
-def _strength(
-    options: Mapping[str, Any],
-    contact: ContactCalibration | None,
-    shear: ShearCalibration | None,
-    errors: MeasurementErrors,
-) -> StrengthFit | None:
-    """Return the fit of sigma to a part in full contact; None without the options of such a part.
-
-    E* and B are those of the other calibrations or, without them, of the part's result folder.
-    """
-    missing = [option_name(name) for name in FULL if options[name] is None]
-    if len(missing) == len(FULL):
-        return None
-    example = '--full-contact measured.csv --part linear --load-min "0.5 N"'
-    refuse_if(missing, f"{' and '.join(missing)} must be given too, as in {example}")
-    design = loaded(options["part"])
-    surface = design.surface
-    if contact is not None:
-        surface = surface.replaced(material=contact.material)
-    if shear is not None:
-        surface = surface.replaced(friction=shear.friction)
-    unknown = f"the part of {options['part']} has no friction; add a shear test"
-    refuse_if(surface.friction is None, f"the area ratio B is not known: {unknown}")
-    law = mf.files.read_measured_law(
-        options["full_contact"], surface.material, surface.friction, errors=errors
-    )
-    known: dict[str, Any] = {"model": design.law.model}
-    calibrations = [each for each in (contact, shear) if each is not None]
-    if calibrations:
-        names, covariance = mf.calibration.joint_covariance(*calibrations)
-        known |= {"covariance": covariance, "parameters": names}
-    return mf.calibration.shear_strength(law, surface, options["load_min"], **known)
-
-
 def _rows(found: list[Any]) -> Iterator[list[str]]:
     """Yield the row of each quantity."""
     from metafem.calibration.statistics import Estimate
@@ -229,12 +176,11 @@ def _rows(found: list[Any]) -> Iterator[list[str]]:
     for each in found:
         for name, (value, sd, (low, high)) in each.estimates.items():
             label, unit, size = PRINTED[name]
-            full = isinstance(each, mf.calibration.StrengthFit)
             scaled = Estimate(value / size, sd / size, (low / size, high / size))
             if name == "adhesion_energy":  # whose interval is asymmetric
                 scaled = scaled._replace(sd=0.5 * (high - low) / size)
             number, deviation = (mf.files.rounded(part, scaled.sd) for part in scaled[:2])
-            yield ["σ, full contact" if full else label, number, mf.files.interval(scaled), unit, deviation]
+            yield [label, number, mf.files.interval(scaled), unit, deviation]
 
 
 def _verdicts(found: Any) -> Iterator[str]:

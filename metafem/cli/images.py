@@ -57,8 +57,9 @@ def file_option(name: str, metavar: str, text: str, **more: Any) -> Any:
     ),
     click.option("--bright-contacts", is_flag=True, help="Contacts are brighter than the ground."),
     file_option("-o --output", "CONTACTS.csv", "Write the table of contacts to this file."),
-    file_option("--picture", "FOUND.png", "Draw what was found in one image: a file .png or .svg."),
-    click.option("--picture-of", metavar="IMAGE", help="This image. Default: the one with most contacts."),
+    file_option(
+        "--picture", "FOUND.png", "Draw what was found in the image with most contacts: a file .png or .svg."
+    ),
     column_option,
     force_option,
     json_option,
@@ -106,7 +107,7 @@ def images(
             mf.files.write_text(output, mf.files.contacts_table(tracked.table), force=force)
         if picture is not None:
             with doing("drawing the picture"):
-                mf.files.write_figure(picture, *_figure(found, options["picture_of"]), force=force)
+                mf.files.write_figure(picture, *_figure(found), force=force)
     files = [path for path in (output, picture) if path is not None]
     data = {
         "files": [str(path) for path in files],
@@ -128,8 +129,7 @@ def _measured(source: tuple[Path, ...], options: dict[str, Any]) -> dict[str, An
 
     with doing("opening the images"):
         files = {file.name: file for file in mf.files.find_images(source)}
-        name, table = options["picture_of"], options["forces"]
-        refuse_if(name not in (None, *files), f"--picture-of = {name} is not among the images")
+        table = options["forces"]
         if table is not None:
             table = mf.files.read_table(table, columns_of(options["column"]))
         forces, notes = mf.files.read_forces([*files], table)
@@ -168,14 +168,13 @@ def _sites(options: dict[str, Any]) -> dict[str, Any]:
     return {"site_position": position, "site_number": number, **view}
 
 
-def _figure(found: dict[str, Any], name: str | None) -> tuple[Any, str]:
-    """Return the figure of an image and its title; default: the image with the most contacts."""
+def _figure(found: dict[str, Any]) -> tuple[Any, str]:
+    """Return the figure of the image with the most contacts, and its title."""
     from metafem.calibration.figures import found_figure
 
     tracked = found["tracked"]
-    name = name or tracked.name
-    areas, placed = found["areas"].get(name), tracked.placed.get(name)
-    refuse_if(areas is None or placed is None, f"{name} has no contacts that could be drawn")
+    name = tracked.name
+    areas, placed = found["areas"][name], tracked.placed[name]
     what = "contact" if tracked.match is None else "site"
     number = tracked.table[what][: len(placed.position)].tolist()
     title = f"{name}: numbers are those of the column {what}"

@@ -41,12 +41,8 @@ DIGITS = 6
         "--height-unit", metavar="UNIT", help='Unit of the heights, "um", if MAP does not state it.'
     ),
     click.option("--mould", is_flag=True, help="The map shows the mould: its holes are the caps."),
-    click.option(
-        "--common-radius", is_flag=True, help="All caps have one radius; heights have half the errors."
-    ),
     click.option("--keep-bow", is_flag=True, help="Subtract a plane only, no bow."),
     file_option("-o --output", "MADE.csv", "Write the made surface to this file, for metafem predict."),
-    file_option("--picture", "MADE.png", "Draw height errors, residual map and laws: a file .svg or .png."),
     force_option,
     json_option,
     short_help="Measure a made surface on a height map.",
@@ -55,7 +51,6 @@ def topography(
     height_map: Path,
     folder: Path,
     output: Path | None,
-    picture: Path | None,
     force: bool,
     as_json: bool,
     **options: Any,
@@ -65,9 +60,9 @@ def topography(
     MAP is a height map in the format .x3p, .sur, .plux, .npy or in another format of a microscope. It
     is seen from the side of the asperities. Tilt and bow are subtracted, and a sphere is fitted to each cap.
 
-    Example: metafem topography part.x3p --design linear -o made.csv --picture made.svg
+    Example: metafem topography part.x3p --design linear -o made.csv
     """
-    refuse_files(force, output, figure=picture)
+    refuse_files(force, output)
     with progress():
         design = loaded(folder)
         stated = options.pop("pixel"), options.pop("height_unit")
@@ -78,14 +73,9 @@ def topography(
         except InvalidInput as error:
             raise InvalidInput(f"{printable(str(height_map))}: {error}") from None
         law = mf.friction_law(made.surface, design.law.model, load=design.law.load)
-        if picture is not None:
-            from metafem.calibration.figures import made_figure
-
-            figure = made_figure(made, design.law, law)
-            mf.files.write_figure(picture, figure, "made surface", force=force)
         if output is not None:
             mf.files.write_text(output, mf.files.made_table(made, design.sites), force=force)
-    files = [path for path in (output, picture) if path is not None]
+    files = [] if output is None else [output]
     data = _data(design, made, law) | {"files": [str(path) for path in files]}
     every = max(1, len(law.load) // LOADS)
     shown = list(zip(law.load, design.law.area, law.area, strict=True))[every - 1 :: every]
@@ -130,19 +120,12 @@ def _data(design: Design, made: MadeSurface, law: FrictionLaw) -> dict[str, Any]
             "designed": made.design.count,
             "site": design.sites[made.site],
             "missing": design.sites[made.missing],
-            "x_mm": made.surface.position[:, 0],
-            "y_mm": made.surface.position[:, 1],
             "height_mm": made.surface.height,
             "radius_mm": made.surface.radius,
-            "sd_position_mm": made.position_sd,
             "sd_height_mm": made.height_sd,
-            "sd_radius_mm": made.radius_sd,
             "height_error_mm": made.height_error,
             "errors": _errors(made),
             "roughness_um": UM * made.roughness,
-            "rotation_rad": made.rotation,
-            "tilt_rad": made.tilt,
-            "bow_per_mm": made.bow,
             "load_N": law.load,
             "designed_area_mm2": design.law.area,
             "made_area_mm2": law.area,

@@ -20,10 +20,8 @@ from metafem._validate import FloatArray
 from metafem.calibration import (
     ContactCalibration,
     ShearCalibration,
-    StrengthFit,
     at_peak,
     joint_covariance,
-    over_plateau,
 )
 from metafem.calibration.contact_table import by_image, pressed_images, sheared_points
 from metafem.calibration.statistics import UNITS, Estimate, Line, checked_covariance
@@ -101,9 +99,7 @@ class CalibratedParameters:
         return np.sqrt(np.diagonal(self.covariance))
 
 
-def read_calibration(
-    paths: Iterable[str | Path], *, sliding: bool = False, columns: Mapping[str, str] = NONE
-) -> CalibrationData:
+def read_calibration(paths: Iterable[str | Path], *, columns: Mapping[str, str] = NONE) -> CalibrationData:
     """Return the pooled data of tables of calibration tests; the columns determine the kind of a table.
 
     Parameters
@@ -116,13 +112,11 @@ def read_calibration(
         ``area``; the area is empty between the frames of the camera. Tables of ``metafem images`` are also
         read. A column ``test`` holds the labels of tests. Without this column, each table is one test, and
         all records together are one test.
-    sliding : bool
-        Whether the records yield sliding friction instead of static friction.
     columns : mapping of str to str
         Titles in the files by the names that they stand for; see `read_table`.
     """
     data, pressed, sheared = CalibrationData(), list[Points](), list[Points]()
-    boundaries, pulls = list[float | None](), False
+    boundaries = list[float | None]()
     files = [Path(path) for path in paths]
     stems = [path.stem for path in files]
     for path in files:
@@ -136,15 +130,9 @@ def read_calibration(
         boundaries.append(None)
         entries = COLUMNS.read(table)
         if "displacement" in entries.columns:
-            pulls = True
-            sheared.append(_pull(entries, sliding))
+            sheared.append(_pull(entries))
         else:
             _points(entries, label, pressed, sheared)
-    refuse_if(
-        sliding and not pulls,
-        "--sliding belongs to records of pulls, and no table has the columns "
-        "displacement_um,friction_force_mN,area_mm2 of one; leave it out",
-    )
     numbers = {part.values[1].shape[1]: part.place[0] for part in pressed if part.values[1].ndim == 2}
     found = " and ".join(f"{number} ({place})" for number, place in numbers.items())
     same = "tests that are pooled have the same contacts, so calibrate them one by one"
@@ -206,16 +194,15 @@ def _tests(entries: Entries, default: str) -> list[str]:
     return [printable(text, 60) for text in entries.texts("test")]
 
 
-def _pull(entries: Entries, sliding: bool) -> Points:
-    """Return the single point of static or sliding friction that the record of one pull yields."""
+def _pull(entries: Entries) -> Points:
+    """Return the single point of static friction that the record of one pull yields."""
     missing = [name for name in ("friction_force", "area") if name not in entries.columns]
     if missing:
         raise COLUMNS.lacking(entries, *missing)
     displacement, force = entries.numbers("displacement"), entries.numbers("friction_force")
     area = entries.numbers("area", empty=True)
-    value = over_plateau if sliding else at_peak
     with entries.located():
-        sheared, friction = value(displacement, force, area), value(displacement, force)
+        sheared, friction = at_peak(displacement, force, area), at_peak(displacement, force)
     before = area[np.isfinite(area)][:1]  # the first frame shows the contacts before shear
     values = before, np.array([sheared]), np.array([friction])
     return Points(values, (_tests(entries, "records")[0],), (entries.table.name,))
@@ -267,16 +254,11 @@ def of_tables(files: Sequence[str], places: Sequence[str] = ()) -> Iterator[None
         raise InvalidInput(f"{', '.join(files)}: {text}") from None
 
 
-def calibration_data(
-    contact: ContactCalibration | None, shear: ShearCalibration | None, strength: StrengthFit | None = None
-) -> dict[str, Any]:
-    """Return the results as numbers and texts; ``covariance`` holds values and covariance of the parameters.
-
-    If `strength` is present, its covariance is used, which includes the parameters of `contact` and `shear`.
-    """
-    kinds = {"compression": contact, "shear": shear, "full_contact": strength}
+def calibration_data(contact: ContactCalibration | None, shear: ShearCalibration | None) -> dict[str, Any]:
+    """Return the results for JSON; ``covariance`` has the values and the covariance of the parameters."""
+    kinds = {"compression": contact, "shear": shear}
     found = {kind: each for kind, each in kinds.items() if each is not None}
-    names, matrix = joint_covariance(*([strength] if strength else found.values()))
+    names, matrix = joint_covariance(*found.values())
     values = {} if contact is None else {"radius": contact.radius}
     for each in found.values():
         values |= {name: estimate.value for name, estimate in each.estimates.items()}
@@ -292,42 +274,33 @@ def calibration_data(
 def calibration_text(
     contact: ContactCalibration | None,
     shear: ShearCalibration | None,
-    strength: StrengthFit | None = None,
     *,
     sources: Sequence[str] = (),
     cap: Mapping[str, Any] | None = None,
 ) -> str:
     """Return the results as TOML: sections of a specification, and the section ``[covariance]``.
 
-    `cap` is the section of the contact law of the caps; default: that of Hertz. The shear strength is taken
-    from `strength` if it is present, otherwise from `shear`.
+    `cap` is the section of the contact law of the caps; default: that of Hertz.
     """
     lines = [FIRST, *(f"# Measured: {source}" for source in sources)]
     if contact is not None:
         modulus, energy = contact.estimates.values()
-        lines += ["", "[material]", _stated("composite_modulus", modulus, contact.line)]
+        lines += ["", "[material]", _stated("composite_modulus", modulus, contact.lines[0])]
         cap = cap or {"kind": "hertz"}
         low, high = (end / ENERGY for end in energy.interval)
         energy = Estimate(energy.value / ENERGY, 0.5 * (high - low), (low, high))
         lines += ["", "[contact]"]
         if contact.adhesive and cap["kind"] != "tabulated":
-            lines += ['kind = "jkr"', _stated("adhesion_energy", energy, contact.line, "mJ/m^2")]
+            lines += ['kind = "jkr"', _stated("adhesion_energy", energy, contact.lines[0], "mJ/m^2")]
             lines += ["", "[contact.cap]", *_keys(cap)] if cap["kind"] != "hertz" else []
         else:
             lines += [*_keys(cap), f"# The adhesion energy is {interval(energy, 'mJ/m^2')}."]
-    if shear is not None or strength is not None:
+    if shear is not None:
+        ratio = shear.estimates["area_ratio"]._replace(value=shear.friction.area_ratio)
         lines += ["", "[friction]"]
-        if strength is not None:
-            own = strength.estimates["shear_strength"]
-            lines += [_stated("shear_strength", own, strength.line), "# from a surface in full contact"]
-        elif shear is not None:
-            lines.append(_stated("shear_strength", shear.estimates["shear_strength"], shear.lines[1]))
-        if shear is not None:
-            ratio = shear.estimates["area_ratio"]._replace(value=shear.friction.area_ratio)
-            lines.append(_stated("area_ratio", ratio, shear.lines[0]))
-        elif strength is not None:
-            lines.append(f"area_ratio = {strength.area_ratio!r}  # that of the part")
-    lines += ["", "[covariance]", *_keys(calibration_data(contact, shear, strength)["covariance"])]
+        lines.append(_stated("shear_strength", shear.estimates["shear_strength"], shear.lines[1]))
+        lines.append(_stated("area_ratio", ratio, shear.lines[0]))
+    lines += ["", "[covariance]", *_keys(calibration_data(contact, shear)["covariance"])]
     return "\n".join(lines) + "\n"
 
 

@@ -23,9 +23,6 @@ HEADER = (
 
 COLUMNS = Columns(HEADER, ("image,load,contact,x,y,area,area_error",), "contact")
 
-# Columns that have one value for each image, and for each contact.
-OF_IMAGE, OF_CONTACT = ("load", "friction_force"), ("site", "x", "y")
-
 
 def contacts_table(table: DataFrame) -> str:
     """Return the CSV text of a table of contacts; numbers that were not measured are empty."""
@@ -59,6 +56,8 @@ def contacts_of(table: Table) -> DataFrame:
         | {name: entries.numbers(name, empty=True) for name in COLUMNS.units}
     )[list(NAMES)]
     of_image, of_contact = found.groupby(["test", "image"], sort=False), found.groupby("contact", sort=False)
+    alike = [(name, of_image, "image") for name in ("load", "friction_force")]
+    alike += [(name, of_contact, "contact") for name in ("site", "x", "y")]
     areas = [name for name in NAMES if "area" in name]
     rules = [
         ("image", found["image"] == "", "is empty; write the name of the image"),
@@ -73,14 +72,10 @@ def contacts_of(table: Table) -> DataFrame:
         *(
             (
                 name,
-                found[name].compare(group[name].transform("first"), keep_shape=True).notna().any(axis=1),
-                must,
+                group[name].transform("nunique", dropna=False) > 1,
+                f"differs from other lines of its {of}",
             )
-            for names, group, must in (
-                (OF_IMAGE, of_image, "differs from another line of its image"),
-                (OF_CONTACT, of_contact, "differs from another line of its contact"),
-            )
-            for name in names
+            for name, group, of in alike
         ),
         ("site", found.groupby("site")["contact"].transform("nunique") > 1, "belongs to another contact too"),
     ]

@@ -164,7 +164,7 @@ def _large_strain() -> Iterator[Row]:
         own = fitted(pressed(cap, RADII, ENERGY), contact=cap)
         shifts.append(abs(shift(small)))
         apparent = 1e6 * large.adhesion_energy
-        line = 1e6 * straight_line(large.line.x / 5.0, large.line.y / 5.0).adhesion_energy.item()
+        line = 1e6 * straight_line(large.lines[0].x / 5.0, large.lines[0].y / 5.0).adhesion_energy.item()
         yield reported(f"{name}: bias of E*, a/R up to 0.5", shift(small), FITTED)
         yield reported(f"{name}: bias of E*, a/R up to 0.76", shift(large), FITTED)
         yield reported(f"{name}: apparent w [mJ/m²], a/R up to 0.76, true 0", apparent, FITTED)

@@ -11,6 +11,7 @@ import metafem as mf
 from metafem._validate import FloatArray
 from metafem.calibration import MadeSurface
 from validation.check import Claim, Picture, Row, below, near, reported, rms
+from validation.figures import panels
 from validation.scenes.cap_bound import smallest_errors
 from validation.scenes.height_maps import Placement, Roughness, height_map
 from validation.sources import known_input, second_method
@@ -114,14 +115,17 @@ def _longest() -> list[float]:
     return [float(brentq(excess, 4e-3, 4e-2, (common,), xtol=1e-4)) for common in (False, True)]
 
 
-def _figure():
-    """A synthetic part of 16 asperities, measured on a height map: errors of the heights at their sites; what
-    is left of the map without plane and caps, which is roughness alone; the errors over the heights; and the
-    friction laws as designed and as made.
+@panels(8.0, 3.2, columns=2)
+def _figure(left, right):
+    """A synthetic part of 16 asperities, measured on a height map: the errors over the designed heights,
+    and the friction laws as designed and as made.
     """
-    from metafem.calibration.figures import made_figure
-
     part = _part(1)
-    law = mf.friction_law(part.design)
+    law, error = mf.friction_law(part.design), 1e3 * part.made.height_error
     made = mf.friction_law(part.made.surface, load=law.load)
-    return made_figure(part.made, law, made)
+    left.errorbar(1e3 * part.design.height[part.made.site], error, 1e3 * part.made.height_sd, fmt="o", ms=3.5)
+    left.set(xlabel="designed height [µm]", ylabel="height error [µm]")
+    right.plot(law.rescaled_load, law.area, label="designed")
+    right.plot(law.rescaled_load, made.area, "--", label="made")
+    right.set(xlabel="P/E* [mm²]", ylabel="A0 [mm²]")
+    right.legend()

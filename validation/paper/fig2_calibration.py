@@ -51,7 +51,7 @@ def compressed() -> ContactCalibration:
 def straight() -> Line:
     """Return the paper's straight line through the same points."""
     found = compressed()
-    return straight_line(found.line.x / CONTACTS, found.line.y / CONTACTS)
+    return straight_line(found.lines[0].x / CONTACTS, found.lines[0].y / CONTACTS)
 
 
 @cache
@@ -99,7 +99,7 @@ def claim() -> Claim:
 def _of_fig_2a():
     """Return the area at the load of Fig. 2A by the fitted law and by Hertz's, and half their difference."""
     load = 0.061
-    line = compressed().line
+    line = compressed().lines[0]
     fitted = float(np.interp(CONTACTS * load, line.fitted_x, line.fitted_y)) / CONTACTS
     a = (load / (MODULUS * hertz(1.0, RADIUS)[0])) ** (1.0 / 3.0)
     alone = math.pi * a**2
@@ -117,15 +117,15 @@ def _figure(first, line, areas, forces):
     """
     found, friction = compressed(), slid()
     bars = {"fmt": "o", "ms": 2.5, "lw": 0.8, "color": MEASURED}
-    load, area = found.line.x / CONTACTS, found.line.y / CONTACTS
+    load, area = found.lines[0].x / CONTACTS, found.lines[0].y / CONTACTS
     power = load ** (2.0 / 3.0)
     area_sd = 2.0 * ERRORS.boundary * np.sqrt(math.pi * area)
     power_sd = 2.0 / 3.0 * load ** (-1.0 / 3.0) * ERRORS.load / CONTACTS
     first.errorbar(power, area, area_sd, power_sd, **bars)
     hertz_slope = math.pi * (0.75 * RADIUS / MODULUS) ** (2.0 / 3.0)
     _proportional(first, power, hertz_slope, TARGET, "Hertz, 1.36 MPa")
-    x = (found.line.fitted_x / CONTACTS) ** (2.0 / 3.0)
-    first.plot(x, found.line.fitted_y / CONTACTS, "--", color=ACHIEVED, label="fitted, with adhesion")
+    x = (found.lines[0].fitted_x / CONTACTS) ** (2.0 / 3.0)
+    first.plot(x, found.lines[0].fitted_y / CONTACTS, "--", color=ACHIEVED, label="fitted, with adhesion")
     first.set(xlabel="p^(2/3) [N^(2/3)]", ylabel="a0 [mm²]")
     paper_line = straight()
     line.plot(paper_line.x, paper_line.y, "o", ms=2.5, color=MEASURED)

@@ -35,8 +35,8 @@ def test_exact_data_of_any_cap_give_e_and_w_back():
         found = fit_compression(5.0 * load_of(SMALL, cap), 5.0 * math.pi * SMALL**2, RADIUS, of_cap(cap, 5))
         assert found.composite_modulus == pytest.approx(MODULUS, rel=1e-9)
         assert found.adhesion_energy == pytest.approx(ENERGY, rel=1e-7)
-        assert found.line.residual == pytest.approx(0.0, abs=1e-6)
-        assert found.line.verdict.fits
+        assert found.lines[0].residual == pytest.approx(0.0, abs=1e-6)
+        assert found.lines[0].verdict.fits
 
 
 @settings(max_examples=20)
@@ -91,7 +91,7 @@ def test_areas_one_by_one_and_in_total_are_one_calibration_and_an_open_contact_b
     single = fit_compression(load, each, RADIUS, FIVE)
     assert single.composite_modulus == pytest.approx(total.composite_modulus, rel=1e-12)
     assert single.root_covariance == pytest.approx(total.root_covariance, rel=1e-9)
-    assert single.line.y_sd == pytest.approx(total.line.y_sd, rel=1e-9)
+    assert single.lines[0].y_sd == pytest.approx(total.lines[0].y_sd, rel=1e-9)
     each[:4, 2] = 0.0
     load[:4] *= 4.0 / 5.0
     assert fit_compression(load, each, RADIUS, FIVE).composite_modulus == pytest.approx(MODULUS, rel=1e-9)
@@ -107,7 +107,7 @@ def test_the_error_of_the_radius_enters_as_theory_says():
         np.outer(expected, expected), rel=2e-3
     )
     assert found.parameters == ("radius", "composite_modulus")
-    assert found.parameter_covariance[0, 1] == pytest.approx(0.005 * expected[0], rel=1e-3)
+    assert found.covariance[0, 1] == pytest.approx(0.005 * expected[0], rel=1e-3)
     assert "0.95 %" in str(found.notes[-1])
 
 
@@ -141,7 +141,7 @@ def test_without_adhesion_the_interval_of_w_begins_at_zero_and_a_negative_root_i
 def test_a_fit_to_another_law_says_so():
     other = 10.0 * AREA**1.1, 5.0 * AREA, RADIUS, FIVE
     found = fit_compression(*other)
-    assert not found.line.verdict.fits
+    assert not found.lines[0].verdict.fits
     assert any("does not fit" in str(note) for note in found.notes)
 
 
@@ -155,7 +155,7 @@ def test_intervals_and_covariances_follow_from_those_of_modulus_and_root():
 def test_the_modulus_without_adhesion_is_that_of_a_fit_without_it():
     q = mf.Hertz().load(A, RADIUS)
     slope = EXACT.composite_modulus * 1.5 * q / AREA
-    line = EXACT.line
+    line = EXACT.lines[0]
     weight = 1.0 / (line.x_sd**2 + (slope * line.y_sd) ** 2)
     modulus, sd = EXACT.modulus_without_adhesion
     assert modulus == pytest.approx((weight * q * line.x).sum() / (weight * q**2).sum(), rel=1e-3)
@@ -189,9 +189,9 @@ def test_it_draws_points_with_error_bars_and_the_law():
     ax = EXACT.plot()
     assert len(ax.containers) == 1
     x, y = ax.lines[-1].get_data()
-    assert x[-1] == pytest.approx(EXACT.line.x[-1], rel=1e-5)
+    assert x[-1] == pytest.approx(EXACT.lines[0].x[-1], rel=1e-5)
     assert y[[0, -1]] == pytest.approx([0.0, AREA[-1]])
-    assert np.interp(AREA, y, x) == pytest.approx(EXACT.line.x, abs=1e-5)
+    assert np.interp(AREA, y, x) == pytest.approx(EXACT.lines[0].x, abs=1e-5)
 
 
 def test_caps_of_any_kind_keep_their_shape_with_the_radius():

@@ -47,7 +47,7 @@ def test_the_blocks_of_calibrations_are_independent():
     names, matrix = joint_covariance(pressed, slid)
     assert names == ("radius", "composite_modulus", "area_ratio", "shear_strength")
     assert (matrix[:2, 2:] == 0.0).all()
-    assert (matrix[:2, :2] == pressed.parameter_covariance).all()
+    assert (matrix[:2, :2] == pressed.covariance).all()
     assert (matrix[2:, 2:] == slid.covariance).all()
     assert (matrix == matrix.T).all()
 

@@ -8,8 +8,7 @@ from scipy.ndimage import gaussian_filter
 from scipy.special import ndtri
 
 import metafem as mf
-from metafem.calibration.figures import made_figure
-from metafem.calibration.topography import SD_OF_MEDIAN, _map, aligned, base_plane, correlated, pooled
+from metafem.calibration.topography import SD_OF_MEDIAN, _map, aligned, base_plane, correlated
 from tests.calibration.topography.scenes import FOUR, PIXEL, damaged, lattice, mapped
 from validation.scenes.height_maps import Placement, Roughness, height_map
 
@@ -37,10 +36,6 @@ def test_heights_radii_and_positions_of_rough_caps_and_of_a_mould():
     assert not made.notes
     mould = made_surface(-rough[:, ::-1], PIXEL, FOUR, mould=True)
     np.testing.assert_allclose(mould.surface.height, made.surface.height, atol=1e-4)
-    common = made_surface(rough, PIXEL, FOUR, common_radius=True)
-    assert (common.height_sd < made.height_sd).all()
-    assert np.ptp(common.surface.radius) == 0.0
-    assert np.abs(common.height_error / common.height_sd).max() < 4.0
     other = FOUR.replaced(height=np.array([0.5, 2.0, 0.7, 1.6]) * FOUR.height)
     assert "heights" in str(made_surface(rough, PIXEL, other).notes[0])
 
@@ -105,25 +100,6 @@ def test_summits_are_matched_whichever_way_the_part_lay_on_the_map():
         assert np.abs(found.position - design.position[summits]).max() < 1e-3
         turned = -degrees if mirrored else degrees
         assert math.remainder(found.rotation - math.radians(turned), math.tau) == pytest.approx(0, abs=1e-3)
-    pair = mf.Surface([[0.0, 0.0], [0.1, 1.5]], [0.1, 0.2], 0.526, mf.Material(1.36))
-    found = aligned(pair.position[::-1] + 4.0, pair.height[::-1], pair, False)
-    assert found.site.tolist() == [1, 0]
-    np.testing.assert_allclose(found.position, pair.position[::-1], atol=1e-15)
-
-
-def test_an_exact_map_leaves_nothing_above_the_feet_and_is_drawn():
-    row = mf.Surface.square_lattice([0.05, 0.12, 0.2], (1, 3), radius=0.526, material=mf.Material(1.36))
-    exact = height_map(row, (160, 460), 0.01, **EXACT)
-    exact[20:40, 20:40] += 5e-3
-    made = made_surface(exact, 0.01, row)
-    np.testing.assert_allclose(made.extent, (4.6, 1.6))
-    assert made.residual.shape == (80, 230)
-    # caps and feet leave nothing: the spheres are subtracted at the pixels, not at the middles of cells
-    assert np.abs(made.residual[25:]).max() < 1e-6
-    np.testing.assert_allclose(made.residual[11:19, 11:19], 5e-3, atol=1e-6)
-    law = mf.friction_law(row)
-    figure = made_figure(made, law, mf.friction_law(made.surface, load=law.load))
-    assert [ax.get_ylabel() != "" for ax in figure.axes[:4]] == [True] * 4
 
 
 def test_equal_heights_decide_nothing():
@@ -155,24 +131,3 @@ def test_the_correlation_of_fitted_residuals_gives_the_variance_of_the_fit(width
     expected = variance * correlated(rest, 1, 5) / disc.sum()
     # the variance of 300 means has a relative standard error of sqrt(2 / 300), 8 %
     assert expected == pytest.approx(means.var(), rel=0.2)
-
-
-def test_a_common_radius_is_the_joint_least_squares_estimate():
-    rng = np.random.default_rng(2)
-    root = rng.normal(size=(3, 4, 4))
-    covariance = root @ root.transpose(0, 2, 1)
-    value = rng.normal(size=(3, 4))
-    found, error = pooled(value, covariance)
-    # unknowns: x, y, height of each of three caps, and one radius
-    matrix, weight = np.zeros((12, 10)), np.zeros((12, 12))
-    for i in range(3):
-        matrix[4 * i : 4 * i + 3, 3 * i : 3 * i + 3] = np.eye(3)
-        matrix[4 * i + 3, 9] = 1.0
-        weight[4 * i : 4 * i + 4, 4 * i : 4 * i + 4] = np.linalg.inv(covariance[i])
-    spread = np.linalg.inv(matrix.T @ weight @ matrix)
-    joint = spread @ matrix.T @ weight @ value.ravel()
-    np.testing.assert_allclose(found[:, :3].ravel(), joint[:9], atol=1e-9)
-    np.testing.assert_allclose(found[:, 3], joint[9], atol=1e-9)
-    for i in range(3):
-        at = [3 * i, 3 * i + 1, 3 * i + 2, 9]
-        np.testing.assert_allclose(error[i], spread[np.ix_(at, at)], atol=1e-8)

@@ -116,21 +116,3 @@ def test_the_covariance_is_handed_on_to_the_study(run, demo, tables):
         "--sd radius and --calibration both give"
         in run("study", "uncertainty", "linear", "--sd", "radius=2um", *options, "--force").refusal
     )
-
-
-def test_sigma_follows_from_a_part_in_full_contact(run, demo, tables):
-    demo("linear")
-    design = mf.load("linear")
-    law = mf.friction_law(design.surface, design.law.model, load=[0.2, 0.8, 1.0, 1.2])
-    table("part.csv", "load_N,friction_force_N", law.load, law.friction_force)
-    options = ("--full-contact", "part.csv", "--part", "linear")
-    words = run("calibrate", *options, "--load-min", "0.7 N", "-o", "part.toml").told
-    assert "σ, full contact 0.3580" in words
-    strength = tomllib.loads(Path("part.toml").read_text("utf-8"))["friction"]["shear_strength"]
-    assert float(strength.removesuffix(" MPa")) == pytest.approx(0.358, abs=1e-4)
-    # with B of the shear tests, and its error
-    both = run("calibrate", "shear.csv", *options, "--load-min", "0.7 N", "--json").data
-    assert both["covariance"]["parameters"] == ["area_ratio", "shear_strength"]
-    assert both["covariance"]["values"] == pytest.approx([0.85, 0.358], rel=1e-6)
-    assert "--load-min = 0.1 N" in run("calibrate", *options, "--load-min", "0.1 N").refusal
-    assert "--part must be given too" in run("calibrate", *options[:2], "--load-min", "1 N").refusal

@@ -102,10 +102,10 @@ def test_a_broken_image_is_named_and_the_others_are_measured(run, pictures):
 @pytest.mark.slow
 def test_a_stack_without_forces(run, tmp_path):
     tifffile.imwrite(tmp_path / "stack.tif", np.stack([shot(i) for i in range(3)]), photometric="minisblack")
-    picture = ("--picture", "one.svg", "--picture-of", "stack.tif:2")
+    picture = ("--picture", "one.svg")
     text = run("images", "stack.tif", "--pixel", "20 um", *picture).told
     assert "stack.tif:3 9" in " ".join(text.split())
-    assert "stack.tif:2" in Path("one.svg").read_text(encoding="utf-8")
+    assert "stack.tif:3" in Path("one.svg").read_text(encoding="utf-8")
 
 
 def test_a_drawing_into_the_folder_of_the_images_is_refused(run, pictures):

@@ -69,7 +69,7 @@ REFUSALS = [
     (("calibrate", "shear.csv", "-o", "a.txt"), "a.txt", ".toml"),
     (("calibrate", "negative.csv", *RADIUS), "negative.csv, line 3", "area = -1 mm^2"),
     ((*MAP[:2], "--design", "linear"), "part.npy", "pixels"),
-    ((*MAP, "--picture", "made.pdf"), "made.pdf", ".svg"),
+    (("images", "part.npy", "--pixel", "5 um", "--picture", "made.pdf"), "made.pdf", ".svg"),
     ((*MAP, "-o", "part.npy"), "part.npy", "exists"),
     (("images", "nosuchfolder", "--pixel", "5 um"), "nosuchfolder", "no such file"),
     (("images", "part.npy"), "--pixel", "Missing option"),

@@ -152,23 +152,6 @@ def test_fits_have_their_points_and_bars(ax):
     assert points(ax.lines[-1]) == np.column_stack([X, X - 2.0]).tolist()
 
 
-def test_errors_of_a_part_are_drawn_in_their_units(ax):
-    calibration.height_errors(ax, PLACES, np.array([1e-3, -2e-3, 0.0, 0.0]), PLACES[:1])
-    dots = ax.collections[0]
-    assert (dots.get_array().tolist(), dots.get_clim()) == ([1.0, -2.0, 0.0, 0.0], (-2.0, 2.0))
-    first, second, third, _ = drawing.new_figure(9.0, 9.0).subplots(2, 2).ravel()
-    calibration.errors_over_height(first, 0.1 * X, 1e-3 * X, 1e-4 * X)
-    for line, y in zip(first.lines[1:], (X, 2.0 * X), strict=False):
-        np.testing.assert_allclose(points(line), np.column_stack([100.0 * X, y]))
-    np.testing.assert_allclose(bars(first.containers[0])[0], np.column_stack([0.9 * X, 1.1 * X]))
-    calibration.residual_map(second, np.array([[1e-3, np.nan], [-3e-3, 0.0]]), 2.0, 1.0)
-    (image,) = second.images
-    assert image.get_array().tolist() == [[1.0, None], [-3.0, 0.0]]
-    assert image.get_clim() == pytest.approx((-2.96, 2.96))  # 99 % of the range
-    calibration.made_law(third, X, 2.0 * X, 3.0 * X)
-    assert [line.get_ydata()[-1] for line in third.lines] == [8.0, 12.0]
-
-
 def test_pictures_of_pages_are_equal_small_and_in_the_colours_of_the_page(ax):
     ax.plot([0.0, 1.0 / 3.0], [1.0, 2.0], "o-", color=drawing.ACHIEVED, label='a "name" at 1.23456 & #5')
     drawing.finished(ax.figure)

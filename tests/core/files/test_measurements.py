@@ -128,8 +128,6 @@ def test_shear_tests_and_records_are_points(read):
     assert (static.values[2].tolist(), static.test) == ([0.015] * 2, ("records",) * 2)
     np.testing.assert_allclose(static.values[1], 0.35, rtol=1e-12)
     np.testing.assert_allclose(static.values[0], 0.5, rtol=1e-12)
-    data = read(PULL, sliding=True)
-    np.testing.assert_allclose(data.shear.values[2], 0.012, rtol=1e-12)
 
 
 def test_contacts_of_images_are_points(read):
@@ -221,7 +219,7 @@ def toml(keys):
 
 def test_without_adhesion_the_modulus_is_that_of_no_adhesion():
     rising = adhesive(1e-5)
-    found = fit_compression(2.0 * 1.36 * 4.0 / 3.0 * A**3 / 0.526 - rising.line.x, np.pi * A**2, 0.526)
+    found = fit_compression(2.0 * 1.36 * 4.0 / 3.0 * A**3 / 0.526 - rising.lines[0].x, np.pi * A**2, 0.526)
     assert found.adhesion_energy == 0.0
     modulus, sd = found.modulus_without_adhesion
     table = tomllib.loads(files.calibration_text(found, None))
@@ -233,7 +231,7 @@ def test_without_adhesion_the_modulus_is_that_of_no_adhesion():
 
 def two_tests():
     """Return the calibration of two tests of which the second has twice the load."""
-    load = np.concatenate([PRESSED.line.x, 2.0 * PRESSED.line.x])
+    load = np.concatenate([PRESSED.lines[0].x, 2.0 * PRESSED.lines[0].x])
     return fit_compression(load, np.tile(np.pi * A**2, 2), 0.526, test=["a"] * 20 + ["b"] * 20)
 
 

@@ -289,8 +289,8 @@ TABLES = {
         (f"{FIRST}a,.05,2,4,1,0,-.2,.01\n", "line 3: area_mm2", "-.2"),
         (f"{FIRST}a,.05,2,4,1,0,,.01\n", "line 3: area_mm2", "area_error_mm2"),
         (f"{FIRST}a,.05,2,4,,0,.1,.01\n", "line 3: x_mm", "empty"),
-        (f"{FIRST}a,.06,2,4,1,0,.1,.01\n", "line 3: load_N", "'.06'"),
-        (f"{FIRST}b,.05,1,3,1,0,.1,.01\n", "line 3: x_mm", "'1'"),
+        (f"{FIRST}a,.06,2,4,1,0,.1,.01\n", "line 2: load_N", "'.05'"),
+        (f"{FIRST}b,.05,1,3,1,0,.1,.01\n", "line 2: x_mm", "'0'"),
         (f"{FIRST}a,.05,2,3,1,0,.1,.01\n", "line 2: site", "'3'"),
         ("image,load_N,contact,x_mm,y_mm,area_error_mm2,area_mm2,sheared_area_mm2\na,1,1,0,0,1,1,1\n",
         "line 2: sheared_area_error", "empty"),
@@ -303,7 +303,6 @@ TABLES = {
         (PULL + "".join(f"{i},{i},{5 - i}\n" for i in range(5)), "friction_force", "end of the record"),
         (f"{IMAGES}\na,,1,3,0,0,.1,.01\n", "t.csv", "no image has a load"),
     ],
-    partial(calibration, sliding=True): [("load_mN,area_mm2\n1,2\n", "--sliding", "displacement_um")],
     partial(files.read_forces, ["1.tif", "s.tif:1", "s.tif:2"]): [
         ("image,load_mN\n1.tif,\n", "line 2: load_mN", "empty"),
         ("image,load_mN\ns.tif,5\n", "t.csv", "s.tif is not among the images 1.tif, s.tif:1"),
