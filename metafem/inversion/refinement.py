@@ -16,6 +16,7 @@ from metafem.inversion.search import (
     AGREEING,
     EXACT_STEPS,
     GOAL,
+    MET,
     NEAR,
     NEARLY,
     Found,
@@ -40,6 +41,10 @@ REACHED = 0.01
 # The heights of a density miss their target beyond this misfit. Aymard et al. regard an error of 10 % in the
 # crossover load, the largest error in their comparisons, as a success.
 MISSED = 0.1
+
+# Misfit at which the search for heights of a density under a model ends. It is below half of the misfit up to
+# which a law counts as met, because an error of a slope counts half.
+DENSITY_GOAL = 0.4 * REACHED
 
 # Above this misfit under the model, heights are first sought for a corrected target; their largest number.
 CLOSE, CORRECTIONS = 5.0 * GOAL, 3
@@ -137,7 +142,9 @@ def _nearest(residual: Residual, goal: float, rng: np.random.Generator, first: l
         best.append(_with_fewer_tools(residual, search(residual, mixed, goal, rng, agreeing), goal))
     found = min(best, key=misfit_of)
     # under a model with interaction the heights change again
-    return _to_rounding(residual, found, rng, ATTEMPTS) if exact and not problem.model.couples else found
+    if not exact or problem.model.couples:
+        return found
+    return _to_rounding(residual, found, rng, ATTEMPTS if found.misfit <= MET else 1)
 
 
 def _with_fewer_tools(residual: Residual, best: Found, goal: float) -> Found:
@@ -194,13 +201,14 @@ def _refined(problem: Problem, candidate: Candidate, before: float, rng: np.rand
     model, exact = problem.model, problem.target.exact
     law = candidate.law if exact else candidate.law.thinned(DRAFT_LOADS if problem.draft else REFINED_LOADS)
     goal = POINT_GOAL if exact else 2.0 * GOAL if problem.draft else GOAL
+    goal = goal if candidate.density is None else DENSITY_GOAL
     if before <= (EXACT if exact else goal):
         return candidate.asperities
     start, residual = candidate.asperities, Residual.under_model(problem, law.aim, candidate.branches)
     starts = [start]
     if exact:
         starts = [_with_summits(problem, start), start]
-    elif model.couples and before > CLOSE:
+    elif model.couples and before > CLOSE and candidate.density is None:
         starts = [_corrected(residual, start, rng), start]
     # a step of interacting adhesive asperities takes a tenth of a second to a second
     slow = problem.tools.law.adhesive and model.couples

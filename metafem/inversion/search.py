@@ -61,9 +61,9 @@ PATIENCE, LEAST_PATIENCE, GAIN, CONTACTS = 40, 4, 0.05, 6_000_000
 # The same for a draft; and contacts that take as long as an adhesive one, and as each neighbour of one.
 PATIENCE_DRAFT, ADHESIVE, COUPLED = 2, 40.0, 0.15
 
-# Restarts agree if this number of them end within this factor of the best, or below a misfit at which every law
-# is met within 1 %; the largest number of restarts, and the number of random changes from the best asperities
-# to a new start.
+# Restarts agree if this number of them end within this factor of the best, or below a misfit at which every
+# law is met within 1 %; the largest number of restarts, and the number of random changes from the best
+# asperities to a new start.
 AGREEING, AGREE, MET, MOST_RESTARTS, FAR = 3, 1.1, 3e-3, 8, 5
 
 # If a law counts by its largest difference, the part of it that counts as the misfit of a search: differences
