@@ -220,7 +220,7 @@ def _refined(problem: Problem, candidate: Candidate, before: float, rng: np.rand
         if found[-1].misfit <= enough:
             break
     best = min(found, key=misfit_of)
-    if best.misfit > (GOAL if exact else goal) and not slow:
+    if best.misfit > (GOAL if exact else goal) and not slow and candidate.density is None:
         best = min(
             best, search(residual, [best.asperities], NEARLY if exact else goal, rng, 1), key=misfit_of
         )

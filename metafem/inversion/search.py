@@ -203,10 +203,6 @@ class Residual:
 
     def patience(self, asperities: int) -> int:
         """Return the number of random changes without a gain after which a search ends."""
-        if (
-            self.problem.law is None
-        ):  # the law of a density does not quite have the slopes, which are sought too
-            return 0
         if self.problem.draft:
             return PATIENCE_DRAFT
         coupled = COUPLED * asperities * (self.model is not None)
