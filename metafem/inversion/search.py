@@ -30,14 +30,14 @@ from metafem.models.model import has_paraboloids
 from metafem.progress import each
 
 # Misfit at which a search ends: height errors of 1 um change A0 by more than this.
-GOAL = 1e-3
+GOAL = 9e-4
 
 # A search for a law that must be exact first ends at this misfit; a descent to rounding follows.
 NEARLY = 1e-4
 
 # If the misfit is below this multiple of the goal, random changes reach the goal faster than other initial
 # guesses, and one search that does not reach it is enough.
-NEAR = 2.0
+NEAR = 2.4
 
 # Smallest and largest damping c, and the factor of the step size rule.
 LEAST_DAMPING, MOST_DAMPING, DAMPING_FACTOR = 1e-12, 1e4, 5.0
