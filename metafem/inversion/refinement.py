@@ -16,6 +16,7 @@ from metafem.inversion.search import (
     AGREEING,
     EXACT_STEPS,
     GOAL,
+    MET,
     NEAR,
     NEARLY,
     Found,
@@ -41,12 +42,12 @@ REACHED = 0.01
 # crossover load, the largest error in their comparisons, as a success.
 MISSED = 0.1
 
-# Misfit at which the search under a model ends. It is slightly above that of the independent search, because
-# scatter from single new contacts remains.
-REFINED_GOAL = 9e-4
+# Misfit at which the search for heights of a density under a model ends. It is below half of the misfit up to
+# which a law counts as met, because an error of a slope counts half.
+DENSITY_GOAL = 0.4 * REACHED
 
 # Above this misfit under the model, heights are first sought for a corrected target; their largest number.
-CLOSE, CORRECTIONS = 5.0 * REFINED_GOAL, 3
+CLOSE, CORRECTIONS = 5.0 * GOAL, 3
 
 # Degree of the polynomial in ln P that is fitted to A0(model)/A0(independent). A low degree smooths out the
 # kinks of single contacts, which move with the heights.
@@ -54,9 +55,6 @@ RATIO_DEGREE = 3
 
 # Largest number of steps of a descent of interacting adhesive asperities, and of random changes of a start.
 ADHESIVE_STEPS, ADHESIVE_TRIES = 6, 4
-
-# Up to this misfit under a model, laws are met up to their kinks, and no random changes follow.
-AT_KINKS = 1e-3
 
 # Factor of the depths of summits, so that no level first touches exactly at an operating point. Interaction
 # lowers open summits by between a hundredth and a tenth of their depth.
@@ -144,7 +142,9 @@ def _nearest(residual: Residual, goal: float, rng: np.random.Generator, first: l
         best.append(_with_fewer_tools(residual, search(residual, mixed, goal, rng, agreeing), goal))
     found = min(best, key=misfit_of)
     # under a model with interaction the heights change again
-    return _to_rounding(residual, found, rng, ATTEMPTS) if exact and not problem.model.couples else found
+    if not exact or problem.model.couples:
+        return found
+    return _to_rounding(residual, found, rng, ATTEMPTS if found.misfit <= MET else 1)
 
 
 def _with_fewer_tools(residual: Residual, best: Found, goal: float) -> Found:
@@ -200,26 +200,27 @@ def refined(problem: Problem, candidate: Candidate, rng: np.random.Generator) ->
 def _refined(problem: Problem, candidate: Candidate, before: float, rng: np.random.Generator) -> Asperities:
     model, exact = problem.model, problem.target.exact
     law = candidate.law if exact else candidate.law.thinned(DRAFT_LOADS if problem.draft else REFINED_LOADS)
-    goal = POINT_GOAL if exact else 2.0 * REFINED_GOAL if problem.draft else REFINED_GOAL
+    goal = POINT_GOAL if exact else 2.0 * GOAL if problem.draft else GOAL
+    goal = goal if candidate.density is None else DENSITY_GOAL
     if before <= (EXACT if exact else goal):
         return candidate.asperities
     start, residual = candidate.asperities, Residual.under_model(problem, law.aim, candidate.branches)
     starts = [start]
     if exact:
         starts = [_with_summits(problem, start), start]
-    elif model.couples and before > CLOSE:
+    elif model.couples and before > CLOSE and candidate.density is None:
         starts = [_corrected(residual, start, rng), start]
     # a step of interacting adhesive asperities takes a tenth of a second to a second
     slow = problem.tools.law.adhesive and model.couples
     starts += [changed(start, problem, rng) for _ in range(ADHESIVE_TRIES if slow else 0)]
-    most, enough = ADHESIVE_STEPS if slow else EXACT_STEPS, AT_KINKS if slow or not exact else EXACT
+    most, enough = ADHESIVE_STEPS if slow else EXACT_STEPS, GOAL if slow or not exact else EXACT
     found = list[Found]()
     for start in starts:
         found.append(descend(residual, start, goal, exact, most))
         if found[-1].misfit <= enough:
             break
     best = min(found, key=misfit_of)
-    if best.misfit > (AT_KINKS if exact else goal) and not slow:
+    if best.misfit > (GOAL if exact else goal) and not slow and candidate.density is None:
         best = min(
             best, search(residual, [best.asperities], NEARLY if exact else goal, rng, 1), key=misfit_of
         )
@@ -246,7 +247,7 @@ def _corrected(residual: Residual, start: Asperities, rng: np.random.Generator) 
         if law.misfit(area) >= least:
             break
         best, least = start, law.misfit(area)
-        if least <= REFINED_GOAL:
+        if least <= GOAL:
             break
         ratio = area / problem.uncoupled.curve(surface, law.load).area
         powers = np.vander(np.log(law.load / law.load[-1]), RATIO_DEGREE + 1)

@@ -30,9 +30,9 @@ PAIRED, EVALUATED = 64, 24
 # largest number of repetitions.
 MOST_STEPPED, REPETITIONS = 512, 60
 
-# Misfit at which a search over steps ends, number of random changes of a few asperities that are tried above
-# it, largest number of asperities, and probability that one is removed.
-STEP_GOAL, KICKS, MOST_KICKED, REMOVED = 1e-3, 20, 3, 0.3
+# Misfit at which a search over steps ends, a little above that without steps; number of random changes of a
+# few asperities that are tried above it, largest number of asperities, and probability that one is removed.
+STEP_GOAL, KICKS, MOST_KICKED, REMOVED = 1.5e-3, 20, 3, 0.3
 
 # If the misfit is the largest difference, the sum of this power of the differences is minimised. For a
 # hundred differences, the corresponding root of the sum is at most 1.8 times the largest difference.
