@@ -1,8 +1,8 @@
 """How sure the design is, in a browser."""
 
 from metafem.explorer.answer import answered
-from metafem.explorer.certainty.tables import numbers_of
-from metafem.explorer.session import State
+from metafem.explorer.certainty import numbers_of
+from metafem.explorer.history import State
 
 
 def test_the_numbers_are_those_of_the_specification_and_follow_it(visit):

@@ -2,9 +2,8 @@
 
 import pytest
 
-from metafem.explorer.session import State
-from metafem.explorer.text.document import Document
-from metafem.explorer.text.link import to_link
+from metafem.explorer.history import State, to_link
+from metafem.explorer.table import Document
 from metafem.files import demo_text
 from tests.browser.hands import drop
 

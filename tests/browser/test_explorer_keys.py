@@ -2,7 +2,7 @@
 
 import pytest
 
-from metafem.explorer.surface.sites_text import asked_sites
+from metafem.explorer.surface_data import asked_sites
 from metafem.files import parsed
 from tests.browser.hands import after, take
 

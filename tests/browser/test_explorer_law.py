@@ -3,7 +3,7 @@
 import pytest
 
 from metafem.explorer.answer import answered
-from metafem.explorer.session import State
+from metafem.explorer.history import State
 from tests.browser.hands import after, drop, hold
 
 FORCES = "load_N,friction_force_N\n0.1,0.12\n0.3,0.4\n0.6,0.8\n"

@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from metafem.explorer.surface.sites_text import asked_sites
+from metafem.explorer.surface_data import asked_sites
 from metafem.files import parsed
 from tests.browser.hands import after
 

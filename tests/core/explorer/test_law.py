@@ -8,12 +8,10 @@ import pytest
 
 import metafem as mf
 from metafem.explorer.answer import answered
-from metafem.explorer.law.dropped import measured_of, read_points
-from metafem.explorer.law.further import NO_FORCES, Further, other_law, own_name, tools_data
-from metafem.explorer.law.law_data import law_data, pinned_data
-from metafem.explorer.law.shown import Units, numbers
-from metafem.explorer.session import State
-from metafem.explorer.text.document import Document
+from metafem.explorer.history import State
+from metafem.explorer.law import NO_FORCES, Further, other_law, own_name, tools_data
+from metafem.explorer.law_data import Units, law_data, measured_of, numbers, pinned_data, read_points
+from metafem.explorer.table import Document
 from metafem.files import demo_text
 
 TEXT = demo_text("operating-points")

@@ -11,18 +11,16 @@ from nicegui.page import page as page_of
 
 from metafem.errors import InvalidInput
 from metafem.explorer import control, queue
-from metafem.explorer.control import Panel, Request, patience, whole_of
-from metafem.explorer.law.panel import LawPanel
+from metafem.explorer.control import Panel, Request, Widget, patience, whole_of
+from metafem.explorer.files import Taking
+from metafem.explorer.form import Workshop
+from metafem.explorer.header import FIRST, Header
+from metafem.explorer.history import Session, State, to_link
+from metafem.explorer.law import LawPanel
 from metafem.explorer.page import build
-from metafem.explorer.session import Session, State
-from metafem.explorer.surface.panel import SurfacePanel
-from metafem.explorer.surface.sites_text import asked_sites
-from metafem.explorer.take.panel import Taking
-from metafem.explorer.text.document import Document
-from metafem.explorer.text.link import to_link
-from metafem.explorer.widget import Widget
-from metafem.explorer.workshop.header import FIRST, Header
-from metafem.explorer.workshop.panel import Workshop
+from metafem.explorer.surface import SurfacePanel
+from metafem.explorer.surface_data import asked_sites
+from metafem.explorer.table import Document
 from metafem.files import demo_text, parsed
 from tests.explorer.scenes import calls_of, held, on_page, shown
 
@@ -35,13 +33,13 @@ UNIT = 1.0 / (0.37 * 0.85)
 
 # What takes long where texts are long or surfaces large.
 LONG = [
-    "control.answered", "control.to_link", "law.panel.law_data", "law.panel.moved", "law.panel.removed",
-    "law.panel.with_point", "law.panel.read_points",
-    "law.further.other_law", "law.further.tolerance_band", "surface.panel.site_data",
-    "surface.panel.layout_data", "surface.panel.contact_data", "surface.panel.press_data",
-    "surface.panel.edited", "workshop.header.header_data", "workshop.header.with_field",
-    "workshop.panel.contents", "workshop.panel.with_kind", "take.files.specification_file",
-    "take.files.tables_of",
+    "control.answered", "control.to_link", "law.law_data", "law.moved", "law.removed",
+    "law.with_point", "law.read_points",
+    "law.other_law", "law.tolerance_band", "surface.site_data",
+    "surface.layout_data", "surface.contact_data", "surface.press_data",
+    "surface.edited", "header.header_data", "header.with_field",
+    "form.contents", "form.with_kind", "files.specification_file",
+    "files.tables_of",
 ]  # fmt: skip
 
 

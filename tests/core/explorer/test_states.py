@@ -6,11 +6,10 @@ from dataclasses import replace
 import pytest
 
 from metafem.errors import InvalidInput
-from metafem.explorer.session import MOST_STATES, Session, State
+from metafem.explorer import history as module
+from metafem.explorer.editor import Given, loaded, table_names
+from metafem.explorer.history import MOST_STATES, Session, State, from_link, to_link
 from metafem.explorer.start import first_state
-from metafem.explorer.text import link as module
-from metafem.explorer.text.link import from_link, to_link
-from metafem.explorer.workshop.loading import Given, loaded, table_names
 from metafem.files import demo_text, read_spec, save
 from tests.explorer.scenes import SAMPLED, WANTED
 
