@@ -24,7 +24,7 @@ from metafem.prediction.tolerances import scatter
 from metafem.prediction.validity import BASE, base_contact_load
 from metafem.report import all_notes, error_words, fit_table, misfit_words
 
-# A band, or a further law beside it, is computed at every n-th load of the law: at 34 of 100 loads. Straight
+# A band is computed at every n-th load of the law: at 34 of 100 loads. Straight
 # lines are drawn between them.
 EVERY = 3
 

@@ -30,8 +30,6 @@ class State:
         Text and name of the table with a measured law; "" without such a table.
     newtons : bool
         Whether the axes are in newtons, where the surface has a friction.
-    models : tuple of str
-        Names of further models whose laws are plotted with the law of the design.
     load : float or None
         Rescaled load at which the contacts are shown [mm^2]; None for the largest load of the law.
     """
@@ -41,7 +39,6 @@ class State:
     measured: str = ""
     measured_name: str = ""
     newtons: bool = True
-    models: tuple[str, ...] = ()
     load: float | None = None
 
     def designs_the_same(self, other: State) -> bool:
@@ -50,7 +47,7 @@ class State:
 
     def as_shown_in(self, other: State) -> State:
         """Return the state with the display settings of another state, which make no step of the history."""
-        settings = {name: getattr(other, name) for name in ("newtons", "models", "load")}
+        settings = {name: getattr(other, name) for name in ("newtons", "load")}
         return replace(self, **settings)
 
     def to_json(self) -> str:
@@ -66,22 +63,18 @@ class State:
             raise InvalidInput("the state of the page is damaged: it is not JSON") from None
         if not isinstance(record, dict) or not record.keys() <= {member.name for member in fields(cls)}:
             raise InvalidInput("the state of the page is damaged: it has other members")
-        found = cls(**{**record, "models": _names(record.get("models", ()))}) if "text" in record else None
+        found = cls(**record) if "text" in record else None
         if found is None or not found.valid():
             raise InvalidInput("the state of the page is damaged: a member is of another kind")
         return found
 
     def valid(self) -> bool:
         """Return whether every member has its type and the load is positive and finite."""
-        texts: list[Any] = [self.text, self.measured, self.measured_name, *self.models]
+        texts: list[Any] = [self.text, self.measured, self.measured_name]
         tables = isinstance(self.tables, dict)
         texts += [*self.tables, *self.tables.values()] if tables else []
         number = self.load is None or (isinstance(self.load, float) and 0.0 < self.load < float("inf"))
         return tables and number and isinstance(self.newtons, bool) and all(isinstance(t, str) for t in texts)
-
-
-def _names(given: Any) -> tuple[Any, ...]:
-    return tuple(given) if isinstance(given, (list, tuple)) else (given,)
 
 
 @dataclass(frozen=True)

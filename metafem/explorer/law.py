@@ -5,119 +5,23 @@ from __future__ import annotations
 import asyncio
 import math
 from collections.abc import Awaitable, Callable
-from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
-import numpy as np
-
-from metafem._validate import FloatArray
-from metafem._values import percent
-from metafem.errors import InvalidInput, MetafemError
+from metafem.errors import InvalidInput
 from metafem.explorer.answer import Answer, specification_of
-from metafem.explorer.certainty import EVERY, band_words, tolerance_band
+from metafem.explorer.certainty import band_words, tolerance_band
 from metafem.explorer.control import Control, Panel, Widget
 from metafem.explorer.handles import RESOLUTION, moved, removed, scene_of
 from metafem.explorer.history import State
 from metafem.explorer.kinds import reachable, with_nearest, with_point
 from metafem.explorer.law_data import Units, band_data, law_data, measured_of, pinned_data, read_points
-from metafem.explorer.queue import Queue, in_words
+from metafem.explorer.queue import Queue
 from metafem.explorer.scene import Scene
 from metafem.explorer.table import on_page
-from metafem.files import chosen_model
-from metafem.inversion import Design
-from metafem.prediction import friction_law
-
-# Models whose laws take milliseconds.
-QUICK = ("independent", "half-space", "layer")
 
 # Why the axes cannot be in newtons.
 NO_FORCES = "Newtons need “Friction” with its shear strength and area ratio in the workshop."
-
-
-@dataclass(frozen=True, eq=False)
-class Other:
-    """The law of a surface under a further model, or the reason why it could not be computed."""
-
-    name: str
-    load: FloatArray = field(default_factory=lambda: np.empty(0))  # rescaled [mm^2]
-    friction: FloatArray = field(default_factory=lambda: np.empty(0))  # rescaled [mm^2]
-    difference: float = 0.0  # rms of the relative differences from the law of the design
-    error: str = ""
-
-    @property
-    def words(self) -> str:
-        """Label of the curve: the model, and the difference of its law from the law of the design."""
-        return f"{self.name}, differs by {percent(self.difference)} (rms)"
-
-
-def own_name(design: Design) -> str:
-    """Return the name of the design's model in specifications; "" if no name selects exactly this model."""
-    model = design.law.model
-    return next((name for name in QUICK if chosen_model(model, name, None) == model), "")
-
-
-def other_law(design: Design, name: str) -> Other:
-    """Return the law of a design's surface under another model with the same contact law."""
-    model = chosen_model(design.law.model, name, None)
-    try:
-        law = friction_law(design.surface, model, load=design.law.load[::-EVERY][::-1])
-    except MetafemError as error:
-        return Other(name, error=f"{name}: {error}")
-    own = design.law.rescaled_friction[::-EVERY][::-1]
-    difference = float(np.sqrt(((law.rescaled_friction / own - 1.0) ** 2).mean()))
-    return Other(name, law.rescaled_load, law.rescaled_friction, difference)
-
-
-def tools_data(answer: Answer) -> dict[str, Any]:
-    """Return the axes and models that can be chosen above the plot, and the current choices."""
-    design = answer.design
-    forces = design is not None and design.template.friction is not None
-    own = "" if design is None else own_name(design)
-    return {
-        "newtons": answer.state.newtons,
-        "no_forces": "" if forces else NO_FORCES,
-        "models": [{"name": name, "on": name in answer.state.models} for name in QUICK if name != own],
-    }
-
-
-class Further:
-    """Computes in a thread the further curves of the newest answer, and passes them to the plot."""
-
-    def __init__(self, draw: Callable[[dict[str, Any]], None]) -> None:
-        self.newest: Queue[Answer, dict[str, Any]] = Queue(
-            self._computed, draw, lambda answer, error: draw(_data(answer, errors=[in_words(error)]))
-        )
-        self.known: tuple[Design | None, dict[str, Other]] = None, {}
-
-    def put(self, answer: Answer) -> None:
-        """Compute the further curves of an answer, unless a newer answer replaces it."""
-        if answer.design is not None:
-            self.newest.put(answer)
-
-    def _computed(self, answer: Answer) -> dict[str, Any]:
-        """Return the further curves of an answer; laws already known for the same design are reused."""
-        design, known = answer.design, self.known[1]
-        assert design is not None
-        if design is not self.known[0]:
-            known = {}
-        names = [name for name in QUICK if name in answer.state.models and name != own_name(design)]
-        laws = [known.get(name) or other_law(design, name) for name in names]
-        self.known = design, {law.name: law for law in laws}
-        band, units = tolerance_band(answer), Units.of_design(answer, answer.state.newtons)
-        return _data(
-            answer,
-            tolerance=None if band is None else band_data(band, units, name=band_words(answer)),
-            others=[
-                units.curve(law.load, law.friction) | {"name": law.words} for law in laws if not law.error
-            ],
-            errors=[law.error for law in laws if law.error],
-        )
-
-
-def _data(answer: Answer, **found: Any) -> dict[str, Any]:
-    return {"number": answer.number, "tolerance": None, "others": [], "errors": [], **found}
-
 
 Event = dict[str, Any]
 
@@ -125,8 +29,21 @@ Event = dict[str, Any]
 LEAST_PART = 1e-3
 
 
+def tools_data(answer: Answer) -> dict[str, Any]:
+    """Return the axes that can be chosen above the plot, and the current choice."""
+    forces = answer.design is not None and answer.design.template.friction is not None
+    return {"newtons": answer.state.newtons, "no_forces": "" if forces else NO_FORCES}
+
+
+def beside(answer: Answer) -> dict[str, Any]:
+    """Return the tolerance band of an answer, which takes longer than its law."""
+    band, units = tolerance_band(answer), Units.of_design(answer, answer.state.newtons)
+    tolerance = None if band is None else band_data(band, units, name=band_words(answer))
+    return {"number": answer.number, "tolerance": tolerance}
+
+
 class LawPlot(Widget, component="static/law_plot.js"):
-    """Draws the data of `law_data` and `Further`."""
+    """Draws the data of `law_data` and `beside`."""
 
 
 class LawPanel(Panel):
@@ -136,7 +53,9 @@ class LawPanel(Panel):
         super().__init__(page)
         names = [name for name in dir(type(self)) if name.startswith("on_")]
         self.plot = LawPlot(**{name[3:]: partial(self._handle, getattr(self, name)) for name in names})
-        self.further = Further(partial(self.plot.call, "more"))
+        self.band: Queue[Answer, dict[str, Any]] = Queue(
+            beside, partial(self.plot.call, "more"), lambda _, error: page.wrong(error)
+        )
         # number of the plot for each change of the page by a drag, and for the newest one that is answered
         self.requests: dict[int, int] = {}
         self.request = 0
@@ -170,7 +89,8 @@ class LawPanel(Panel):
         self.plot.call("draw", data | {"request": self.request})
         if "problem" in data:
             self.say(data["problem"], wrong=True)
-        self.further.put(answer)
+        if answer.design is not None:
+            self.band.put(answer)
 
     def say(self, words: str, *, wrong: bool = False) -> None:
         """Show a message below the plot, as an error if `wrong`."""
@@ -228,15 +148,6 @@ class LawPanel(Panel):
     async def on_axes(self, event: Event) -> None:
         """Show newtons or rescaled values."""
         await self.page.alter(newtons=bool(event["newtons"]))
-
-    async def on_model(self, event: Event) -> None:
-        """Show or hide the law under another model."""
-
-        def chosen(state: State) -> State:  # the state after all earlier changes
-            rest = tuple(name for name in state.models if name != event["name"])
-            return replace(state, models=(*rest, str(event["name"])) if event["on"] else rest)
-
-        await self.page.step(chosen)
 
     async def on_pin(self, event: Event) -> None:
         """Keep the law that is shown on the plot, or remove the one that is kept."""

@@ -69,17 +69,8 @@ def test_the_nearest_law_is_taken_and_every_kind_can_be_dragged(visit):
     assert answered(State(visit.text), 1).current
 
 
-def test_further_models_and_newtons_are_shown_beside_the_law(visit):
-    page = visit.page
-    page.locator(".law-beside").click()
-    page.get_by_label("half-space", exact=True).check()
-    page.locator(".law-models label", has_text="layer").click()
-    page.locator("path.other").nth(1).wait_for(state="attached")
-    legend = page.locator(".law-legend").inner_text()
-    assert "half-space, differs by" in legend
-    assert "layer, differs by" in legend
-    page.keyboard.press("Escape")
-    text = visit.text
+def test_the_axes_are_in_newtons_or_rescaled(visit):
+    page, text = visit.page, visit.text
     page.get_by_role("button", name="mm²", exact=True).click()
     page.locator("text.title", has_text="friction F/(σB) [mm²]").wait_for(state="attached")
     assert visit.text == text

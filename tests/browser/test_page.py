@@ -391,7 +391,7 @@ def test_no_text_is_taken_for_html(visit):
     text = Document(demo_text("operating-points")).with_values(
         {"target.kind": HTML, "sites.empty": [HTML], HTML.replace(".", "-"): {"a": 1}}
     )
-    link = to_link(State(text + f"\n# {HTML}\n", {HTML: HTML}, table.decode(), HTML, False, (HTML,)))
+    link = to_link(State(text + f"\n# {HTML}\n", {HTML: HTML}, table.decode(), HTML, False))
     page.evaluate("link => { location.hash = link; }", link)
     page.locator(".chip", has_text="problems in the specification").wait_for()
     for tab in ("Specification", "How sure", "Take it", "Workshop"):

@@ -19,7 +19,7 @@ const FINGERS = matchMedia("(pointer: coarse)").matches;
 export class Plot {
   view = new View();
   data = null;
-  beside = { tolerance: null, others: [] };
+  beside = { tolerance: null };
   requests = new Requests((request) => this.emit("drag", { ...request, part: this.view.part }));
   closed = new AbortController();
 
@@ -159,10 +159,8 @@ export class Plot {
     const unknown = data.handles === null; // the text has problems: the last target law stays
     const last = this.data?.x.unit === data.x.unit ? this.data : { ...data, handles: [] };
     const { wanted, marked, handles: own } = unknown ? last : data;
-    // the tolerance band and further laws stay until those of this answer come
+    // the tolerance band stays until that of this answer comes
     this.data = { ...data, ...this.beside, wanted, marked, handles: own };
-    const shown = (name) => this.beside.others.some((each) => each.name.startsWith(`${name},`));
-    this.data.pending = data.achieved ? data.tools.models.filter(({ name, on }) => on && !shown(name)).map(({ name }) => name) : [];
     const closed = data.request < this.requests.received ? null : this.take(data.request, data);
     // a problem may be one of a step that is held; else a move would change a text that is not understood
     handles.inactive = unknown && !handles.drag;
@@ -178,12 +176,11 @@ export class Plot {
     this.root.dataset.answered = data.number;
   }
 
-  // Draws what comes a moment after an answer: the tolerance band and the laws under further models.
-  more({ number, errors, ...curves }) {
+  // Draws what comes a moment after an answer: the tolerance band.
+  more({ number, tolerance }) {
     if (number !== this.data?.number) return;
-    Object.assign(this.data, curves, { pending: [] });
-    this.beside = curves;
-    if (errors.length) this.say(errors.join(" "), true);
+    this.data.tolerance = tolerance;
+    this.beside = { tolerance };
     this.show();
     this.root.dataset.beside = number;
   }
@@ -198,7 +195,7 @@ export class Plot {
   // Fits the axes to the target and the laws, also zoomed ones if `anew`.
   fit(anew = false) {
     const { data, view, handles } = this;
-    const curves = [data.achieved, data.wanted, data.nearest, data.measured, data.pinned, ...data.others].filter(Boolean);
+    const curves = [data.achieved, data.wanted, data.nearest, data.measured, data.pinned].filter(Boolean);
     if (anew) view.unit = null;
     view.fit(
       [...curves.flatMap((each) => each.x), ...handles.all.map((each) => each.x)],
@@ -286,9 +283,6 @@ export default {
           <button type="button" aria-label="Zoom in" title="Show less of the axes (+); also Ctrl and the wheel" @click="plot.zoom(0.8)">+</button>
           <button type="button" title="Fit the axes to target and law (0)" @click="plot.zoom(0)">Fit</button>
         </span>
-        <button type="button" class="act law-beside" aria-haspopup="dialog">Other models
-          <q-menu class="law-models" role="dialog" aria-label="Other models" anchor="bottom right" self="top right" transition-duration="0">
-            <label v-for="{ name, on } in tools.models" :key="name"><input type="checkbox" :name="name" :checked="on" @change="$emit('model', { name, on: $event.target.checked })"> {{ name }}</label></q-menu></button>
         <button type="button" class="act law-choose" title="Show a CSV table of a measured law; it can also be dropped onto the plot. Its first line names the columns with their units: load_N,friction_force_N or load_mN,area_mm2." @click="$refs.file.click()">Measured points…</button>
         <input ref="file" type="file" accept=".csv,.tsv,.txt,text/csv" hidden @change="choose">
       </div>
@@ -311,7 +305,7 @@ export default {
     </div>`,
   data() {
     return {
-      tools: { models: [], no_forces: "" }, dropping: false, legend: [], acts: ACTS,
+      tools: { no_forces: "" }, dropping: false, legend: [], acts: ACTS,
       refusal: "", away: false, held: false, nearest: false, usable: false, offer: "Use the nearest law", // the words of the button
       words: "", wrong: false, live: "polite", pointed: "", offered: false,
     };

@@ -175,7 +175,7 @@ export function area(view, band) {
 const [BETWEEN_X, BETWEEN_Y] = [85, 48];
 
 // What is drawn, from the back to the front, by the first words of its keys.
-const LAYERS = ["tolerance", "other", "pinned", "nearest", "wanted", "achieved", "measured"];
+const LAYERS = ["tolerance", "pinned", "nearest", "wanted", "achieved", "measured"];
 
 // Returns [class of the key, words, further words, curve] of all that an answer shows.
 export function entries(data) {
@@ -191,8 +191,6 @@ export function entries(data) {
   add(data.nearest, "nearest", "nearest law that can be designed");
   // the errors of the part are told where the pointer rests
   add(data.tolerance, "tolerance", data.tolerance?.name.split(",")[0], data.tolerance?.name);
-  (data.others ?? []).forEach((each, i) => add(each, `other other-${i}`, each.name));
-  (data.pending ?? []).forEach((name) => add({}, "pending", `${name}: being computed …`));
   return found;
 }
 

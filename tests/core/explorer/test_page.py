@@ -35,7 +35,7 @@ UNIT = 1.0 / (0.37 * 0.85)
 LONG = [
     "control.answered", "control.to_link", "law.law_data", "law.moved", "law.removed",
     "law.with_point", "law.read_points",
-    "law.other_law", "law.tolerance_band", "surface.site_data",
+    "law.tolerance_band", "surface.site_data",
     "surface.layout_data", "surface.contact_data", "surface.press_data",
     "surface.edited", "header.header_data", "header.with_field",
     "form.contents", "form.with_kind", "files.specification_file",
@@ -244,7 +244,6 @@ def test_the_plot_of_the_law_moves_adds_and_removes_points():
         await event("drag", id="point-9", number=9, released=True, **at)
         await event("cursor", x=0.272)
         await event("axes", newtons=False)
-        await event("model", name="layer", on=True)
         await event("pin", on=True)
         table = "load_N,friction_force_N\n0.1,0.12\n0.3,0.4\n"
         await event("dropped", name="m.csv", text=table)
@@ -262,7 +261,7 @@ def test_the_plot_of_the_law_moves_adds_and_removes_points():
     assert parsed(texts[3]).target.rescaled_load.tolist() == target.rescaled_load.tolist()
     (refused,) = [given for given in sent if given[0] == "refuse"]
     assert (refused[1], "point-9" in refused[2]) == (9, True)
-    assert (last.load, last.newtons, last.models) == (pytest.approx(0.2), False, ("layer",))
+    assert (last.load, last.newtons) == (pytest.approx(0.2), False)
     assert [each["pinned"] is None for each in drawn][-4:] == [True, False, False, False]
     assert (states[-2].measured_name, last.measured) == ("m.csv", "")
     assert drawn[-2]["measured"]["y"] == pytest.approx([0.12 * UNIT, 0.4 * UNIT], rel=1e-4)

@@ -101,7 +101,6 @@ STATES = [
     (state(load=math.nan), "state", "another kind"),
     (state(tables={"a": 1}), "state", "another kind"),
     (state(newtons=1), "state", "another kind"),
-    (state(models=[1]), "state", "another kind"),
     (lambda: from_link("1." + "A" * LONGEST), f"{LONGEST + 2:,}", f"{LONGEST:,}"),
     (lambda: from_link("2.abc"), "link", "version"),
     (link(b"{}"), "link", "damaged"),
