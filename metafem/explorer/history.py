@@ -50,10 +50,6 @@ class State:
         settings = {name: getattr(other, name) for name in ("newtons", "load")}
         return replace(self, **settings)
 
-    def to_json(self) -> str:
-        """Return the state as JSON."""
-        return json.dumps(asdict(self))
-
     @classmethod
     def from_json(cls, text: str) -> State:
         """Return the state that a JSON text describes; raise InvalidInput if the text describes no state."""
@@ -122,7 +118,7 @@ def to_link(state: State) -> str:
     >>> len(link) < 100, from_link(link).newtons
     (True, False)
     """
-    usual, record = (json.loads(each.to_json()) for each in (State(""), state))
+    usual, record = (asdict(each) for each in (State(""), state))
     record = {name: value for name, value in record.items() if name == "text" or value != usual[name]}
     plain = json.dumps(record, ensure_ascii=False, separators=(",", ":")).encode("utf-8", "surrogatepass")
     link = VERSION + base64.urlsafe_b64encode(zlib.compress(plain, 9)).decode("ascii").rstrip("=")

@@ -10,7 +10,7 @@ export function tell(name, detail) { links.dispatchEvent(new CustomEvent(name, {
 export function hear(name, call, signal) { links.addEventListener(name, (event) => call(event.detail), { signal }); }
 
 // Part of a load within which two are the same: the digits of a drawn law.
-const SAME = 1e-4;
+export const SAME = 1e-4;
 
 // The load that a hand has chosen. Answers to choices before it, which come later, are not shown.
 export class Chosen {

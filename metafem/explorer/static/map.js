@@ -7,6 +7,9 @@ const [LEFT, BOTTOM, TOP, BAR, ASIDE] = [38, 34, 8, 104, 29];
 // Part of the least distance between sites that is free around them.
 const EDGE = 0.62;
 
+// Least height of the bar of colours [pixels].
+const LEAST_BAR = 180;
+
 // Widths of the colours and of the most frequent class of the histogram [pixels], and number of classes.
 const [COLOURS, FREQUENT, CLASSES] = [10, 22, 48];
 
@@ -19,7 +22,9 @@ export function viewOf(layout, width, height) {
   const left = LEFT + Math.max(0, (width - LEFT - BAR - scale * across) / 2);
   const top = TOP + Math.max(0, (height - TOP - BOTTOM - scale * along) / 2);
   const box = { left, top, right: left + scale * across, bottom: top + scale * along };
-  const bar = { top: TOP, bottom: Math.max(TOP, height - BOTTOM) }; // a map of one row is lower
+  const tall = Math.max(scale * along, Math.min(LEAST_BAR, height - TOP - BOTTOM)); // a map of one row is lower
+  const above = Math.max(TOP, top + (scale * along - tall) / 2);
+  const bar = { top: above, bottom: above + Math.max(0, tall) };
   const [x, y] = [west - edge, south - edge];
   return { box, range: [x, east + edge, y, north + edge], scale, bar, px: (each) => box.left + scale * (each - x), py: (each) => box.bottom - scale * (each - y) };
 }

@@ -1,6 +1,6 @@
 // The surface: map and picture in three dimensions, with a menu for the sites that are selected.
 import { hole, Press, told, words } from "metafem/contacts.js";
-import { ARROWS, Chosen, hear, tell } from "metafem/linked.js";
+import { ARROWS, Chosen, hear, SAME, tell } from "metafem/linked.js";
 import { neighbour, SiteMap } from "metafem/map.js";
 
 // First and largest exaggeration of the heights in 3D.
@@ -173,7 +173,7 @@ export default {
     run() {
       cancelAnimationFrame(this.playedFrame);
       const at = this.partOf(this.contacts.load);
-      const from = at < 1 ? at : 0;
+      const from = at < 1 - SAME ? at : 0; // from the start where the load is the largest, up to its last bits
       const still = matchMedia("(prefers-reduced-motion: reduce)").matches;
       let start = null;
       const frame = (now) => {

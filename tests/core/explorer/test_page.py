@@ -301,6 +301,7 @@ def test_header_and_fields_show_what_is_chosen_and_what_is_refused():
         bar.clear(), sent.clear()
         steps = (
             lambda: header._choose("half-space"),
+            lambda: header._choose("independent"),  # quick
             lambda: fields._typed("limits.max_height", "280"),
             lambda: fields._kind("target", "sampled"),
             lambda: fields._kind("contact", "jkr"),
@@ -323,13 +324,13 @@ def test_header_and_fields_show_what_is_chosen_and_what_is_refused():
     bar, sent, texts = on_page(scene, Header, Workshop)
     shown_first = bar[0][1]
     assert ("model" in shown_first, shown_first["solved"], shown_first["undo"]) == (False, "half-space", True)
-    assert sent[1][1]["values"]["limits.max_height"] == "280 um"
-    documents = [Document(text) for text in texts[:6]]
+    assert sent[2][1]["values"]["limits.max_height"] == "280 um"
+    documents = [Document(text) for text in texts[:7]]
     assert documents[0].value("model.kind") == "half-space"
-    assert documents[2].value("target.kind") == "sampled"
-    assert (documents[3].value("contact.kind"), documents[4].value("contact")) == ("jkr", None)
-    assert "friction_force" in documents[5].section("target")
-    assert texts[6:9] == [demo_text("bilinear")] * 2 + [TEXT]
+    assert documents[3].value("target.kind") == "sampled"
+    assert (documents[4].value("contact.kind"), documents[5].value("contact")) == ("jkr", None)
+    assert "friction_force" in documents[6].section("target")
+    assert texts[7:10] == [demo_text("bilinear")] * 2 + [TEXT]
     (refused,) = [given for name, given in sent if name == "refuse"]
     assert (refused["key"], "limits" in refused["words"]) == ("limits.max_height", True)
     assert bar[-1] == ("show", {"part": "no part can be made"})
