@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 
 from metafem._validate import FloatArray
 from metafem.errors import Infeasible, InvalidInput, MetafemError
-from metafem.explorer.session import State
-from metafem.explorer.text.fields import shown
-from metafem.explorer.text.names import on_page
+from metafem.explorer.fields import shown
+from metafem.explorer.history import State
+from metafem.explorer.table import on_page
 from metafem.files import Specification, parsed, planned, section_forms, toml_table
 from metafem.inversion import Design, Target
 from metafem.models import Independent, Model

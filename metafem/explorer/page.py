@@ -9,27 +9,20 @@ from pathlib import Path
 from nicegui import ui
 from nicegui.element import Element
 
-from metafem.explorer.certainty.panel import Certainty, PlaceWarnings
+from metafem.explorer.certainty import Certainty, PlaceWarnings
 from metafem.explorer.control import Control, Panel
-from metafem.explorer.law.panel import LawPanel
-from metafem.explorer.session import State
-from metafem.explorer.surface.panel import SurfacePanel
-from metafem.explorer.take.panel import Taking
-from metafem.explorer.workshop.editor import Specification
-from metafem.explorer.workshop.header import Header
-from metafem.explorer.workshop.panel import Workshop
-
-# Style sheets of the page and its parts.
-STYLES = (
-    "page.css", "workshop/workshop.css", "law/law.css", "surface/surface.css", "certainty/certainty.css",
-    "take/take.css",
-)  # fmt: skip
+from metafem.explorer.editor import Specification
+from metafem.explorer.files import Taking
+from metafem.explorer.form import Workshop
+from metafem.explorer.header import Header
+from metafem.explorer.history import State
+from metafem.explorer.law import LawPanel
+from metafem.explorer.surface import SurfacePanel
 
 
 def build(first: State) -> Inspector:
     """Create the elements of a page that begins with a state; return its inspector."""
-    for style in STYLES:
-        ui.add_css(Path(__file__).parent / style)
+    ui.add_css(Path(__file__).parent / "static" / "page.css")
     page = Control(first)
     Header(page)
     with ui.element().classes("explorer"):

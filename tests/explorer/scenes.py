@@ -9,12 +9,11 @@ from nicegui import Client
 from nicegui.page import page as page_of
 
 from metafem.explorer.control import Control
-from metafem.explorer.session import State
-from metafem.explorer.surface.sites_text import edited
-from metafem.explorer.text.fields import with_field
-from metafem.explorer.text.handles import moved, scene_of
-from metafem.explorer.text.kinds import with_kind
-from metafem.explorer.workshop.changes import with_choice, with_section
+from metafem.explorer.fields import with_field
+from metafem.explorer.handles import moved, scene_of
+from metafem.explorer.history import State
+from metafem.explorer.kinds import with_choice, with_kind, with_section
+from metafem.explorer.surface_data import edited
 from metafem.files import demo_text
 from metafem.progress import doing
 

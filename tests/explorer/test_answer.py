@@ -5,7 +5,7 @@ import pytest
 
 import metafem as mf
 from metafem.explorer.answer import answered
-from metafem.explorer.session import State
+from metafem.explorer.history import State
 from metafem.files import demo_text, parsed
 
 TEXT = demo_text("operating-points")

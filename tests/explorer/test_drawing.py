@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from metafem.explorer.answer import answered
-from metafem.explorer.law.nearest import reachable, with_point
-from metafem.explorer.session import State
-from metafem.explorer.text.handles import added, moved, removed, scene_of
+from metafem.explorer.handles import added, moved, removed, scene_of
+from metafem.explorer.history import State
+from metafem.explorer.kinds import reachable, with_point
 from metafem.files import demo_text
 
 SEQUENCES, STEPS = 200, 5

@@ -1,7 +1,7 @@
 """All files that the page hands out are those of ``metafem design``."""
 
 from metafem.explorer.answer import answered
-from metafem.explorer.take.files import made_files
+from metafem.explorer.files import made_files
 from tests.core.explorer.test_files import STATE, files_of_command
 
 

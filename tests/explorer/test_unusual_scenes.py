@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from metafem.explorer.answer import answered
-from metafem.explorer.certainty.tables import tables_of
-from metafem.explorer.law.law_data import law_data
-from metafem.explorer.session import State
-from metafem.explorer.surface.contact_data import contact_data, press_data
-from metafem.explorer.surface.surface_data import layout_data, site_data
-from metafem.explorer.text.document import Document
+from metafem.explorer.certainty import tables_of
+from metafem.explorer.contact_data import contact_data, press_data
+from metafem.explorer.history import State
+from metafem.explorer.law_data import law_data
+from metafem.explorer.surface_data import layout_data, site_data
+from metafem.explorer.table import Document
 from metafem.files import demo_text
 
 LINEAR = Document(demo_text("linear")).with_values({"lattice.shape": [4, 4], "limits.height_step": None})

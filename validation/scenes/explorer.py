@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from metafem.explorer.text.link import from_link
+from metafem.explorer.history import from_link
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Locator, Page

@@ -9,13 +9,12 @@ import pytest
 
 import metafem as mf
 from metafem.explorer.answer import answered
-from metafem.explorer.law.law_data import law_data
-from metafem.explorer.law.nearest import offer, reachable, with_nearest
-from metafem.explorer.session import State
-from metafem.explorer.text.document import Document
-from metafem.explorer.text.fields import with_field
-from metafem.explorer.text.kinds import with_kind
-from metafem.explorer.workshop.header import STOPPED, header_data
+from metafem.explorer.fields import with_field
+from metafem.explorer.header import STOPPED, header_data
+from metafem.explorer.history import State
+from metafem.explorer.kinds import offer, reachable, with_kind, with_nearest
+from metafem.explorer.law_data import law_data
+from metafem.explorer.table import Document
 from metafem.files import demo_text, parsed
 from tests.explorer.scenes import SAMPLED, WANTED
 

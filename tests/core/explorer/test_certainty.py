@@ -8,12 +8,18 @@ from click.testing import CliRunner
 
 import metafem as mf
 from metafem.cli import main
+from metafem.explorer import certainty
 from metafem.explorer.answer import Answer, answered
-from metafem.explorer.certainty import band
-from metafem.explorer.certainty.panel import STUDIES
-from metafem.explorer.certainty.places import warnings_by_place
-from metafem.explorer.certainty.tables import NO_DESIGN, NOT_CURRENT, numbers_of, remarks, tables_of
-from metafem.explorer.session import State
+from metafem.explorer.certainty import (
+    NO_DESIGN,
+    NOT_CURRENT,
+    STUDIES,
+    numbers_of,
+    remarks,
+    tables_of,
+    warnings_by_place,
+)
+from metafem.explorer.history import State
 from metafem.files import demo_text
 from metafem.notes import Note, information
 from metafem.prediction import Tolerances
@@ -55,7 +61,7 @@ def test_the_tables_are_those_of_the_report(shown, monkeypatch):
     def fails(*given):
         raise mf.NotConverged("no solution at 3 N")
 
-    monkeypatch.setattr("metafem.explorer.certainty.tables.base_contact_load", fails)
+    monkeypatch.setattr("metafem.explorer.certainty.base_contact_load", fails)
     assert dict(numbers_of(shown, design))[BASE] == "unknown: no solution at 3 N"
 
 
@@ -88,17 +94,17 @@ def test_notes_are_told_where_their_remedies_are():
 
 def test_the_band_is_that_of_differences_of_the_law(shown, monkeypatch):
     design = shown.design
-    assert band.tolerances_of(shown) == Tolerances(height_sd=0.0009)
-    load, low, high = band.tolerance_band(shown)
+    assert certainty.tolerances_of(shown) == Tolerances(height_sd=0.0009)
+    load, low, high = certainty.tolerance_band(shown)
     assert load[-1] == design.law.rescaled_load[-1]
     assert (low + high) / 2 == pytest.approx(design.law.area[::-3][::-1], rel=1e-12)
     sd = 0.0009 * np.linalg.norm(differences(design, load), axis=0)
     assert (high - low) / 2 == pytest.approx(sd, rel=1e-4)
     for without in (answered(State(EXACT), 1), Answer(1, shown.state)):
-        assert band.tolerances_of(without) is band.tolerance_band(without) is None
-        assert band.band_words(without) == ""
-    monkeypatch.setattr(band, "MOST_ALONE", design.surface.count - 1)
-    assert band.tolerance_band(answered(State(LINEAR), 1)) is None
+        assert certainty.tolerances_of(without) is certainty.tolerance_band(without) is None
+        assert certainty.band_words(without) == ""
+    monkeypatch.setattr(certainty, "MOST_ALONE", design.surface.count - 1)
+    assert certainty.tolerance_band(answered(State(LINEAR), 1)) is None
 
 
 def test_the_commands_of_studies_are_those_of_the_program():

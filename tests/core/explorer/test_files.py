@@ -10,8 +10,7 @@ from click.testing import CliRunner
 
 from metafem.cli import main
 from metafem.explorer.answer import Answer, answered
-from metafem.explorer.session import State
-from metafem.explorer.take.files import (
+from metafem.explorer.files import (
     NO_DESIGN,
     archive,
     command_of,
@@ -21,9 +20,10 @@ from metafem.explorer.take.files import (
     specification_file,
     tables_of,
 )
-from metafem.explorer.text.document import Document
-from metafem.explorer.workshop.changes import without_section
-from metafem.explorer.workshop.new_part import FIRST, new_part
+from metafem.explorer.history import State
+from metafem.explorer.kinds import without_section
+from metafem.explorer.new_part import FIRST, new_part
+from metafem.explorer.table import Document
 from metafem.files import demo_text, parsed, read_spec
 from tests.explorer.scenes import SAMPLED, WANTED
 

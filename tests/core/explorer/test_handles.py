@@ -8,11 +8,10 @@ import numpy as np
 import pytest
 
 from metafem.explorer.answer import answered
-from metafem.explorer.law.nearest import with_point
-from metafem.explorer.session import State
-from metafem.explorer.text.handles import MARKS, added, moved, removed, scene_of
-from metafem.explorer.text.points import MOST
-from metafem.explorer.text.written import between, digits_of, rounded, stated
+from metafem.explorer.fields import between, digits_of, rounded, stated
+from metafem.explorer.handles import MARKS, MOST, added, moved, removed, scene_of
+from metafem.explorer.history import State
+from metafem.explorer.kinds import with_point
 from metafem.files import demo_text, parsed
 from tests.explorer.scenes import TABLES, TARGETS, text_of
 

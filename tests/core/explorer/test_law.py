@@ -1,6 +1,5 @@
-"""The data of the plot of the law: curves, bands, further laws, pinned and measured points."""
+"""The data of the plot of the law: curves, bands, pinned and measured points."""
 
-import asyncio
 from dataclasses import replace
 
 import numpy as np
@@ -8,16 +7,13 @@ import pytest
 
 import metafem as mf
 from metafem.explorer.answer import answered
-from metafem.explorer.law.dropped import measured_of, read_points
-from metafem.explorer.law.further import NO_FORCES, Further, other_law, own_name, tools_data
-from metafem.explorer.law.law_data import law_data, pinned_data
-from metafem.explorer.law.shown import Units, numbers
-from metafem.explorer.session import State
-from metafem.explorer.text.document import Document
+from metafem.explorer.history import State
+from metafem.explorer.law import NO_FORCES, beside, tools_data
+from metafem.explorer.law_data import Units, law_data, measured_of, numbers, pinned_data, read_points
+from metafem.explorer.table import Document
 from metafem.files import demo_text
 
 TEXT = demo_text("operating-points")
-BARE = TEXT[: TEXT.index("[block]")] + TEXT[TEXT.index("[limits]") :].split("[part]")[0]
 PAIR = mf.Material(1.36), mf.Friction(0.37, 0.85)
 STRESS = 0.37 * 0.85
 FORCES = "load_mN,friction_force_mN\n200,260\n100,120\n400,530\n"
@@ -25,7 +21,7 @@ FORCES = "load_mN,friction_force_mN\n200,260\n100,120\n400,530\n"
 
 @pytest.fixture(scope="module")
 def answer():
-    return answered(State(TEXT, newtons=False, models=("half-space",)), 7)
+    return answered(State(TEXT, newtons=False), 7)
 
 
 def test_curves_are_the_laws_in_rescaled_units_and_in_newtons(answer):
@@ -88,41 +84,12 @@ def test_slopes_are_drawn_along_their_branches_and_open_laws_at_their_level():
     np.testing.assert_allclose(wanted["y"], np.interp(wanted["x"], law.rescaled_load, law.area), rtol=0.03)
 
 
-def test_a_further_law_is_that_of_the_same_surface(answer):
-    design = answer.design
-    other = other_law(design, "layer")
-    law = mf.friction_law(design.surface, mf.Interacting(substrate=mf.BondedLayer()), load=design.law.load)
-    np.testing.assert_allclose(other.friction, np.interp(other.load, law.rescaled_load, law.area))
-    whole = np.sqrt(((law.area / design.law.area - 1.0) ** 2).mean())
-    assert other.difference == pytest.approx(whole, rel=0.1)
-    assert (other.name, other.error, other.load[-1]) == ("layer", "", design.law.rescaled_load[-1])
-    assert own_name(design) == "independent"
-    assert other_law(design, "independent").difference == pytest.approx(0.0, abs=1e-12)
-    bare = answered(State(BARE), 1)
-    lost = other_law(bare.design, "layer")
-    assert (lost.error[:5], lost.load.size) == ("layer", 0)
-    tools = tools_data(answer)
-    assert tools["models"] == [{"name": "half-space", "on": True}, {"name": "layer", "on": False}]
-    assert (tools["newtons"], tools["no_forces"]) == (False, "")
+def test_the_plot_gets_its_choices_and_the_newest_band(answer):
+    assert tools_data(answer) == {"newtons": False, "no_forces": ""}
     assert tools_data(replace(answer, design=None))["no_forces"] == NO_FORCES
-
-
-def test_the_plot_gets_the_newest_band_and_laws(answer):
-    drawn, lost = [], answered(State(BARE, models=("layer",)), 8)
-
-    async def run():
-        further = Further(drawn.append)
-        for each in (answer, lost):
-            further.put(each)
-            while further.newest.running:
-                await asyncio.wait([further.newest.task])
-
-    asyncio.run(run())
-    first, failed = drawn
-    assert first["number"] == 7
-    assert [each["name"].split(",")[0] for each in first["others"]] == ["half-space"]
-    assert (failed["others"], failed["errors"][0][:5]) == ([], "layer")
-    tolerance, law = first["tolerance"], answer.design.law
+    found, law = beside(answer), answer.design.law
+    tolerance = found["tolerance"]
+    assert found["number"] == 7
     middle = (np.array(tolerance["low"]) + tolerance["high"]) / 2
     np.testing.assert_allclose(middle, np.interp(tolerance["x"], law.rescaled_load, law.area), rtol=1e-4)
     assert "SD" in tolerance["name"]

@@ -11,18 +11,16 @@ from nicegui.page import page as page_of
 
 from metafem.errors import InvalidInput
 from metafem.explorer import control, queue
-from metafem.explorer.control import Panel, Request, patience, whole_of
-from metafem.explorer.law.panel import LawPanel
+from metafem.explorer.control import Panel, Request, Widget, patience, whole_of
+from metafem.explorer.files import Taking
+from metafem.explorer.form import Workshop
+from metafem.explorer.header import FIRST, Header
+from metafem.explorer.history import Session, State, to_link
+from metafem.explorer.law import LawPanel
 from metafem.explorer.page import build
-from metafem.explorer.session import Session, State
-from metafem.explorer.surface.panel import SurfacePanel
-from metafem.explorer.surface.sites_text import asked_sites
-from metafem.explorer.take.panel import Taking
-from metafem.explorer.text.document import Document
-from metafem.explorer.text.link import to_link
-from metafem.explorer.widget import Widget
-from metafem.explorer.workshop.header import FIRST, Header
-from metafem.explorer.workshop.panel import Workshop
+from metafem.explorer.surface import SurfacePanel
+from metafem.explorer.surface_data import asked_sites
+from metafem.explorer.table import Document
 from metafem.files import demo_text, parsed
 from tests.explorer.scenes import calls_of, held, on_page, shown
 
@@ -35,13 +33,13 @@ UNIT = 1.0 / (0.37 * 0.85)
 
 # What takes long where texts are long or surfaces large.
 LONG = [
-    "control.answered", "control.to_link", "law.panel.law_data", "law.panel.moved", "law.panel.removed",
-    "law.panel.with_point", "law.panel.read_points",
-    "law.further.other_law", "law.further.tolerance_band", "surface.panel.site_data",
-    "surface.panel.layout_data", "surface.panel.contact_data", "surface.panel.press_data",
-    "surface.panel.edited", "workshop.header.header_data", "workshop.header.with_field",
-    "workshop.panel.contents", "workshop.panel.with_kind", "take.files.specification_file",
-    "take.files.tables_of",
+    "control.answered", "control.to_link", "law.law_data", "law.moved", "law.removed",
+    "law.with_point", "law.read_points",
+    "law.tolerance_band", "surface.site_data",
+    "surface.layout_data", "surface.contact_data", "surface.press_data",
+    "surface.edited", "header.header_data", "header.with_field",
+    "form.contents", "form.with_kind", "files.specification_file",
+    "files.tables_of",
 ]  # fmt: skip
 
 
@@ -246,7 +244,6 @@ def test_the_plot_of_the_law_moves_adds_and_removes_points():
         await event("drag", id="point-9", number=9, released=True, **at)
         await event("cursor", x=0.272)
         await event("axes", newtons=False)
-        await event("model", name="layer", on=True)
         await event("pin", on=True)
         table = "load_N,friction_force_N\n0.1,0.12\n0.3,0.4\n"
         await event("dropped", name="m.csv", text=table)
@@ -264,7 +261,7 @@ def test_the_plot_of_the_law_moves_adds_and_removes_points():
     assert parsed(texts[3]).target.rescaled_load.tolist() == target.rescaled_load.tolist()
     (refused,) = [given for given in sent if given[0] == "refuse"]
     assert (refused[1], "point-9" in refused[2]) == (9, True)
-    assert (last.load, last.newtons, last.models) == (pytest.approx(0.2), False, ("layer",))
+    assert (last.load, last.newtons) == (pytest.approx(0.2), False)
     assert [each["pinned"] is None for each in drawn][-4:] == [True, False, False, False]
     assert (states[-2].measured_name, last.measured) == ("m.csv", "")
     assert drawn[-2]["measured"]["y"] == pytest.approx([0.12 * UNIT, 0.4 * UNIT], rel=1e-4)
@@ -304,6 +301,7 @@ def test_header_and_fields_show_what_is_chosen_and_what_is_refused():
         bar.clear(), sent.clear()
         steps = (
             lambda: header._choose("half-space"),
+            lambda: header._choose("independent"),  # quick
             lambda: fields._typed("limits.max_height", "280"),
             lambda: fields._kind("target", "sampled"),
             lambda: fields._kind("contact", "jkr"),
@@ -326,13 +324,13 @@ def test_header_and_fields_show_what_is_chosen_and_what_is_refused():
     bar, sent, texts = on_page(scene, Header, Workshop)
     shown_first = bar[0][1]
     assert ("model" in shown_first, shown_first["solved"], shown_first["undo"]) == (False, "half-space", True)
-    assert sent[1][1]["values"]["limits.max_height"] == "280 um"
-    documents = [Document(text) for text in texts[:6]]
+    assert sent[2][1]["values"]["limits.max_height"] == "280 um"
+    documents = [Document(text) for text in texts[:7]]
     assert documents[0].value("model.kind") == "half-space"
-    assert documents[2].value("target.kind") == "sampled"
-    assert (documents[3].value("contact.kind"), documents[4].value("contact")) == ("jkr", None)
-    assert "friction_force" in documents[5].section("target")
-    assert texts[6:9] == [demo_text("bilinear")] * 2 + [TEXT]
+    assert documents[3].value("target.kind") == "sampled"
+    assert (documents[4].value("contact.kind"), documents[5].value("contact")) == ("jkr", None)
+    assert "friction_force" in documents[6].section("target")
+    assert texts[7:10] == [demo_text("bilinear")] * 2 + [TEXT]
     (refused,) = [given for name, given in sent if name == "refuse"]
     assert (refused["key"], "limits" in refused["words"]) == ("limits.max_height", True)
     assert bar[-1] == ("show", {"part": "no part can be made"})

@@ -12,20 +12,16 @@ import pytest
 
 from metafem.errors import InvalidInput
 from metafem.explorer.answer import Answer, answered
-from metafem.explorer.last_run import HOST, token_and_port
-from metafem.explorer.law.dropped import read_points
-from metafem.explorer.law.nearest import reachable, with_nearest
-from metafem.explorer.session import State
-from metafem.explorer.start import explore, first_state
-from metafem.explorer.surface.sites_text import edited, typed_height
-from metafem.explorer.text.document import Document
-from metafem.explorer.text.fields import with_field
-from metafem.explorer.text.handles import added, moved, removed, scene_of
-from metafem.explorer.text.kinds import with_kind
-from metafem.explorer.text.link import LARGEST, LONGEST, from_link
-from metafem.explorer.text.written import rounded
-from metafem.explorer.workshop.loading import Given, loaded
-from metafem.explorer.workshop.new_part import FIRST, new_part
+from metafem.explorer.editor import Given, loaded
+from metafem.explorer.fields import rounded, with_field
+from metafem.explorer.handles import added, moved, removed, scene_of
+from metafem.explorer.history import LARGEST, LONGEST, State, from_link
+from metafem.explorer.kinds import reachable, with_kind, with_nearest
+from metafem.explorer.law_data import read_points
+from metafem.explorer.new_part import FIRST, new_part
+from metafem.explorer.start import HOST, explore, first_state, token_and_port
+from metafem.explorer.surface_data import edited, typed_height
+from metafem.explorer.table import Document
 from metafem.files import demo_text, parsed
 from metafem.material import Material
 from metafem.surface import Friction
@@ -105,7 +101,6 @@ STATES = [
     (state(load=math.nan), "state", "another kind"),
     (state(tables={"a": 1}), "state", "another kind"),
     (state(newtons=1), "state", "another kind"),
-    (state(models=[1]), "state", "another kind"),
     (lambda: from_link("1." + "A" * LONGEST), f"{LONGEST + 2:,}", f"{LONGEST:,}"),
     (lambda: from_link("2.abc"), "link", "version"),
     (link(b"{}"), "link", "damaged"),

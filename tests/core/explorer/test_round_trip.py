@@ -2,9 +2,8 @@
 
 import pytest
 
-from metafem.explorer.session import State
-from metafem.explorer.text.document import Document
-from metafem.explorer.text.link import from_link, to_link
+from metafem.explorer.history import State, from_link, to_link
+from metafem.explorer.table import Document
 from metafem.files import demo_text, parsed
 from tests.explorer.scenes import EDITS, TABLE, TABLES, on_page, shown, text_of
 

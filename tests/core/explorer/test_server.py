@@ -7,10 +7,9 @@ import threading
 import pytest
 
 from metafem.errors import InvalidInput
-from metafem.explorer import last_run
-from metafem.explorer.access import REFUSED, Guard
-from metafem.explorer.last_run import HOST
 from metafem.explorer.queue import Dropped, Queue
+from metafem.explorer.server import REFUSED, Guard
+from metafem.explorer.start import HOST, token_and_port
 from metafem.progress import doing
 
 OWN, TOKEN = "127.0.0.1:8123", "c0ffee"
@@ -72,13 +71,13 @@ def test_the_token_opens_the_page_and_nothing_else_does():
 
 def run(wanted=None):
     """Return token and port of a run."""
-    return last_run.token_and_port(wanted)
+    return token_and_port(wanted)
 
 
 def test_the_next_run_has_the_token_and_the_port_of_the_last(tmp_path, monkeypatch):
     folder = tmp_path / "cache"
     monkeypatch.setenv("METAFEM_CACHE_DIR", str(folder))
-    run = last_run.token_and_port
+    run = token_and_port
     token, port = run(None)
     assert len(token) == 32
     assert run(None) == (token, port)

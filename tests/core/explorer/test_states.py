@@ -6,15 +6,14 @@ from dataclasses import replace
 import pytest
 
 from metafem.errors import InvalidInput
-from metafem.explorer.session import MOST_STATES, Session, State
+from metafem.explorer import history as module
+from metafem.explorer.editor import Given, loaded, table_names
+from metafem.explorer.history import MOST_STATES, Session, State, from_link, to_link
 from metafem.explorer.start import first_state
-from metafem.explorer.text import link as module
-from metafem.explorer.text.link import from_link, to_link
-from metafem.explorer.workshop.loading import Given, loaded, table_names
 from metafem.files import demo_text, read_spec, save
 from tests.explorer.scenes import SAMPLED, WANTED
 
-FIRST = State("a = 1", {"wanted.csv": "load_N\n1\n"}, "1,2\n", "m.csv", False, ("layer",), 0.2)
+FIRST = State("a = 1", {"wanted.csv": "load_N\n1\n"}, "1,2\n", "m.csv", False, 0.2)
 
 
 def named(text):
@@ -38,7 +37,7 @@ def test_the_history_is_that_of_an_editor():
 
 def test_display_settings_are_no_step():
     session = Session((FIRST,)).after(named("b")).moved(-1)
-    shown = replace(FIRST, newtons=True, load=0.3, models=())
+    shown = replace(FIRST, newtons=True, load=0.3)
     assert session.after(shown) == Session((shown, named("b")))
     assert len(session.after(replace(shown, measured="0.1,0.2")).states) == 2
 

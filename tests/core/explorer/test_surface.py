@@ -9,21 +9,26 @@ import pytest
 
 import metafem as mf
 from metafem.caps import Caps
+from metafem.explorer import contact_data as module
 from metafem.explorer.answer import Answer, answered
-from metafem.explorer.session import State
-from metafem.explorer.surface import contact_data as module
-from metafem.explorer.surface.cap_data import (
+from metafem.explorer.contact_data import INTERVALS, contact_data, press_data
+from metafem.explorer.history import State
+from metafem.explorer.surface_data import (
     DECIMALS,
     NO_BLOCK,
     NO_SURFACE,
+    asked_sites,
     cap_data,
+    edited,
+    kept_height,
     kind_of_cap,
+    layout_data,
     mould_data,
+    site_data,
+    typed_height,
+    with_sites,
 )
-from metafem.explorer.surface.contact_data import INTERVALS, contact_data, press_data
-from metafem.explorer.surface.sites_text import asked_sites, edited, kept_height, typed_height, with_sites
-from metafem.explorer.surface.surface_data import layout_data, site_data
-from metafem.explorer.text.document import Document
+from metafem.explorer.table import Document
 from metafem.files import demo_text, result_tables
 from tests.explorer.scenes import with_height
 

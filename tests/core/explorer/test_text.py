@@ -8,14 +8,12 @@ import pytest
 
 import metafem as mf
 from metafem.explorer.answer import answered
-from metafem.explorer.session import State
-from metafem.explorer.text.document import Document, loses_comments
-from metafem.explorer.text.fields import shown, typed_value, with_field
-from metafem.explorer.text.kinds import KINDS, with_kind
-from metafem.explorer.text.names import label_of, order_of, title_of
-from metafem.explorer.workshop.changes import with_choice, with_section, without_section
-from metafem.explorer.workshop.editor import placed
-from metafem.explorer.workshop.form import contents, form
+from metafem.explorer.editor import placed
+from metafem.explorer.fields import shown, typed_value, with_field
+from metafem.explorer.form import contents, form
+from metafem.explorer.history import State
+from metafem.explorer.kinds import KINDS, with_choice, with_kind, with_section, without_section
+from metafem.explorer.table import Document, label_of, loses_comments, order_of, title_of
 from metafem.files import demo_text, parsed, section_forms
 
 LINEAR, POINTS = demo_text("linear"), demo_text("operating-points")

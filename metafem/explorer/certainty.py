@@ -1,0 +1,304 @@
+"""How sure a design is: its tolerance band, its numbers and notes, and the places of its warnings."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
+from html import escape
+from weakref import finalize
+
+from nicegui import ui
+
+from metafem._validate import FloatArray
+from metafem._values import MICROMETRES, percent, three_digits
+from metafem.errors import MetafemError
+from metafem.explorer.answer import Answer
+from metafem.explorer.control import Control, Panel
+from metafem.explorer.queue import Queue
+from metafem.explorer.table import on_page
+from metafem.inversion import Design
+from metafem.notes import Note, counted
+from metafem.prediction import Tolerances
+from metafem.prediction.tolerances import scatter
+from metafem.prediction.validity import BASE, base_contact_load
+from metafem.report import all_notes, error_words, fit_table, misfit_words
+
+# A band is computed at every n-th load of the law: at 34 of 100 loads. Straight
+# lines are drawn between them.
+EVERY = 3
+
+# Largest numbers of independent and of coupled asperities for a band by linear response. Coupled asperities
+# require the solution of n equations at each load, which takes 13 ms for 64 asperities and about a second for
+# the largest number.
+MOST_ALONE, MOST_COUPLED = 100_000, 400
+
+# Rescaled load, and lowest and highest friction [mm^2].
+Band = tuple[FloatArray, FloatArray, FloatArray]
+
+
+# Bands of the designs on open pages, by the identity of the design, because hashing a design would compute
+# all of its notes. Each is stored as long as its design exists.
+_BANDS: dict[int, Band | None] = {}
+
+
+def tolerances_of(answer: Answer) -> Tolerances | None:
+    """Return the manufacturing errors that a specification states; None if it states none.
+
+    These are those of the heights, ``limits.height_sd``.
+    """
+    deviation = None if answer.design is None else answer.design.limits.height_sd
+    return Tolerances(height_sd=deviation) if deviation else None
+
+
+def tolerance_words(tolerances: Tolerances) -> str:
+    """Return the manufacturing errors of the part in words.
+
+    Examples
+    --------
+    >>> tolerance_words(Tolerances(height_sd=0.0009))
+    'errors of the heights of 0.9 µm (SD)'
+    """
+    return f"errors of the heights of {MICROMETRES * tolerances.height_sd:.3g} µm (SD)"
+
+
+def tolerance_band(answer: Answer) -> Band | None:
+    """Return rescaled load, and A0 of manufactured surfaces one standard deviation below and above [mm^2].
+
+    The result is None if the specification states no errors, the surface has too many asperities or the model
+    has no solution.
+    """
+    design, tolerances = answer.design, tolerances_of(answer)
+    if design is None or tolerances is None:
+        return None
+    if id(design) not in _BANDS:
+        finalize(design, _BANDS.pop, id(design), None)
+        _BANDS[id(design)] = _linear(design, tolerances)
+    return _BANDS[id(design)]
+
+
+def band_words(answer: Answer) -> str:
+    """Return the description of the band of an answer; "" if the specification states no errors."""
+    tolerances = tolerances_of(answer)
+    return "" if tolerances is None else f"± 1 SD of made surfaces, with {tolerance_words(tolerances)}"
+
+
+def _linear(design: Design, tolerances: Tolerances) -> Band | None:
+    model, surface = design.law.model, design.surface
+    if surface.count > (MOST_COUPLED if model.couples else MOST_ALONE):
+        return None
+    load = design.law.rescaled_load[::-EVERY][::-1]
+    try:
+        mean, sd = scatter(surface, model, load, tolerances.height_sd)
+    except MetafemError:  # the model has no solution at these loads
+        return None
+    return load, mean - sd, mean + sd
+
+
+# Messages in place of the tables and above them.
+NO_DESIGN = "No surface has been found yet, so there is nothing to judge."
+NOT_CURRENT = "This is about the last surface that was found, not about the target law that is shown."
+
+
+def tables_of(answer: Answer) -> str:
+    """Return what a report states of the design of an answer: its numbers, fitted slopes and notes."""
+    design = answer.design
+    if design is None:
+        return _paragraph(NO_DESIGN)
+    columns, rows = fit_table(design)
+    fits = _table(zip(columns, *rows, strict=True)) if rows else ""
+    notes = remarks(answer)
+    above = "" if answer.current else _paragraph(NOT_CURRENT, "warn")
+    texts = "".join(map(_note, notes))
+    return f"{above}{_table(numbers_of(answer, design))}{fits}<p>{counted(notes)} on the design</p>{texts}"
+
+
+def remarks(answer: Answer) -> tuple[Note, ...]:
+    """Return the notes on the design of an answer, warnings first."""
+    if answer.design is None:
+        return ()
+    hardness = None if answer.specification is None else answer.specification.hardness
+    return all_notes(answer.design, hardness)
+
+
+def numbers_of(answer: Answer, design: Design) -> list[tuple[str, str]]:
+    """Return the numbers that show how reliable a design is, each with its name."""
+    misfit, value = misfit_words(design)
+    error, _, size = error_words(design.law.model_error).partition(": ")
+    words = band_words(answer)
+    return [
+        (misfit, f"{value}; up to {percent(design.largest_misfit, '.3g')} is good"),
+        (error, size),
+        (BASE, _base(design)),
+        *([("band of the law", words)] if words else []),
+    ]
+
+
+def chip(warnings: Sequence[str]) -> str:
+    """Return the number of warnings in a chip."""
+    count = f"{len(warnings)} warning{'s' * (len(warnings) > 1)}"
+    return f'<span class="chip warn"><span aria-hidden="true">▲</span>{count}</span>'
+
+
+def _base(design: Design) -> str:
+    """Return the load at which the plane touches the base, and the largest load of the law."""
+    try:
+        onset = base_contact_load(design.surface, design.law.model)
+    except MetafemError as error:
+        return f"unknown: {error}"
+    newtons = design.surface.material.composite_modulus * onset
+    return f"{three_digits(newtons)} N; the law ends at {three_digits(design.law.load[-1])} N"
+
+
+def _table(rows: Iterable[Sequence[str]]) -> str:
+    """Return rows as a table whose first cells are headings."""
+    lines = (
+        f'<tr><th scope="row">{escape(first)}</th>{"".join(map(_cell, others))}</tr>'
+        for first, *others in rows
+    )
+    return f'<div class="scroll"><table class="figure-table"><tbody>{"".join(lines)}</tbody></table></div>'
+
+
+def _cell(words: str) -> str:
+    return f"<td>{escape(words)}</td>"
+
+
+def _note(note: Note) -> str:
+    return _paragraph(f"{'Warning' if note.warns else 'Note'}: {note}", "warn" if note.warns else "note")
+
+
+def _paragraph(words: str, kind: str = "") -> str:
+    return f'<p class="{kind}">{escape(words)}</p>'
+
+
+# Remedies of notes about the surface, and of notes about the law, with the key of the specification for each.
+OF_THE_SURFACE = {
+    "offset": "limits.offset",
+    "min_height": "limits.offset",
+    "pitch": "lattice.pitch",
+    "radius": "lattice.radius",
+    "hardness": "checks.hardness",
+    "width": "block.width",
+    "length": "block.length",
+}
+OF_THE_LAW = {
+    "max_height": "limits.max_height",
+    "load_range": "target.load_range",
+    "slope": "target.slope",
+    "model": "model.kind",
+    "pinned": "sites.pinned",
+}
+
+
+def warnings_by_place(answer: Answer) -> dict[str, list[str]]:
+    """Return the warnings of an answer by part of the page: "law", "surface", "take" or a specification key.
+
+    "take" is the tab of the files. A warning can belong to several parts. A surface of an earlier state has
+    no warnings, because they would not apply to the current specification.
+    """
+    if not answer.current:
+        return {}
+    places = {place: [answer.no_part] for place in ("surface", "take") if answer.no_part}
+    for note in remarks(answer):
+        for name in _places(note) if note.warns else ():
+            places.setdefault(name, []).append(on_page(str(note)))
+    return places
+
+
+def _places(note: Note) -> tuple[str, ...]:
+    part = "surface" if any(name in OF_THE_SURFACE for name in note.remedies) else "law"
+    keys = OF_THE_SURFACE | OF_THE_LAW
+    return part, *(keys[name] for name in note.remedies if name in keys)
+
+
+# An answer, and whether it is judged: newer answers follow in a drag.
+Request = tuple[Answer, bool]
+
+# Time without a newer answer after which an answer is judged [s]. A drag that stops often goes on within this
+# time.
+PAUSE = 0.5
+
+# Closes the warnings at the key Escape.
+SHUT = "event => { event.currentTarget.open = false; event.currentTarget.firstElementChild.focus(); }"
+
+# Message in place of the tables.
+COMPUTED = (
+    "The numbers are being computed. The first time after an installation this takes a minute or two, "
+    "because parts of the program are compiled then."
+)
+
+# Commands that answer further questions about the design, in seconds to minutes, and their questions.
+STUDIES = {
+    "metafem study manufacturing surface": "How accurate must the heights be?",
+    "metafem study misalignment surface": "How level must the plane be?",
+    "metafem study uncertainty surface": "Which input matters most?",
+    "metafem study fidelity surface": "What do the model, the block and point contacts leave out?",
+    "metafem report surface": "Where does all of this stand on one page?",
+}
+FOLDER = "These commands read the folder of “metafem design spec.toml -o surface”."
+
+
+class PlaceWarnings(Panel):
+    """The warnings of a part of the page, "law" or "surface": how many, and their words over the picture."""
+
+    def __init__(self, page: Control, place: str) -> None:
+        super().__init__(page)
+        self.place = place
+        with ui.element("details").classes("place-warnings").on("keydown.esc", js_handler=SHUT):
+            self.brief = ui.html("", sanitize=False, tag="summary")
+            self.words = ui.html("", sanitize=False).classes("over")
+
+    def warn(self, places: Mapping[str, list[str]]) -> None:
+        """Show the warnings of this part."""
+        texts = [text[:1].upper() + text[1:] for text in places.get(self.place, [])]
+        brief = re.split(r"[.:;] ", texts[0])[0] if texts else ""
+        self.brief.content = f'{chip(texts)}<span class="small">{escape(brief)}</span>' if texts else ""
+        self.words.content = "".join(f'<p class="warn small">{escape(text)}</p>' for text in texts)
+
+
+class Certainty(Panel):
+    """The tables of one page, and its warnings; they follow the newest answer after a pause."""
+
+    def __init__(self, page: Control) -> None:
+        super().__init__(page)
+        self.answer: Answer | None = None
+        self.open = False
+        self.queue: Queue[Request, Callable[[], object]] = Queue(
+            self._judged,
+            lambda show: show(),
+            lambda _, error: page.wrong(error),
+            better=lambda request: None if request[1] else (request[0], True),
+            rest=PAUSE,
+        )
+        page.client.on_delete(self.queue.stop)
+
+    def create(self) -> Certainty:
+        """Create the tables and the commands of studies, when their tab is first opened."""
+        with ui.element("div").classes("certainty"):
+            with ui.element("section").classes("sure-figures").props('aria-label="How sure"'):
+                self.tables = ui.html(f"<p role='status'>{COMPUTED}</p>", sanitize=False)
+            with ui.element("section").props('aria-label="Studies"'):
+                ui.label(FOLDER).classes("quiet small")
+                for command, question in STUDIES.items():
+                    ui.label(question)
+                    ui.html(f"<pre>{command}</pre>", sanitize=False)
+        if self.answer is not None:
+            self.queue.put((self.answer, True))
+        return self
+
+    def show(self, answer: Answer, _: object) -> None:
+        """Follow a new answer."""
+        self.answer = answer
+        self.queue.put((answer, False))
+
+    def _judged(self, request: Request) -> Callable[[], object]:
+        """Return a function that shows the warnings of the answer and, if the tab is open, its tables."""
+        answer, judged = request
+        if not judged:
+            return lambda: None
+        return partial(self._show, warnings_by_place(answer), tables_of(answer) if self.open else "")
+
+    def _show(self, places: Mapping[str, list[str]], tables: str) -> None:
+        self.page.warn(places)
+        if tables:
+            self.tables.content = tables

@@ -1,1 +1,0 @@
-"""The reliability of the design: misfit, interaction, tolerances and validity."""

@@ -1,0 +1,227 @@
+"""Values of a specification as the form shows them, as the user types them, and as a drag writes them."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from typing import Any
+
+from metafem.errors import InvalidInput
+from metafem.explorer.table import Document, form_of
+from metafem.files import KeyForm, quantity
+
+# A number, the space after it, and its unit.
+QUANTITY = re.compile(r"\s*[+-]?[\d.]+(?:[eE][+-]?\d+)?(\s*)(.*?)\s*", re.DOTALL)
+
+# Number of significant digits that double precision always preserves.
+ALL_DIGITS = 15
+
+# Relative resolution of values that are copied from a table.
+EXACT = 10.0 ** (1 - ALL_DIGITS)
+
+# Smallest distance of a value from its neighbours, in units of the resolution. Rounding moves a value by at
+# most half a unit.
+APART = 2.0
+
+
+def digits_of(resolution: float) -> int:
+    """Return the number of significant digits for a relative resolution.
+
+    Examples
+    --------
+    >>> digits_of(1e-3), digits_of(0.02)
+    (4, 3)
+    """
+    return min(ALL_DIGITS, math.ceil(-math.log10(resolution)) + 1)
+
+
+def rounded(value: float, resolution: float) -> float:
+    """Return a number rounded to the significant digits of a relative resolution."""
+    number = float(f"{value:.{digits_of(resolution) - 1}e}")
+    if not math.isfinite(number):
+        raise InvalidInput(f"{value:g} is not a finite number")
+    return number
+
+
+def stated(rescaled: float, like: str, stress: float | None, resolution: float) -> str:
+    """Return a rescaled load or friction [mm^2] as a quantity in the unit of the quantity `like`.
+
+    For a unit of force, `stress` is the force per rescaled value [MPa]: E* for loads, sigma B for friction.
+
+    Examples
+    --------
+    >>> stated(0.25, "140 mN", 1.36, 1e-3), stated(0.25, "0.14mm^2", None, 1e-3)
+    ('340 mN', '0.25mm^2')
+    """
+    match = QUANTITY.fullmatch(like)
+    space, unit = match.groups() if match else (" ", "mm^2")
+    try:
+        value = rescaled / quantity("value", f"1 {unit}", "mm^2")
+    except InvalidInput:
+        if stress is None:
+            raise
+        value = rescaled * stress / quantity("value", f"1 {unit}", "N")
+    return f"{rounded(value, resolution):.{ALL_DIGITS}g}{space}{unit}"
+
+
+def between(value: float, low: float, high: float, resolution: float) -> tuple[float, float]:
+    """Return the value between two bounds that is nearest to `value`, and the resolution for writing it.
+
+    Examples
+    --------
+    >>> between(0.5, 0.1, 0.4, 1e-3)
+    (0.3992, 0.001)
+    >>> between(0.5, 0.1, 0.1002, 1e-3)[0]
+    0.1001
+    """
+    least = low * (1.0 + APART * resolution) if low > 0.0 else resolution * high
+    most = high * (1.0 - APART * resolution)
+    if math.isinf(high):
+        least, most = (low * (1.0 + APART * resolution) if low > 0.0 else 0.0), high
+    if least <= most:
+        return min(max(value, least), most), resolution
+    fine = 0.1 * (high - low) / high
+    return 0.5 * (low + high), max(min(fine, resolution), EXACT)
+
+
+# A number with a decimal comma. A comma before three digits can also separate thousands, except after a zero.
+DECIMAL_COMMA = re.compile(r"(?<![\w.^,])([+-]?(?:0+,\d+|\d+,(?!\d{3}(?!\d))\d+))(?!\d|,(?! ))")
+
+# Separators of the entries of a list. Lists of integers (rows and columns) also accept spaces, a cross, or
+# an x that is not part of a word.
+SEPARATORS = re.compile(r"[,;\n]")
+CROSS = re.compile(r"[,;\s×]|(?<![^\W\d])[xX](?![^\W\d])")
+
+# An entry of a list: a group of entries in brackets, such as a pair, or a single entry.
+GROUP_OR_ENTRY = re.compile(r"\[([^\[\]]*)\]|([^,;\n\[\]]+)")
+
+
+def with_field(text: str, key: str, typed: str) -> str:
+    """Return the text with the value that the user typed for a key; an empty value removes the key.
+
+    A number without a unit has the unit of the value before. Decimal commas become points; in a list of plain
+    numbers, only where semicolons separate the entries. An invalid value is also written as typed, so that
+    the reader of the specification reports the error. If the key belongs to one of several choices, the keys
+    of the other choices are removed. If the key is a kind, the keys that the new kind does not have are
+    removed.
+
+    Raises
+    ------
+    InvalidInput
+        If the text is not valid TOML, or the specification has no such key.
+
+    Examples
+    --------
+    >>> with_field('[limits]\\nmax_height = "120 um"', "limits.max_height", "90,5")
+    '[limits]\\nmax_height = "90.5 um"\\n'
+    """
+    document = Document(text)
+    section, _, name = key.rpartition(".")
+    form, typed, old = form_of(section), typed.strip(), document.value(key)
+    forms = {each.name: each for each in document.keys(section)}
+    is_kind = name == "kind" and form is not None and bool(form.kinds)
+    if is_kind and typed:
+        return document.with_kind(section, typed)
+    if not is_kind and name not in forms:
+        raise InvalidInput(f'a specification has no key "{key:.60}" here')
+    if typed == shown(old):
+        return text
+    if not typed:
+        return document.with_values({key: None})
+    choice = forms[name].choice
+    others = [each for each in forms.values() if choice is not None and each.choice not in (None, choice)]
+    values = dict.fromkeys(f"{section}.{each.name}" for each in others)
+    return document.with_values({**values, key: typed_value(forms[name], typed, unit_of(old))})
+
+
+def shown(value: Any) -> str:
+    """Return a value of a specification as a field shows it: strings without quotes, lists without brackets.
+
+    Examples
+    --------
+    >>> shown(["0.07 mm^2", ["0.15 mm^2", "0.18 mm^2"]]), shown(True), shown(0.5)
+    ('0.07 mm^2, [0.15 mm^2, 0.18 mm^2]', 'true', '0.5')
+    """
+    if value is None:
+        return ""
+    if isinstance(value, str):
+        return value
+    if isinstance(value, (list, tuple)):
+        return ", ".join(f"[{shown(part)}]" if isinstance(part, list) else shown(part) for part in value)
+    if isinstance(value, float):
+        return f"{value:.15g}"
+    return json.dumps(value, default=str)
+
+
+def unit_of(value: Any) -> str:
+    """Return the unit of a quantity, or of all quantities of a list; "" if there is no such unit.
+
+    Examples
+    --------
+    >>> unit_of("450mN"), unit_of(["1 N", ["2 N", "3 N"]]), unit_of(["1 N", "2 mN"]), unit_of(0.5)
+    ('mN', 'N', '', '')
+    """
+    parts = [part for part in re.split(r"[,\[\]]", shown(value)) if part.strip()]
+    units = {found[2] if (found := QUANTITY.fullmatch(part)) else "" for part in parts}
+    return units.pop() if len(units) == 1 else ""
+
+
+def typed_value(form: KeyForm, typed: str, unit: str = "") -> Any:
+    """Return typed text as a TOML value; text that does not match the type of the key stays a string.
+
+    A quantity without a unit has the unit `unit`.
+
+    Examples
+    --------
+    >>> forms = {key.name: key for key in form_of("lattice").keys[""]}
+    >>> typed_value(forms["shape"], "8 x 12"), typed_value(forms["pitch"], "1,5", "mm")
+    ([8, 12], '1.5 mm')
+    """
+    if form.value == "quantity" or (form.value != "text" and (not form.listed or ";" in typed)):
+        typed = with_points(typed)
+    if not form.listed:
+        return _entry(form, typed, unit)
+    if not form.pairs:
+        return _entries(form, typed.strip("[] "), unit)
+    return [
+        _entry(form, entry.strip(), unit) if entry else _entries(form, group, unit)
+        for group, entry in GROUP_OR_ENTRY.findall(typed)
+        if not entry or entry.strip()
+    ]
+
+
+def with_points(typed: str) -> str:
+    """Return typed numbers with decimal points instead of decimal commas."""
+    return DECIMAL_COMMA.sub(lambda number: number[1].replace(",", "."), typed)
+
+
+def with_unit(typed: str, unit: str) -> str:
+    """Return a typed quantity with a decimal point; a number without a unit has the unit `unit`."""
+    typed = with_points(typed.strip())
+    number = _number(typed)
+    return typed if isinstance(number, str) or not unit else f"{shown(number)} {unit}"
+
+
+def _entries(form: KeyForm, typed: str, unit: str) -> list[Any]:
+    parts = (CROSS if form.value == "integer" else SEPARATORS).split(typed)
+    return [_entry(form, part.strip(), unit) for part in parts if part.strip()]
+
+
+def _entry(form: KeyForm, typed: str, unit: str) -> Any:
+    typed = typed.strip("\"'")
+    if form.value == "quantity":
+        return with_unit(typed, unit)
+    if form.value == "text":
+        return typed
+    return {"true": True, "false": False}.get(typed, _number(typed))
+
+
+def _number(typed: str) -> int | float | str:
+    """Return typed text as a number if it is one."""
+    for kind in (int, float):
+        try:
+            return kind(typed)
+        except ValueError:
+            pass
+    return typed

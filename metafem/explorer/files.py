@@ -1,0 +1,295 @@
+"""The files of a design, as ``metafem design`` writes them, and the panel that offers them."""
+
+from __future__ import annotations
+
+import asyncio
+import io
+import re
+import zipfile
+from collections.abc import Mapping
+from functools import partial
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from nicegui import ui
+from nicegui.element import Element
+
+from metafem.drawing import svg
+from metafem.errors import InvalidInput, MetafemError
+from metafem.explorer.answer import Answer, specification_of
+from metafem.explorer.control import Control, Panel
+from metafem.explorer.history import State
+from metafem.files import result_tables, staged, write_all
+from metafem.inversion import Design
+from metafem.report import page
+from metafem.report.figures import law_figure
+
+SPECIFICATION, ZIPPED = "spec.toml", "specification.zip"
+
+# Date of all entries of an archive, so that equal contents give equal archives. It is the earliest date that
+# the zip format can store.
+DATE = (1980, 1, 1, 0, 0, 0)
+
+# Python script that computes the design from the downloaded specification.
+SCRIPT = 'import metafem as mf\n\nspec = mf.read_spec("spec.toml")\nprint(spec.design())\n'
+
+# Files that need only the design. All other files describe the part, or are written together with it.
+OF_THE_DESIGN = ("heights.csv", "law.csv", "law.svg")
+
+# Messages above the files.
+NO_DESIGN = (
+    "There is no surface for the specification as it stands, and so there are no files of one. "
+    "The specification itself can be downloaded."
+)
+NO_PART = "The tables of the design and the specification can be downloaded."
+
+# Reasons why a file cannot be downloaded. The message above the files states those in `ABOVE` in full; the
+# others are shown beside the file.
+NEEDS_DESIGN, NEEDS_PART = "needs a surface", "needs a part that can be made"
+ABOVE = ("", NEEDS_DESIGN, NEEDS_PART)
+NO_BLOCK = "needs “Block” with its width, length and thickness"
+
+
+def specification_file(state: State) -> tuple[str, bytes]:
+    """Return name and content of the specification file or, if it has tables, of a zip archive with them.
+
+    A link can contain table names that point outside the folder of the archive, where the tables would be
+    unpacked. In this case, all tables are renamed as in a result folder, without folders. A lone surrogate,
+    which has no UTF-8 bytes, becomes a question mark.
+    """
+    text = state.text.encode("utf-8", "replace")
+    if not state.tables:
+        return SPECIFICATION, text
+    files = {name: table.encode("utf-8", "replace") for name, table in state.tables.items()}
+    if not all(map(_lies_within, state.tables)):
+        try:
+            return ZIPPED, archive(specification_of(state).files)
+        except InvalidInput:  # the text cannot be read, so the tables that it needs are unknown
+            files = {}
+    return ZIPPED, archive({**files, SPECIFICATION: text})
+
+
+def command_of(state: State) -> str:
+    """Return the command that creates the result folder from the downloaded specification."""
+    unpack = f"unzip {ZIPPED} && " if state.tables else ""
+    return f"{unpack}metafem design {SPECIFICATION} -o surface"
+
+
+def _lies_within(name: str) -> bool:
+    """Return whether a file is unpacked inside the folder of its archive and is not the specification."""
+    return name != SPECIFICATION and not re.search(r"^[/.]|\\|:|(^|/)\.\.?(/|$)|/$|^$", name)
+
+
+def tables_of(answer: Answer) -> dict[str, bytes]:
+    """Return the tables of an answer's design, by file name; empty if its state has no full design."""
+    if not answer.current or answer.draft or answer.design is None or answer.specification is None:
+        return {}
+    tables = result_tables(answer.design, answer.specification.part)
+    return {name: text.encode("utf-8") for name, text in tables.items()}
+
+
+def law_picture(design: Design) -> bytes:
+    """Return the content of an SVG file with the figure of the law, as in a report."""
+    return (svg(law_figure(design), design.target.title) + "\n").encode("utf-8")
+
+
+def made_files(answer: Answer) -> dict[str, bytes]:
+    """Return all files of the result folder of an answer, by name, as ``metafem design`` writes them."""
+    design, specification = answer.design, answer.specification
+    assert design is not None
+    assert specification is not None
+    with TemporaryDirectory() as parent:
+        folder = Path(parent, "surface")
+        with staged(folder, folder=True) as fresh:
+            report = page(design, specification.hardness)
+            write_all(design, fresh, specification, {"report.html": report})
+        return {path.name: path.read_bytes() for path in sorted(folder.iterdir())}
+
+
+def archive(files: Mapping[str, bytes]) -> bytes:
+    """Return the content of a zip archive with these files."""
+    content = io.BytesIO()
+    with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as written:
+        for name, each in files.items():
+            written.writestr(zipfile.ZipInfo(name, DATE), each, zipfile.ZIP_DEFLATED)
+    return content.getvalue()
+
+
+def hindrance(name: str, answer: Answer, problem: str = "") -> str:
+    """Return why a file of an answer cannot be downloaded; "" if it can.
+
+    `problem` states why no part can be made; it is "" if a part can be made.
+    """
+    if not answer.current:
+        return NEEDS_DESIGN
+    if problem and name not in OF_THE_DESIGN:
+        return NEEDS_PART
+    specification = answer.specification
+    if specification is None or not name.endswith(".stl") or specification.template.block is not None:
+        return ""
+    return NO_BLOCK
+
+
+def said_above(answer: Answer, problem: str = "") -> str:
+    """Return the message above the files: why none or some of them can be downloaded; "" if all can."""
+    if not answer.current:
+        return f"{NO_DESIGN} {answer.refused}".strip()
+    return f"{problem[:1].upper()}{problem[1:]}. {NO_PART}" if problem else ""
+
+
+# Names of the archive and of the picture.
+ARCHIVE, PICTURE = "surface.zip", "law.svg"
+
+# The files that the page offers and their meanings. Tables, pictures and the specification are written at
+# once; all other files take some seconds.
+MEANINGS = {
+    "mould.csv": "Mould table: position (x mirrored), depth and tool radius of each hole",
+    "heights.csv": "Heights: site, position, height and radius of each summit",
+    "law.csv": "Law: load, area, friction and separation",
+    "report.html": "Report: one page that opens without a network",
+    "block.stl": "Solid of the block with its summits",
+    "mould.stl": "Solid of the mould",
+    "surface.vtu": "Surface for ParaView",
+    PICTURE: "Picture of the law, with its difference from the target",
+    SPECIFICATION: "Specification, with the tables that it names",
+    ARCHIVE: "Everything: the result folder of metafem design",
+}
+QUICK = ("mould.csv", "heights.csv", "law.csv", PICTURE)
+
+# Message beside the link, and message after the link is copied.
+LINK = "The address of this page, for this machine; colleagues need spec.toml"
+COPIED = (
+    "The address of this page was copied. It opens the same state on this machine while metafem explore "
+    "runs. For another machine take spec.toml."
+)
+
+# Message if the state has no full design.
+NOTHING = "there is no design; change the target or a field first"
+
+
+class Taking(Panel):
+    """The buttons that download the files of the newest answer, and the command that repeats the design."""
+
+    def __init__(self, page: Control) -> None:
+        super().__init__(page)
+        self.answer, self.problem = page.answer, ""
+        self.made: tuple[State, asyncio.Task[dict[str, bytes]]] | None = None  # all files of a state
+        self.told: State | None = None  # the state that the message is about
+        self.offered: dict[str, tuple[ui.button, ui.label]] = {}
+        self.above = ui.label().classes("warn").props('role="status"')
+        self.above.set_visibility(False)
+        self.label = ui.label().props('role="status"')
+        with ui.element("div").classes("cards"):
+            self._cards()
+
+    def _cards(self) -> None:
+        """Create the cards with their buttons."""
+        with _card("To make the part"):
+            self._buttons("mould.csv", "block.stl", "mould.stl")
+        with _card("To keep and to repeat the design"):
+            self._buttons(ARCHIVE, SPECIFICATION)
+            copy = self._copy("location.href", COPIED, text="Copy link", icon="link")
+            copy.props("no-caps flat dense align=left")
+            ui.label(LINK).classes("small")
+            self._buttons("report.html")
+        with _card("Data"):
+            self._buttons("heights.csv", "law.csv", PICTURE, "surface.vtu")
+        with _card("The same from the command line"):
+            self.command = self._lines("command", command_of(self.answer.state))
+            self._lines("script", SCRIPT)
+
+    def _buttons(self, *names: str) -> None:
+        """Create buttons that download files, each with the meaning of the file beside it."""
+        for name in names:
+            button = ui.button(name, icon="download", on_click=partial(self.take, name))
+            button.props(f'no-caps flat dense align=left data-take="{name}"')
+            self.offered[name] = button, ui.label(MEANINGS[name]).classes("small")
+
+    def _lines(self, name: str, text: str) -> ui.label:
+        """Return a label that shows the text unchanged, next to a button that copies the text."""
+        with ui.element("div").classes("lines"):
+            lines = ui.label(text)
+            inside = f"getHtmlElement({lines.id}).innerText"
+            copy = self._copy(inside, f"The {name} was copied.", icon="content_copy")
+            copy.props(f'round flat size=sm aria-label="Copy the {name}" title="Copy the {name}"')
+        return lines
+
+    def _copy(self, value: str, said: str, **look: str) -> ui.button:
+        """Return a button that copies the value of a JavaScript expression, and then says a text."""
+        # in the browser, which allows copying only in the handler of a click
+        copied = f"() => navigator.clipboard.writeText({value})"
+        return ui.button(on_click=partial(self.say, said), **look).on("click", js_handler=copied)
+
+    def show(self, answer: Answer, _: object) -> None:
+        """Offer the files of an answer; a message about another design goes."""
+        self.answer = answer
+        self.command.text = command_of(answer.state)
+        if self.told is not None and not self.told.designs_the_same(answer.state):
+            self.told, self.label.text = None, ""
+        self._offer()
+
+    def warn(self, places: Mapping[str, list[str]]) -> None:
+        """Show why no part can be made from the answer."""
+        self.problem = " ".join(places.get("take", []))
+        self._offer()
+
+    def _offer(self) -> None:
+        """Enable the available files, and show why the other files are not available."""
+        for name, (button, label) in self.offered.items():
+            reason = "" if name == SPECIFICATION else hindrance(name, self.answer, self.problem)
+            label.text = MEANINGS[name] if reason in ABOVE else f"{MEANINGS[name]}: {reason}"
+            button.set_enabled(not reason)
+        self.above.text = said_above(self.answer, self.problem)
+        self.above.set_visibility(bool(self.above.text))
+
+    async def take(self, name: str) -> None:
+        """Download a file of the newest answer, or show why this is impossible."""
+        try:
+            name, content = await self._content(name, self.answer)
+        except MetafemError as error:
+            self.say(f"{name} was not downloaded: {error}")
+        else:
+            ui.download.content(content, name)
+            self.say(f"{name} was downloaded.")
+
+    async def _content(self, name: str, answer: Answer) -> tuple[str, bytes]:
+        """Return the name and the content of a file of an answer."""
+        if name == SPECIFICATION:
+            return await asyncio.to_thread(specification_file, answer.state)
+        if not answer.current or answer.draft or answer.design is None:
+            raise MetafemError(NOTHING)
+        if name in QUICK:
+            return name, await asyncio.to_thread(self._quick, name, answer, answer.design)
+        found = await self._made(answer)
+        return name, found[name] if name != ARCHIVE else await asyncio.to_thread(archive, found)
+
+    def _quick(self, name: str, answer: Answer, design: Design) -> bytes:
+        """Return the content of one of the files in `QUICK`."""
+        if name == PICTURE:
+            return law_picture(design)
+        if name == "mould.csv" and answer.no_part:
+            raise MetafemError(answer.no_part)
+        return tables_of(answer)[name]
+
+    async def _made(self, answer: Answer) -> dict[str, bytes]:
+        """Return all files of an answer; those of one state are written once."""
+        if self.made is None or not self.made[0].designs_the_same(answer.state):
+            self.say("The files are being written.")
+            self.made = answer.state, asyncio.create_task(asyncio.to_thread(made_files, answer))
+        try:
+            return await self.made[1]
+        except Exception:
+            self.made = None
+            raise
+
+    def say(self, text: str) -> None:
+        """Show a message about the current design."""
+        self.told, self.label.text = self.answer.state, text
+
+
+def _card(title: str) -> Element:
+    """Return the element of a group of files, with its title."""
+    card = ui.element("section").classes("card take")
+    with card, ui.element("h3"):
+        ui.label(title)
+    return card

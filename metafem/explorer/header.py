@@ -1,0 +1,154 @@
+"""The header of the page."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from nicegui import app
+
+from metafem._values import percent
+from metafem.errors import InvalidInput
+from metafem.explorer.answer import Answer
+from metafem.explorer.control import Control, Panel, Widget
+from metafem.explorer.editor import load
+from metafem.explorer.fields import with_field
+from metafem.explorer.history import State
+from metafem.explorer.new_part import NewPart
+from metafem.explorer.table import Document
+from metafem.files import DEMOS, MODELS, demo_text
+from metafem.files.specification.models import AUTOMATIC
+from metafem.inversion import Design, DesignStatus
+from metafem.inversion.result import misfit_text
+
+# What the mouse, touch and keys do.
+HELP = Path(__file__).parent / "static" / "help.html"
+
+# Time after which the header announces an unfinished design [s].
+LATE = 0.5
+
+# Explanation of the steps of a design.
+SEARCH = "The search for heights begins from several surfaces and improves each of them in steps."
+
+# Name of the first state of the page among the examples to start over from.
+FIRST = "as first opened"
+
+# Words for each status, and its kind: "good", "warn" or "" for neither.
+STATUS = {
+    DesignStatus.EXACT: ("meets the target exactly", "good"),
+    DesignStatus.REACHED: ("meets the target", "good"),
+    DesignStatus.WITHIN_ERRORS: ("meets the target", "good"),
+    DesignStatus.REFINED: ("meets the target", "good"),
+    DesignStatus.APPROXIMATE: ("approximate", ""),
+    DesignStatus.MISSED: ("misses the target", "warn"),
+}
+
+STOPPED = "stopped: change something, or compute again"
+
+
+class Bar(Widget, component="static/header.js", esm={"metafem": "static"}):
+    """Shows the data of `header_data`; emits an event for each change that it offers."""
+
+
+class Header(Panel):
+    """The target in words, the status, the model, undo and redo, and the menu."""
+
+    def __init__(self, page: Control) -> None:
+        super().__init__(page)
+        self.running, part = (0, 0), NewPart(page)
+        self.bar = Bar(
+            {"models": list(MODELS), "starts": [FIRST, *DEMOS], "help": HELP.read_text("utf-8")},
+            undo=lambda _: page.moved(-1),
+            redo=lambda _: page.moved(1),
+            begin=self._begin,
+            load=lambda given: load(page, given["files"]),
+            part=part.open,
+            model=self._choose,
+            stop=lambda _: page.stop(),
+            compute=lambda _: page.compute(),
+        )
+        timer = app.timer(LATE, self._wait)  # `ui.timer` would be an element, with a file of its own
+        page.client.on_delete(lambda: timer.cancel())
+
+    def prepare(self, answer: Answer) -> dict[str, Any]:
+        """Return the data of an answer."""
+        return header_data(answer)
+
+    def show(self, answer: Answer, data: dict[str, Any]) -> None:
+        """Show an answer, and whether there is something to undo and redo."""
+        session = self.page.session
+        last = len(session.states) - 1
+        self.bar.show({**data, "undo": session.at > 0, "redo": session.at < last, "late": False})
+
+    def warn(self, places: Mapping[str, list[str]]) -> None:
+        """Show why no part can be made; nothing if a part can be made."""
+        self.bar.show({"part": " ".join(places.get("take", []))})
+
+    async def _begin(self, name: str) -> None:
+        """Start again from a demo, or from the first state of the page, as one step of the history."""
+        if name in (FIRST, *DEMOS):
+            await self.page.alter(**vars(self.page.first if name == FIRST else State(demo_text(name))))
+
+    async def _choose(self, model: str) -> None:
+        """Change the model of the design."""
+        self.bar.shown["model"] = model  # the browser shows it already
+        change = self.page.make(lambda state: with_field(state.text, "model.kind", model), by=self)
+        await self.page.told(change)
+
+    def _wait(self) -> None:
+        """Show that a design, or a change of the specification, takes longer than `LATE`."""
+        running, step = self.page.running, self.page.queue.step
+        if any(running) and running == self.running:
+            design = f"designing: {step} …" if step else "designing …"
+            words = "changing the specification …" if running[0] else design
+            self.bar.show({"status": words, "kind": "", "meaning": SEARCH if step else "", "late": True})
+        self.running = running
+
+
+def header_data(answer: Answer) -> dict[str, Any]:
+    """Return the target in words, the status with its kind and meaning, and the model of an answer."""
+    status, kind = _status(answer)
+    data = {"status": status, "kind": kind, "meaning": answer.refused, "stopped": answer.stopped}
+    if answer.current and answer.design is not None:
+        data["meaning"] = _meaning(answer.design)
+    model = _model(answer.state.text)
+    if model is not None:
+        data |= {"model": model, "solved": model}
+    if answer.specification is not None:
+        data["title"] = answer.specification.target.title
+    return data
+
+
+def _status(answer: Answer) -> tuple[str, str]:
+    if answer.stopped:
+        return STOPPED, ""
+    if answer.failed:
+        return "no design: the computation failed", "warn"
+    if answer.problems:
+        count = len(answer.problems)
+        return f"{count} problem{'s' if count > 1 else ''} in the specification", "warn"
+    if answer.refusal or answer.design is None:
+        return "refused: no surface reaches the target", "warn"
+    words, kind = STATUS[answer.design.status]
+    if answer.simplified:
+        words, kind = f"draft under {answer.design.law.model.name}", ""
+    if answer.design.status is not DesignStatus.EXACT:
+        words = f"{words}, misfit {misfit_text(answer.design.misfit)}"
+    return words, kind
+
+
+def _meaning(design: Design) -> str:
+    """Return the status of a design, what its misfit measures, and the largest good value, as sentences."""
+    status, bound = design.status.value, percent(design.largest_misfit, ".3g")
+    good = f"The misfit is the {design.misfit_meaning}; up to {bound} is good."
+    return f"{status[:1].upper()}{status[1:]}. {good}"
+
+
+def _model(text: str) -> str | None:
+    """Return the model kind in a text, even if the text has other problems; None if it cannot be read."""
+    try:
+        kind = Document(text).section("model").get("kind", AUTOMATIC)
+    except InvalidInput:
+        return None
+    return kind if isinstance(kind, str) else None

@@ -1,0 +1,215 @@
+"""The target of a text: its numbers as they are written, and what its handles change."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property, partial
+from typing import Any
+
+import numpy as np
+
+from metafem._validate import FloatArray
+from metafem.errors import InvalidInput
+from metafem.explorer.fields import EXACT, between, rounded, stated
+from metafem.explorer.table import Document
+from metafem.files import Specification
+from metafem.inversion import Design
+from metafem.inversion.wording import Wording
+
+# Keys of the members of a target that a text can also give as forces or friction coefficients.
+NEWTON_KEYS = {
+    "rescaled_load": "load",
+    "rescaled_friction": "friction_force",
+    "lowest": "lowest_force",
+    "highest": "highest_force",
+    "slope": "friction_coefficient",
+    "slopes": "friction_coefficients",
+}
+
+# Members of a target that are frictions, and those without a unit.
+FRICTIONS = ("rescaled_friction", "lowest", "highest")
+PLAIN = ("exponent", "prefactor", "weight", "relative_error")
+
+# Members of a target that have an entry for each point.
+COLUMNS = ("rescaled_load", "rescaled_friction", "weight", "relative_error")
+
+# Members of a target that are loads with a handle of their own.
+MARKED = ("crossover_load", "crossover_loads", "load_range")
+
+# Members of a target by name: slopes [-], loads and frictions [mm^2]; and keys of a text with their values.
+Numbers = dict[str, Any]
+Keys = dict[str, Any]
+
+
+def members(target: Any, names: Iterable[str]) -> Numbers:
+    """Return the numbers of a target by name, of those names that it has."""
+    found = {name: plain(getattr(target, name, None)) for name in names}
+    return {name: number for name, number in found.items() if number is not None}
+
+
+def plain(number: Any) -> Any:
+    """Return a number, or the entries of an array as a list."""
+    return number.tolist() if isinstance(number, np.ndarray) else number
+
+
+@dataclass(frozen=True)
+class Handle:
+    """A point of the plot that the user can drag.
+
+    Attributes
+    ----------
+    id : str
+    load, friction : float
+        Rescaled load and friction at which the handle is drawn [mm^2].
+    moves : str
+        Directions in which the handle moves: "xy", "x" or "y".
+    label : str
+        The parameter that the handle changes, in words.
+    carried : str
+        What is written beside the handle, such as its friction coefficient; "" for nothing.
+    """
+
+    id: str
+    load: float
+    friction: float
+    moves: str
+    label: str
+    carried: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """The target of a text, with its specification and the last design; each kind adds its handles."""
+
+    document: Document
+    specification: Specification
+    design: Design | None
+
+    @property
+    def target(self) -> Any:
+        """The target of the specification."""
+        return self.specification.target
+
+    @property
+    def kind(self) -> str:
+        """The kind of the target."""
+        return str(self.section.get("kind"))
+
+    @cached_property
+    def section(self) -> Keys:
+        """The keys and values of the target in the text; lists in place of the name of a table."""
+        section = self.document.section("target").copy()
+        if section.pop("file", None) is None:
+            return section
+        given = members(self.target, COLUMNS)
+        if len(set(given["weight"])) == 1:  # the default
+            del given["weight"]
+        return section | self.stated(given, EXACT)
+
+    @property
+    def crowd(self) -> int:
+        """The number of points of the target if it has too many points for handles, otherwise 0."""
+        return 0
+
+    def handles(self) -> tuple[Handle, ...]:
+        """Return the handles; a target with too many points has none."""
+        return ()
+
+    def curve(self) -> tuple[FloatArray, FloatArray]:
+        """Return rescaled load and friction of the target [mm^2], nan in gaps."""
+        raise NotImplementedError
+
+    def moved(self, handle: Handle, load: float, friction: float, resolution: float) -> tuple[Numbers, float]:
+        """Return the numbers of the target that change when a handle has moved, and their resolution."""
+        raise NotImplementedError
+
+    def added(self, load: float, friction: float, resolution: float) -> tuple[Numbers, float]:
+        """Return the numbers of the target that change when a point is added, and their resolution."""
+        raise InvalidInput(
+            f"a {self.kind} law is not given by points; choose the kind operating-points or sampled to "
+            "add some"
+        )
+
+    def removed(self, id: str) -> Numbers:
+        """Return the numbers of the target that change when the point or parameter of a handle is removed."""
+        raise InvalidInput(f"a {self.kind} law needs what this handle changes; it cannot be removed")
+
+    def slid(self, handle: Handle, load: float, resolution: float) -> tuple[Numbers, float]:
+        """Return the crossovers and the load range with one load moved between its neighbours."""
+        given = members(self.target, MARKED)
+        path = np.unique(np.hstack([np.ravel(value) for value in given.values()])).tolist()
+        i, path = path.index(handle.load), [0.0, *path, math.inf]
+        placed, fine = between(load, path[i], path[i + 2], resolution)
+        placed = placed or resolution * handle.load
+        return {name: _replaced(value, handle.load, placed) for name, value in given.items()}, fine
+
+    def achieved(self, rescaled_load: FloatArray) -> FloatArray | None:
+        """Return the rescaled friction of the last design at rescaled loads [mm^2]; None without a design.
+
+        Outside the load range of the design's law, the friction is proportional to the load.
+        """
+        if self.design is None:
+            return None
+        law = self.design.law
+        load, friction = law.rescaled_load, law.rescaled_friction
+        inside = np.clip(rescaled_load, load[0], load[-1])
+        return np.asarray(np.interp(inside, load, friction) * rescaled_load / inside)
+
+    def written(self, numbers: Numbers, resolution: float, kind: str = "") -> str:
+        """Return the text with other numbers of the target in the units in which they are written.
+
+        Numbers that do not change remain as they are written; the number None removes its key.
+        """
+        values = self.stated(numbers, resolution, self.section)
+        return self.document.with_kind("target", kind or self.kind, {**self.section, **values})
+
+    def stated(
+        self, numbers: Numbers, resolution: float, like: Keys | None = None, wording: Wording | None = None
+    ) -> Keys:
+        """Return the keys and values of numbers of a target.
+
+        New values have the units of the present keys and values `like`, or those of the wording, default:
+        that of the target.
+        """
+        units, found = wording or self.target.wording, dict[str, Any]()
+        for name, number in numbers.items():
+            key = NEWTON_KEYS.get(name, name) if units.per_slope else name
+            write = partial(self._entry, name, resolution, units)
+            before = plain(getattr(self.target, name, None))
+            found[key] = None if number is None else _like(number, before, (like or {}).get(key), write)
+        return found
+
+    def _entry(self, name: str, resolution: float, units: Wording, number: float, like: Any) -> Any:
+        """Return a number of a target as one entry of the text."""
+        if name in PLAIN or name in ("slope", "slopes"):
+            return rounded(number if name in PLAIN else units.coefficient(number), resolution)
+        friction = self.specification.template.friction
+        stress: float | None = self.specification.template.material.composite_modulus
+        if name in FRICTIONS:
+            stress = None if friction is None else friction.stress
+        newtons = units.per_slope if name in NEWTON_KEYS else units.composite_modulus
+        return stated(number, like or ("1 N" if newtons else "1 mm^2"), stress, resolution)
+
+
+def _like(number: Any, before: Any, old: Any, write: Callable[[float, Any], Any]) -> Any:
+    """Return a number, or numbers, as written by `write` in the form of the `old` value of `before`."""
+    if old is not None and number == before:
+        return old
+    if not isinstance(number, Sequence):
+        return write(number, old)
+    if old is None:
+        return [write(each, None) for each in number]
+    if not isinstance(old, list):  # one load in place of a pair of equal loads
+        return write(number[0], old)
+    known = dict(zip(before, old, strict=True))
+    places = [min(i, len(old) - 1) for i in range(len(number))]  # a point may have been added
+    pairs = zip(number, places, strict=True)
+    return [known.get(each) or _like(each, before[i], old[i], write) for each, i in pairs]
+
+
+def _replaced(value: Any, old: float, new: float) -> Any:
+    if isinstance(value, tuple):
+        return tuple(_replaced(each, old, new) for each in value)
+    return new if value == old else value

@@ -1,0 +1,88 @@
+// What the parts of the page tell each other in the browser. Events:
+//   load     { load, moving }   rescaled load [mm²] at which the contacts are shown; `moving` while it is dragged or played
+//   entries  { entry, exact }   rescaled load at which each site comes into contact; null while it is not known
+//   sites    sites              the sites under the pointer or in focus
+//   table    files              files that were dropped onto the plot of the law
+const links = new EventTarget();
+
+export function tell(name, detail) { links.dispatchEvent(new CustomEvent(name, { detail })); }
+
+export function hear(name, call, signal) { links.addEventListener(name, (event) => call(event.detail), { signal }); }
+
+// Part of a load within which two are the same: the digits of a drawn law.
+export const SAME = 1e-4;
+
+// The load that a hand has chosen. Answers to choices before it, which come later, are not shown.
+export class Chosen {
+  asked = null;
+  moving = false;
+
+  take({ load, moving }) { Object.assign(this, { asked: load, moving }); }
+
+  isShownBy(load) {
+    if (this.moving) return false;
+    const shown = this.asked === null || Math.abs(load - this.asked) <= SAME * this.asked;
+    if (shown) this.asked = null;
+    return shown;
+  }
+}
+
+// Keeps a text in the browser. A full or forbidden store forgets, and nothing else.
+export function remember(key, text) {
+  try {
+    localStorage.setItem(key, text);
+  } catch (error) {
+    console.info(`${key} cannot be kept by the browser: ${error.message}`);
+  }
+}
+
+// Directions of the arrow keys: to the right and up.
+export const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+
+// Files that were chosen or dropped, as texts. A dropped folder gives its specification and its tables.
+// Characters of a text as it is sent, where each end of a line has two: the server takes a megabyte.
+export const LARGEST = 900_000;
+const MOST = 40;          // files of a folder
+
+// The length of a text in a message.
+export const sent = (text) => JSON.stringify(text).length;
+
+async function textOf(file) {
+  const large = { name: file.name, why: `is larger than ${LARGEST / 1000} kB, the limit for a file` };
+  if (file.size > LARGEST) return large;
+  try {
+    const text = new TextDecoder("utf-8", { fatal: true }).decode(await file.arrayBuffer());
+    return sent(text) > LARGEST ? large : { name: file.name, text };
+  } catch (error) {
+    return { name: file.name, why: error instanceof TypeError ? "is not a text in UTF-8" : "could not be read" };
+  }
+}
+
+const inFolder = (entry) => new Promise((done) => {
+  const [reader, found] = [entry.createReader(), []];
+  const next = () => reader.readEntries((entries) => {
+    found.push(...entries);
+    if (entries.length && found.length < 1000) next();
+    else done(found.filter((each) => each.isFile && /^spec\.toml$|\.csv$/i.test(each.name)).slice(0, MOST));
+  }, () => done(found));
+  next();
+});
+
+export async function textsIn(folder) {
+  const found = await inFolder(folder);
+  if (!found.some((entry) => entry.name.toLowerCase() === "spec.toml")) return [{ name: folder.name, why: "is a folder without a spec.toml" }];
+  return textsOf(await Promise.all(found.map((entry) => new Promise((done, failed) => entry.file(done, failed)))));
+}
+
+// Those that cannot be read say why; together they fit into one message, the specification first.
+export async function textsOf(files) {
+  const texts = await Promise.all([...files].slice(0, MOST).map(textOf));
+  texts.sort((one, other) => /\.toml$/i.test(other.name) - /\.toml$/i.test(one.name));
+  let room = LARGEST;
+  return texts.map((each) => {
+    const size = sent(each.text ?? "");
+    if (size > room) return { name: each.name, why: `is too large beside the others, which may have ${LARGEST / 1000} kB together` };
+    room -= size;
+    return each;
+  });
+}

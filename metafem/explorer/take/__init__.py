@@ -1,1 +1,0 @@
-"""Files of the design, and the command that produces the same result."""

@@ -1,1 +1,0 @@
-"""The text of the specification: edits, handles of the target, fields and links."""

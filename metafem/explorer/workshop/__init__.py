@@ -1,1 +1,0 @@
-"""The workshop: fields with units, and the specification as text."""
