@@ -12,8 +12,7 @@ import metafem as mf
 from metafem.drawing import svg
 from metafem.report.figures import law_figure
 from validation import explorer_picture, shape_pictures
-from validation.cost import model_table
-from validation.cost.ladder_picture import ladder_picture
+from validation.cost import work_precision
 from validation.discovery import Listed
 from validation.numbers import computed, expected
 from validation.page import write_report
@@ -30,8 +29,10 @@ LADDER = Path(__file__).parent / "work_precision.svg"
 def renew_readme(results: dict[str, Evaluated]) -> None:
     """Write the numbers of the proof, and the pictures of README and guide."""
     _renew("questions", markdown(results))
-    _renew("models", model_table.table())
-    ladder = svg(ladder_picture(), "Seconds against error of the models, from sparse to merged contacts")
+    _renew("models", work_precision.table())
+    ladder = svg(
+        work_precision.picture(), "Seconds against error of the models, from sparse to merged contacts"
+    )
     LADDER.write_text(ladder, "utf-8")
     PICTURE.write_text(svg(_first_minute(), "Target, achieved law and finite elements"), "utf-8")
     explorer_picture.renew_picture()

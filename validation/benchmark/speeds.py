@@ -12,8 +12,8 @@ from typing import NamedTuple
 import numpy as np
 
 import metafem as mf
+from validation.cost.points import MATERIAL, heights, scattered
 from validation.scenes.browser import browser_path, opened
-from validation.scenes.costs import MATERIAL, heights, scattered
 from validation.scenes.explorer import latencies, served, visited
 from validation.timing import Row, spent, took
 
