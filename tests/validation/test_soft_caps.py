@@ -63,7 +63,7 @@ def test_stick_is_stiffer_than_slip():
 
 @pytest.mark.nightly
 def test_the_public_history_agrees_with_another():
-    contact = press.press_finite(0.5 * R, **BODY, stick=True)
+    contact = press.press_finite(0.5 * R, CAP, stick=True)
     other = coarse(True)[-1]
     assert contact.error_estimate < 2e-3
     assert contact.rescaled_load == pytest.approx(other.rescaled_load, rel=contact.error_estimate)

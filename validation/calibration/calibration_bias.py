@@ -17,8 +17,7 @@ from metafem.fe.geometry import Cap
 from metafem.reference import hertz, sneddon_sphere
 from validation.check import Claim, Picture, Row, below, near, reported
 from validation.figures import panels
-from validation.finite_elements.checks import BLOCK_RADIUS, THICKNESS
-from validation.finite_elements.frozen_meshes import FOLDER, SOFT_HEIGHT, deep_caps
+from validation.finite_elements.frozen_meshes import BLOCK_RADIUS, FOLDER, SOFT_HEIGHT, THICKNESS, deep_caps
 from validation.finite_elements.large_strain.press import press_sequence
 from validation.scenes.compression_tests import ENERGY, ERRORS, MODULUS, RADII, RADIUS, straight_line
 from validation.sources import closed_form, known_input, second_method

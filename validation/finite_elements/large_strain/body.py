@@ -62,13 +62,6 @@ class FiniteContact:
     residual : float
         Largest unbalanced nodal force, relative to the load [-].
     status : NewtonStatus
-
-    Examples
-    --------
-    >>> import metafem as mf
-    >>> contact = press_finite(0.1, 0.526, height=0.2, thickness=7.2, block_radius=10.0)
-    >>> contact.status.name, contact.error_estimate < 1e-2
-    ('CONVERGED', True)
     """
 
     contact_radius: float
