@@ -17,7 +17,7 @@ from validation.sources import printed
 QUICK = (
     *("bounds", "contact_calibration", "equations"),
     *("fig1_flow", "fig2_calibration", "fig3_branches", "fig3_operating_points", "fig4_linear"),
-    *("fig5_bilinear", "one_contact", "order3_equations", "pedestal_effect"),
+    *("fig5_bilinear", "one_contact", "order3_equations"),
     *("plasticity", "table_s1", "table_s2"),
 )
 
