@@ -14,7 +14,6 @@ from validation.check import Claim, Picture, Row, below, near
 from validation.figures import panels
 from validation.methods.bent import Bent
 from validation.published import paper
-from validation.scenes.compression_tests import straight_line
 from validation.sources import closed_form, known_input, second_method
 
 RADIUS = paper()["sample"]["radius_um"] / 1e3
@@ -84,12 +83,10 @@ def _adhesive() -> list[Row]:
     a = np.array([reference.jkr_contact_radius(float(p), RADIUS, ENERGY / MODULUS) for p in load])
     plain, depth = np.array([reference.hertz(float(x), RADIUS) for x in a]).T
     lost = (plain - load) / (2.0 * a)
-    one = np.array([[0.0, 0.0]])
-    surface = mf.Surface(one, [0.1], RADIUS, mf.Material(MODULUS))
+    surface = mf.Surface([[0.0, 0.0]], [0.1], RADIUS, mf.Material(MODULUS))
     model = mf.Independent(contact=mf.JKR(ENERGY))
     lowest = float(law.load(law.pull_off_radius(RADIUS), RADIUS))
     solved = mf.friction_law(surface, model, load=MODULUS * load[load > 0.0]).area
-    line = straight_line(MODULUS * load[load > 0.0], np.pi * a[load > 0.0] ** 2, RADIUS)
     return [
         below("adhesive paraboloid: load, largest error over the pull-off load",
               float(np.abs(law.load(a, RADIUS) - load).max() / pull), NUMERICAL, JKR),
@@ -99,10 +96,6 @@ def _adhesive() -> list[Row]:
              MODULUS * lowest / (ENERGY * RADIUS), -1.5 * math.pi, 1e-9, ENDS),
         below("adhesive paraboloid: area of the solved contact, largest relative error",
               _error(solved, np.pi * a[load > 0.0] ** 2), 1e-9, JKR),
-        near("adhesive paraboloid: E* by the straight line [MPa]",
-             line.composite_modulus, MODULUS, 1e-9, JKR),
-        near("adhesive paraboloid: w by the straight line [mJ/m²]",
-             1e6 * line.adhesion_energy, 1e6 * ENERGY, 1e-6, JKR),
         *_rates("adhesive paraboloid", law),
     ]  # fmt: skip
 
@@ -170,9 +163,9 @@ def _moment(exact, a: float) -> float:
     return float(4.0 / 3.0 * a**3 * exact(a)[1] - rest)
 
 
-def _error(found, expected, scale=None) -> float:
+def _error(found, expected) -> float:
     """Return the largest relative difference."""
-    return float(np.abs((np.asarray(found) - expected) / (expected if scale is None else scale)).max())
+    return float(np.abs(np.asarray(found) / expected - 1.0).max())
 
 
 @panels(6.0, 3.4)
