@@ -8,13 +8,12 @@ from pathlib import Path
 from typing import Any
 
 from metafem.report.html import render
-from validation.chapters import CHAPTERS, Chapter
+from validation.chapters import CHAPTERS, Chapter, first_line
 from validation.check import Check, Reason, Result
-from validation.discovery import first_line
 from validation.numbers import cited, computed, expected, number, powers
 from validation.published import REFERENCE
 from validation.questions import questions
-from validation.results import Evaluated, as_data, as_json, module_of
+from validation.results import Evaluated, as_data, as_json
 from validation.sources import Kind
 
 Results = Mapping[str, Evaluated]
@@ -100,7 +99,7 @@ def _chapter(chapter: Chapter, results: Results) -> str:
         results=found,
         checks=[check for each in found for check in each.checks],
         left_out=_described([name for name in chapter.claims if name not in results]),
-        compared={each.name: first_line(module_of(each.name)) for each in found},
+        compared={each.name: first_line(each.name) for each in found},
         pictured=PICTURED,
         row_types={"check": Check, "result": Result},
     )
@@ -127,4 +126,4 @@ def _of(chapter: Chapter, results: Results) -> list[Evaluated]:
 
 def _described(names: Sequence[str]) -> list[tuple[str, str]]:
     """Return names of claims with the first lines of their documentation."""
-    return [(name, first_line(module_of(name))) for name in names]
+    return [(name, first_line(name)) for name in names]

@@ -12,16 +12,12 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
-from types import ModuleType
 from typing import Any
 
 from metafem.drawing.inline import Drawn, drawn
+from validation.chapters import chosen, module_of
 from validation.check import Check, Claim, Row, Rows, prose
-from validation.discovery import groups, named, picked
 from validation.sources import Source, known_input
-
-# The group whose modules measure times: they run after all others, alone.
-COST = "cost"
 
 # The check that a claim without an error would pass.
 COMPLETE = known_input("a claim is evaluated without an error")
@@ -55,34 +51,17 @@ class Evaluated(Rows):
         return [check for check in self.checks if not check.passed]
 
 
-def claims() -> list[str]:
-    """Names of the modules that make a claim, group by group."""
-    return [name for names in groups("claim").values() for name in names]
-
-
-def costs() -> list[str]:
-    """Names of the modules that measure times."""
-    return groups("measure").get(COST, [])
-
-
-def known() -> dict[str, list[str]]:
-    """Groups of all modules that the report shows."""
-    return {**groups("claim"), **({COST: costs()} if costs() else {})}
-
-
-def is_slow(name: str) -> bool:
-    """Whether a claim takes long: it measures times, or its module holds ``SLOW = True``."""
-    return name in costs() or bool(getattr(module_of(name), "SLOW", False))
+def _is(attribute: str, name: str) -> bool:
+    """Whether the module of a claim holds ``SLOW = True``, or ``TIMED = True`` because it measures times."""
+    return bool(getattr(module_of(name), attribute, False))
 
 
 @cache
 def evaluate(name: str) -> Claim:
     """Evaluate one claim; an exception is a failed check."""
     try:
-        module = module_of(name)
-        made = module.measure if name in costs() else module.claim
-        claim = made()
-        return replace(claim, text=prose(made, claim.values))
+        claim = module_of(name).claim()
+        return replace(claim, text=prose(module_of(name).claim, claim.values))
     except Exception as error:
         return Claim(name, [_ran_into(error)])
 
@@ -108,8 +87,8 @@ def evaluated_in(names: Sequence[str], processes: int = 2) -> Iterator[Evaluated
 
     The numbers are those of one process: each claim is evaluated in one, on one thread.
     """
-    timed = [name for name in names if name in costs()]
-    others = sorted((name for name in names if name not in timed), key=lambda name: not is_slow(name))
+    timed = [name for name in names if _is("TIMED", name)]
+    others = sorted((name for name in names if name not in timed), key=lambda name: not _is("SLOW", name))
     if processes == 1 or len(others) < 2:
         yield from map(evaluated, others)
     else:
@@ -137,8 +116,8 @@ def collected(
 
 def selected(arguments: tuple[str, ...], *, quick: bool = False) -> tuple[list[str], list[str]]:
     """Return the claims of some names and groups, or all, and those of them that `quick` leaves out."""
-    names = picked(arguments, known())
-    left_out = [name for name in names if quick and is_slow(name)]
+    names = chosen(arguments)
+    left_out = [name for name in names if quick and (_is("SLOW", name) or _is("TIMED", name))]
     return [name for name in names if name not in left_out], left_out
 
 
@@ -182,8 +161,3 @@ def _ran_into(error: Exception, where: str = "") -> Check:
     """Return the failed check of a claim that raised an error."""
     reason = "".join(traceback.format_exception_only(error)).strip().splitlines()[-1]
     return Check(f"{where}ran into: {reason}", float("inf"), "no error", False, COMPLETE)
-
-
-def module_of(name: str) -> ModuleType:
-    """Return the module of a claim."""
-    return named(next(group for group, names in known().items() if name in names), name)

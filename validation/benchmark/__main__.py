@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-from functools import partial
+from importlib import import_module
 
 import click
 
-from validation.discovery import Listed, chosen, groups, module
 
-# What is measured if nothing is named.
-SPEEDS = "speeds"
-
-
-@click.command(cls=Listed, listed=partial(groups, "rows"))
-@click.argument("names", nargs=-1)
+@click.command()
+@click.argument("names", nargs=-1, type=click.Choice(["speeds", "designs", "last_bits"]))
 def main(names: tuple[str, ...]) -> None:
     """Measure NAMES, by default the table of speeds."""
     from rich.console import Console
@@ -21,9 +16,9 @@ def main(names: tuple[str, ...]) -> None:
     from rich.text import Text
 
     console = Console()
-    for name in chosen(names or (SPEEDS,), "rows"):
+    for name in names or ("speeds",):
         table = Table("quantity", "at most", "measured", "unit", title=name, title_justify="left")
-        for row in module(name, "rows").rows():
+        for row in import_module(f"validation.benchmark.{name}").rows():
             style = None if row.measured <= row.required else "red"
             cells = (row.what, f"{row.required:g}", f"{row.measured:.3g}", row.unit)
             table.add_row(*map(Text, cells), style=style)
