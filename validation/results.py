@@ -16,7 +16,7 @@ from typing import Any
 
 from metafem.drawing.inline import Drawn, drawn
 from validation.chapters import chosen, module_of
-from validation.check import Check, Claim, Row, Rows, prose
+from validation.check import Check, Claim, Difference, Reason, Result, Row, Rows, prose
 from validation.sources import Source, known_input
 
 # The check that a claim without an error would pass.
@@ -35,15 +35,17 @@ class Evaluated(Rows):
     figures: tuple[Drawn, ...]
     seconds: float = field(compare=False)
 
-    def anchored(self, kind: type[Row]) -> list[tuple[str, Row]]:
-        """Return the rows of a kind with their anchors, which differ for rows of one name."""
+    @property
+    def anchored(self) -> list[tuple[str, Check | Result]]:
+        """The checks and results with their anchors, which differ for rows of one name."""
         seen: Counter[str] = Counter()
         rows = []
         for row in self.rows:
             anchor = f"{self.name}-{re.sub(r'[^a-z0-9]+', '-', row.name.lower()).strip('-')}"
             seen[anchor] += 1
-            rows.append((anchor if seen[anchor] == 1 else f"{anchor}-{seen[anchor]}", row))
-        return [pair for pair in rows if isinstance(pair[1], kind)]
+            if not isinstance(row, Difference):
+                rows.append((anchor if seen[anchor] == 1 else f"{anchor}-{seen[anchor]}", row))
+        return rows
 
     @property
     def failed(self) -> list[Check]:
@@ -135,25 +137,21 @@ def as_json(data: dict[str, Any]) -> str:
 
 
 def _claim_data(each: Evaluated) -> dict[str, Any]:
-    return {
-        "title": each.title,
-        "file": each.file,
-        "text": each.text,
-        "checks": [*map(_row_data, each.checks)],
-        "results": [*map(_row_data, each.results)],
-        "differences": [*map(_row_data, each.differences)],
-        "figures": [{"title": f.title, "caption": f.caption} for f in each.figures],
-    }
+    rows = {kind: [*map(_row_data, getattr(each, kind))] for kind in ("checks", "results", "differences")}
+    figures = [{"title": drawn.title, "caption": drawn.caption} for drawn in each.figures]
+    return {"title": each.title, "file": each.file, "text": each.text, **rows, "figures": figures}
 
 
 def _row_data(row: Row) -> dict[str, Any]:
-    """Return a row as plain data; which reason a difference has is shown on the first page."""
-    data = {key: value for key, value in vars(row).items() if key != "reason"}
+    """Return a row as plain data; JSON has no numbers that are not finite."""
+    data = dict(vars(row))
     for key, value in data.items():
         if isinstance(value, Source):
-            data[key] = {"kind": value.kind.value, "text": value.text, "link": value.link}
+            data[key] = {**vars(value), "kind": value.kind.value}
+        elif isinstance(value, Reason):
+            data[key] = value.value
         elif isinstance(value, float) and not math.isfinite(value):
-            data[key] = None  # which JSON can hold
+            data[key] = None
     return data
 
 

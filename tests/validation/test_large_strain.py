@@ -35,7 +35,7 @@ def test_a_newton_that_does_not_end_is_reported(monkeypatch):
     monkeypatch.setattr(soft_body, "NEWTON", 2)
     with pytest.raises(mf.NotConverged, match="of the indentation") as caught:
         press.press_finite(0.2, CAP)
-    assert caught.value.state.status is soft_body.NewtonStatus.NOT_CONVERGED
+    assert caught.value.state.fraction < 1.0
 
 
 def test_the_frozen_table_is_a_contact_law():
