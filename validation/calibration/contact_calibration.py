@@ -8,19 +8,14 @@ from functools import cache
 
 import numpy as np
 
-from metafem._validate import FloatArray
-from metafem.calibration import fit_compression
-from metafem.calibration.compression import AreaLaw, fit_areas, of_root
+from metafem.calibration.compression import of_root
 from metafem.calibration.errors_in_variables import Fit
 from metafem.calibration.statistics import bounded_interval
-from metafem.contact import Hertz
-from validation.check import Claim, Picture, Row, below, near, reported
+from validation.check import Claim, Picture, Row, near, reported
 from validation.figures import panels
 from validation.scenes.compression_tests import (
     ENERGY,
-    ERRORS,
     MODULUS,
-    RADIUS,
     compression_tests,
     fitted,
     straight_line,
@@ -33,7 +28,7 @@ from validation.scenes.repeated_estimates import (
     histograms,
     judged,
 )
-from validation.sources import known_input, second_method
+from validation.sources import known_input
 
 TRIALS = 5000
 
@@ -47,7 +42,6 @@ METHODS = {"fit": "fit with errors on both axes", "line": "straight line of the 
 FIT = "mean of 5,000 fits with errors of load and area"
 LINE = "least squares of the paper's straight line on the same data"
 CHI_SQUARE = known_input("noise of known size in 60 points, two numbers fitted: chi-square of mean 58")
-BATCH = second_method(fit_areas, "the same data among 5,000 that are fitted at once")
 
 
 @cache
@@ -78,7 +72,7 @@ def claim() -> Claim:
     """
     rows = [row for contacts in CONTACTS for energy in ENERGIES for row in _checks(contacts, energy)]
     figures = {"errors over their stated uncertainty": Picture(_figure)}
-    return Claim("E* and adhesion energy from loads and areas", [*rows, *_regressions()], figures)
+    return Claim("E* and adhesion energy from loads and areas", rows, figures)
 
 
 def _checks(contacts: int, energy: float) -> Iterator[Row]:
@@ -97,33 +91,6 @@ def _checks(contacts: int, energy: float) -> Iterator[Row]:
     modulus, root = (float(errors[f"line, {name}"].error.mean()) for name in NAMES)
     yield reported(f"{line}, mean E* [MPa]", MODULUS + modulus, LINE)
     yield reported(f"{line}, w of the mean √w [mJ/m²]", 1e6 * (math.sqrt(energy) + root) ** 2, LINE)
-
-
-def _regressions() -> Iterator[Row]:
-    """Compare single fits with ODRPACK and with the public function."""
-    import odrpack
-
-    load, area = compression_tests(TRIALS, 1, ENERGY, np.random.default_rng(0))
-    parts = AreaLaw(Hertz(), RADIUS).parts
-
-    def law(x: FloatArray, beta: FloatArray) -> FloatArray:
-        return np.asarray(parts(x)[0] @ beta)
-
-    fit, _ = results(1, ENERGY)
-    apart = []
-    for i in range(20):
-        sd = ERRORS.of_area(fit.abscissa[i, :, 0])
-        other = odrpack.odr_fit(
-            law, area[i], load[i], np.array([1.0, 0.0]), weight_x=sd**-2, weight_y=ERRORS.load**-2,
-            diff_scheme="central", sstol=1e-15, partol=1e-15,
-        )  # fmt: skip
-        apart.append(abs(other.beta[0] - fit.parameter[i, 0]) / math.sqrt(fit.covariance[i, 0, 0]))
-    one = fit_compression(load[0], area[0], RADIUS).composite_modulus
-    other_fit = second_method(odrpack.odr_fit, "ODRPACK, variances of the fitted areas")
-    name = "largest difference of E* from ODRPACK over the uncertainty, 20 fits"
-    yield below(name, float(max(apart)), 1e-5, other_fit)
-    name = "metafem.calibration.fit_compression on the first set of data, E* [MPa]"
-    yield near(name, one, float(fit.parameter[0, 0]), 1e-9, BATCH)
 
 
 @panels(8.0, 3.2, columns=2, sharey=True)
