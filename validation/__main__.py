@@ -12,26 +12,28 @@ import metafem as mf
 from metafem.drawing import svg
 from metafem.report.figures import law_figure
 from validation import explorer_picture, shape_pictures
-from validation.cost import model_table
-from validation.cost.ladder_picture import ladder_picture
-from validation.discovery import Listed
+from validation.chapters import CHAPTERS
+from validation.cost import work_precision
 from validation.numbers import computed, expected
 from validation.page import write_report
 from validation.paper.surfaces import fig4
 from validation.published import REFERENCE
 from validation.questions import markdown
-from validation.results import Evaluated, collected, known, selected
+from validation.results import Evaluated, collected, selected
 
 PICTURE = Path(__file__).parent / "first_minute.svg"
 PROOF = Path(__file__).parent / "guide" / "proof.md"
+LISTED = "\n\n".join(f"{each.name}: {', '.join(each.claims)}." for each in CHAPTERS)
 LADDER = Path(__file__).parent / "work_precision.svg"
 
 
 def renew_readme(results: dict[str, Evaluated]) -> None:
     """Write the numbers of the proof, and the pictures of README and guide."""
     _renew("questions", markdown(results))
-    _renew("models", model_table.table())
-    ladder = svg(ladder_picture(), "Seconds against error of the models, from sparse to merged contacts")
+    _renew("models", work_precision.table())
+    ladder = svg(
+        work_precision.picture(), "Seconds against error of the models, from sparse to merged contacts"
+    )
     LADDER.write_text(ladder, "utf-8")
     PICTURE.write_text(svg(_first_minute(), "Target, achieved law and finite elements"), "utf-8")
     explorer_picture.renew_picture()
@@ -59,7 +61,7 @@ def _first_minute():
     return figure
 
 
-@click.command(cls=Listed, listed=known)
+@click.command(epilog=LISTED)
 @click.option("-o", "--output", default="validation/results", show_default=True, help="Folder to write.")
 @click.option("--quick", is_flag=True, help="Leave out the claims that take long or measure times.")
 @click.option("--readme", is_flag=True, help="Also renew the numbers of guide/proof.md, and all pictures.")
@@ -67,7 +69,7 @@ def _first_minute():
 @click.option("--random", type=int, default=0, metavar="N", help="With --mutate: N random changes instead.")
 @click.argument("names", nargs=-1)
 def main(output: str, quick: bool, readme: bool, mutate: bool, random: int, names: tuple[str, ...]) -> None:
-    """Check the claims NAMES, those of whole groups, or all. Prints failed checks and writes the report.
+    """Check the claims NAMES, those of whole chapters, or all. Prints failed checks and writes the report.
 
     With --mutate NAMES are mutants of validation/mutants.toml, default: all. Each changes one constant, sign
     or term in a copy of the package. One that no core test notices, or none of its claims, is marked, and the
@@ -81,7 +83,10 @@ def main(output: str, quick: bool, readme: bool, mutate: bool, random: int, name
 
         sys.exit(survey(random) if random else 1 if survivors(names) else 0)
     console = Console()
-    wanted, left_out = selected(names, quick=quick)
+    try:
+        wanted, left_out = selected(names, quick=quick)
+    except KeyError as unknown:
+        raise click.UsageError(f"{unknown} is none of the claims and chapters that --help lists") from None
     if readme and (left_out or names):
         raise click.UsageError("--readme needs all claims: give it without --quick and without names")
     begin = time.perf_counter()

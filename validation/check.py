@@ -16,7 +16,6 @@ from validation.sources import Source, known_input
 
 # Sources of the misfit of designs, whose expected value is 0.
 REQUIRED = known_input("target of the design, which counts as missed above 1 %")
-LINE_REQUIRED = known_input("target of the design; a line with an intercept counts as missed above 10 %")
 
 
 @dataclass(frozen=True)

@@ -3,23 +3,109 @@
 `python -m validation.laboratory lab` writes the calibration sample, and the specification of a surface
 without its material. `python -m validation.laboratory lab --part DIR` makes the design of a result folder,
 with errors, and measures it.
+
+The true material obeys JKR contacts of spheres of given adhesion energy. Sheared contacts are ellipses of the
+area B A0, shorter in the direction of shear, and the friction force is their area times the shear strength.
 """
 
 from __future__ import annotations
 
+import math
 import shutil
+from dataclasses import dataclass
 from pathlib import Path
 
 import click
+import numpy as np
+from numpy.typing import NDArray
 
 import metafem as mf
-from validation.scenes.laboratory import Series, calibration_tests, part_test
+from metafem._validate import FloatArray
+from metafem.calibration import MeasurementErrors
+from validation.scenes.pictures import picture
+
+# The material of batch 1 of the paper and the shear strength of Fig. 4, red.
+MATERIAL = mf.Material(1.36)
+ADHESION_ENERGY = 9e-6  # N/mm
+FRICTION = mf.Friction(0.358, 0.85)
+RADIUS, BLOCK = 0.526, mf.Block(20.0, 20.0, 7.2)
+
+# Five caps, more than 7.1 mm apart as in the paper.
+CORNER = 5.05
+FIVE = CORNER * np.array([[0.0, 0.0], [-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]])
+
+# Errors of the made part: scale of its heights, s.d. of each [mm] and tilt [rad].
+SCALE, HEIGHT_SD, TILT = 1.015, 9e-4, 3e-4
+
+# Loads of the part over that at which the plane reaches its lowest asperity; as many as points in Fig. 4.
+LOADS = np.linspace(0.05, 1.2, 16)
+
+# Length of a pixel [mm]; rotation of the camera against the lattice [rad], and the shift of its frame [mm].
+PIXEL, CAMERA, SHIFT = 0.01, math.radians(1.5), np.array([0.07, -0.04])
+
+
+@dataclass(frozen=True)
+class Series:
+    """Images of one test, each before shear and at the peak of the friction force, with the forces.
+
+    `load` and `friction_force` [N] are measured; `area` (k, n) [mm^2] are the true areas before shear.
+    """
+
+    surface: mf.Surface
+    load: FloatArray
+    friction_force: FloatArray
+    area: FloatArray
+    width: float
+    seed: int
+
+    def image(self, number: int, sheared: bool) -> NDArray[np.uint8]:
+        """Return one 8-bit image, with blur, noise and a gradient of the illumination."""
+        side = round(self.width / PIXEL)
+        radius = np.sqrt(self.area[number] / math.pi)
+        closed = radius > 0.0
+        ratio = FRICTION.area_ratio if sheared else 1.0
+        axes = np.column_stack([ratio * radius, radius])[closed]
+        turn = np.array([[math.cos(CAMERA), -math.sin(CAMERA)], [math.sin(CAMERA), math.cos(CAMERA)]])
+        centre = self.surface.position[closed] @ turn.T + SHIFT + 0.5 * self.width
+        light = {"blur": 1.5, "noise": 0.05, "gradient": (0.15, -0.1), "bits": 8}
+        shown = centre / PIXEL, axes / PIXEL, CAMERA
+        return picture((side, side), *shown, **light, rng=(self.seed, number, int(sheared)))
+
+
+def measured(surface: mf.Surface, load: FloatArray, seed: int) -> Series:
+    """Press and shear a surface at true loads [N]; the returned forces have the errors of the instruments."""
+    rng, noise = np.random.default_rng(seed), MeasurementErrors()
+    law = mf.Independent(contact=mf.JKR(ADHESION_ENERGY))
+    true = surface.replaced(material=MATERIAL, friction=FRICTION)
+    area = np.array([mf.equilibrium(true, law, load=each).asperity_area for each in load.tolist()])
+    force = FRICTION.shear_strength * FRICTION.area_ratio * area.sum(axis=1)
+    found = load + noise.of_load(load) * rng.standard_normal(load.shape)
+    friction = force + noise.of_friction_force(force) * rng.standard_normal(load.shape)
+    width = float(np.ptp(surface.position, axis=0).max()) + 2.0  # 1 mm around the outermost sites
+    return Series(true, found, friction, area, width, seed)
+
+
+def calibration_tests() -> list[Series]:
+    """Return three tests of a sample of five caps of one height, up to contact radii of .4 mm on each cap."""
+    # the loads of five contacts of these radii under Hertz's law; .4 mm is the largest of the paper
+    radius = np.linspace(0.08, 0.4, 10)
+    load = 5.0 * 4.0 / 3.0 * MATERIAL.composite_modulus * radius**3 / RADIUS
+    sample = mf.Surface(FIVE, np.full(5, 0.15), RADIUS, MATERIAL, FRICTION, BLOCK)
+    return [measured(sample, load, seed) for seed in (1, 2, 3)]
+
+
+def part_test(design: mf.Surface) -> Series:
+    """Return the measurement of the made part of a design: heights scaled, with random errors, and tilted."""
+    lowest = mf.equilibrium(design, separation=float(design.height.min())).load
+    scaled = design.replaced(height=SCALE * design.height)
+    return measured(scaled.perturbed(HEIGHT_SD, rng=7).tilted(TILT, 0.0), LOADS * lowest, seed=20)
+
 
 # The specification of a surface without its material.
 WANTED = Path(__file__).with_name("wanted.toml")
 
 
-@click.command(help=__doc__.partition("\n\n")[2])
+@click.command(help=__doc__.split("\n\n")[1])
 @click.argument("folder", type=click.Path(path_type=Path))
 @click.option(
     "--part", type=click.Path(path_type=Path, exists=True), help="Result folder of the part's design."

@@ -8,13 +8,12 @@ from pathlib import Path
 from typing import Any
 
 from metafem.report.html import render
-from validation.chapters import CHAPTERS, Chapter
-from validation.check import Check, Reason, Result
-from validation.discovery import first_line
+from validation.chapters import CHAPTERS, Chapter, first_line
+from validation.check import Check, Reason
 from validation.numbers import cited, computed, expected, number, powers
 from validation.published import REFERENCE
 from validation.questions import questions
-from validation.results import Evaluated, as_data, as_json, module_of
+from validation.results import Evaluated, as_data, as_json
 from validation.sources import Kind
 
 Results = Mapping[str, Evaluated]
@@ -22,10 +21,6 @@ Results = Mapping[str, Evaluated]
 TEMPLATES = Path(__file__).parent / "templates"
 
 FORMATS = {"cited": cited, "computed": computed, "expected": expected, "number": number, "powers": powers}
-
-# So many claims of a chapter show their first figure; the others fold it, which keeps the page below
-# 20,000 px on a phone.
-PICTURED = 12
 
 # What the kinds of source mean to a reader.
 MEANINGS = {
@@ -44,15 +39,7 @@ def report(results: Results, left_out: Sequence[str] = ()) -> dict[str, str]:
     pages = {"index.html": _index(results, left_out)}
     for chapter in CHAPTERS:
         pages[f"{chapter.name}.html"] = _chapter(chapter, results)
-    data = {
-        "left_out": list(left_out),
-        "printed_numbers": [
-            {"row": where, "place": check.source.text, "quantity": check.source.quantity}
-            for where, check in _printed(results)
-        ],
-        **as_data(dict(results)),
-    }
-    pages["results.json"] = as_json(data)
+    pages["results.json"] = as_json({"left_out": list(left_out), **as_data(dict(results))})
     return pages
 
 
@@ -83,10 +70,9 @@ def _index(results: Results, left_out: Sequence[str]) -> str:
         chapters=[part for part in found if part[1]],
         differing={why.value: rows for why in Reason if (rows := [d for d in differing if d.reason is why])},
         statements=len(differing),
-        printed=_printed(results),
         failed=[each for each in _addressed(results) if not each[2].passed],
         kinds=[(kind.value, kinds[kind], words) for kind, words in MEANINGS.items()],
-        left_out=_described(left_out),
+        left_out=left_out,
         reference=REFERENCE,
     )
 
@@ -99,10 +85,8 @@ def _chapter(chapter: Chapter, results: Results) -> str:
         chapter=chapter,
         results=found,
         checks=[check for each in found for check in each.checks],
-        left_out=_described([name for name in chapter.claims if name not in results]),
-        compared={each.name: first_line(module_of(each.name)) for each in found},
-        pictured=PICTURED,
-        row_types={"check": Check, "result": Result},
+        left_out=[name for name in chapter.claims if name not in results],
+        compared={each.name: first_line(each.name) for each in found},
     )
 
 
@@ -112,19 +96,10 @@ def _addressed(results: Results) -> list[tuple[str, Evaluated, Check]]:
         (f"{chapter.name}.html#{anchor}", each, row)
         for chapter in CHAPTERS
         for each in _of(chapter, results)
-        for anchor, row in each.anchored(Check)
+        for anchor, row in each.anchored
+        if isinstance(row, Check)
     ]
-
-
-def _printed(results: Results) -> list[tuple[str, Check]]:
-    """Return the checks of printed numbers with their addresses."""
-    return [(where, check) for where, _, check in _addressed(results) if check.source.quantity]
 
 
 def _of(chapter: Chapter, results: Results) -> list[Evaluated]:
     return [results[name] for name in chapter.claims if name in results]
-
-
-def _described(names: Sequence[str]) -> list[tuple[str, str]]:
-    """Return names of claims with the first lines of their documentation."""
-    return [(name, first_line(module_of(name))) for name in names]

@@ -12,16 +12,12 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
-from types import ModuleType
 from typing import Any
 
 from metafem.drawing.inline import Drawn, drawn
-from validation.check import Check, Claim, Row, Rows, prose
-from validation.discovery import groups, named, picked
+from validation.chapters import chosen, module_of
+from validation.check import Check, Claim, Difference, Reason, Result, Row, Rows, prose
 from validation.sources import Source, known_input
-
-# The group whose modules measure times: they run after all others, alone.
-COST = "cost"
 
 # The check that a claim without an error would pass.
 COMPLETE = known_input("a claim is evaluated without an error")
@@ -39,15 +35,17 @@ class Evaluated(Rows):
     figures: tuple[Drawn, ...]
     seconds: float = field(compare=False)
 
-    def anchored(self, kind: type[Row]) -> list[tuple[str, Row]]:
-        """Return the rows of a kind with their anchors, which differ for rows of one name."""
+    @property
+    def anchored(self) -> list[tuple[str, Check | Result]]:
+        """The checks and results with their anchors, which differ for rows of one name."""
         seen: Counter[str] = Counter()
         rows = []
         for row in self.rows:
             anchor = f"{self.name}-{re.sub(r'[^a-z0-9]+', '-', row.name.lower()).strip('-')}"
             seen[anchor] += 1
-            rows.append((anchor if seen[anchor] == 1 else f"{anchor}-{seen[anchor]}", row))
-        return [pair for pair in rows if isinstance(pair[1], kind)]
+            if not isinstance(row, Difference):
+                rows.append((anchor if seen[anchor] == 1 else f"{anchor}-{seen[anchor]}", row))
+        return rows
 
     @property
     def failed(self) -> list[Check]:
@@ -55,34 +53,17 @@ class Evaluated(Rows):
         return [check for check in self.checks if not check.passed]
 
 
-def claims() -> list[str]:
-    """Names of the modules that make a claim, group by group."""
-    return [name for names in groups("claim").values() for name in names]
-
-
-def costs() -> list[str]:
-    """Names of the modules that measure times."""
-    return groups("measure").get(COST, [])
-
-
-def known() -> dict[str, list[str]]:
-    """Groups of all modules that the report shows."""
-    return {**groups("claim"), **({COST: costs()} if costs() else {})}
-
-
-def is_slow(name: str) -> bool:
-    """Whether a claim takes long: it measures times, or its module holds ``SLOW = True``."""
-    return name in costs() or bool(getattr(module_of(name), "SLOW", False))
+def _is(attribute: str, name: str) -> bool:
+    """Whether the module of a claim holds ``SLOW = True``, or ``TIMED = True`` because it measures times."""
+    return bool(getattr(module_of(name), attribute, False))
 
 
 @cache
 def evaluate(name: str) -> Claim:
     """Evaluate one claim; an exception is a failed check."""
     try:
-        module = module_of(name)
-        made = module.measure if name in costs() else module.claim
-        claim = made()
-        return replace(claim, text=prose(made, claim.values))
+        claim = module_of(name).claim()
+        return replace(claim, text=prose(module_of(name).claim, claim.values))
     except Exception as error:
         return Claim(name, [_ran_into(error)])
 
@@ -108,8 +89,8 @@ def evaluated_in(names: Sequence[str], processes: int = 2) -> Iterator[Evaluated
 
     The numbers are those of one process: each claim is evaluated in one, on one thread.
     """
-    timed = [name for name in names if name in costs()]
-    others = sorted((name for name in names if name not in timed), key=lambda name: not is_slow(name))
+    timed = [name for name in names if _is("TIMED", name)]
+    others = sorted((name for name in names if name not in timed), key=lambda name: not _is("SLOW", name))
     if processes == 1 or len(others) < 2:
         yield from map(evaluated, others)
     else:
@@ -137,8 +118,8 @@ def collected(
 
 def selected(arguments: tuple[str, ...], *, quick: bool = False) -> tuple[list[str], list[str]]:
     """Return the claims of some names and groups, or all, and those of them that `quick` leaves out."""
-    names = picked(arguments, known())
-    left_out = [name for name in names if quick and is_slow(name)]
+    names = chosen(arguments)
+    left_out = [name for name in names if quick and (_is("SLOW", name) or _is("TIMED", name))]
     return [name for name in names if name not in left_out], left_out
 
 
@@ -156,25 +137,21 @@ def as_json(data: dict[str, Any]) -> str:
 
 
 def _claim_data(each: Evaluated) -> dict[str, Any]:
-    return {
-        "title": each.title,
-        "file": each.file,
-        "text": each.text,
-        "checks": [*map(_row_data, each.checks)],
-        "results": [*map(_row_data, each.results)],
-        "differences": [*map(_row_data, each.differences)],
-        "figures": [{"title": f.title, "caption": f.caption} for f in each.figures],
-    }
+    rows = {kind: [*map(_row_data, getattr(each, kind))] for kind in ("checks", "results", "differences")}
+    figures = [{"title": drawn.title, "caption": drawn.caption} for drawn in each.figures]
+    return {"title": each.title, "file": each.file, "text": each.text, **rows, "figures": figures}
 
 
 def _row_data(row: Row) -> dict[str, Any]:
-    """Return a row as plain data; which reason a difference has is shown on the first page."""
-    data = {key: value for key, value in vars(row).items() if key != "reason"}
+    """Return a row as plain data; JSON has no numbers that are not finite."""
+    data = dict(vars(row))
     for key, value in data.items():
         if isinstance(value, Source):
-            data[key] = {"kind": value.kind.value, "text": value.text, "link": value.link}
+            data[key] = {**vars(value), "kind": value.kind.value}
+        elif isinstance(value, Reason):
+            data[key] = value.value
         elif isinstance(value, float) and not math.isfinite(value):
-            data[key] = None  # which JSON can hold
+            data[key] = None
     return data
 
 
@@ -182,8 +159,3 @@ def _ran_into(error: Exception, where: str = "") -> Check:
     """Return the failed check of a claim that raised an error."""
     reason = "".join(traceback.format_exception_only(error)).strip().splitlines()[-1]
     return Check(f"{where}ran into: {reason}", float("inf"), "no error", False, COMPLETE)
-
-
-def module_of(name: str) -> ModuleType:
-    """Return the module of a claim."""
-    return named(next(group for group, names in known().items() if name in names), name)

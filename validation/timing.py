@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import os
+import statistics
 import subprocess
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
+
+# Times are medians of this many runs, or of as many as take so long together [s], but at least of LEAST; a
+# run longer than LONG is not repeated [s].
+REPEATS, ENOUGH, LEAST, LONG = 50, 0.2, 3, 0.3
 
 
 @dataclass(frozen=True)
@@ -25,6 +30,19 @@ def took(work: Callable[[], Any]) -> tuple[float, Any]:
     start = time.perf_counter()
     result = work()
     return time.perf_counter() - start, result
+
+
+def timed(work: Callable[[int], Any]) -> tuple[float, list[Any]]:
+    """Median seconds of several runs, one if it is long, and their answers; the work is told the run."""
+    times: list[float] = []
+    answers: list[Any] = []
+    while len(times) < LEAST or (len(times) < REPEATS and sum(times) < ENOUGH):
+        seconds, answer = took(lambda: work(len(times)))
+        times.append(seconds)
+        answers.append(answer)
+        if times[0] > LONG:
+            break
+    return statistics.median(times), answers
 
 
 def spent(command: Sequence[str], **options: Any) -> tuple[float, float]:

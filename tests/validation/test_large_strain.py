@@ -34,8 +34,8 @@ def test_the_plane_presses_inside_and_nothing_crosses_it_outside():
 def test_a_newton_that_does_not_end_is_reported(monkeypatch):
     monkeypatch.setattr(soft_body, "NEWTON", 2)
     with pytest.raises(mf.NotConverged, match="of the indentation") as caught:
-        press.press_finite(0.2, **BODY)
-    assert caught.value.state.status is soft_body.NewtonStatus.NOT_CONVERGED
+        press.press_finite(0.2, CAP)
+    assert caught.value.state.fraction < 1.0
 
 
 def test_the_frozen_table_is_a_contact_law():

@@ -3,19 +3,14 @@
 from __future__ import annotations
 
 import inspect
-from functools import partial
+from importlib import import_module
 from typing import Any
 
 import click
 
-from validation.discovery import Listed, chosen, groups, module
 
-# What is measured if nothing is named.
-SPEEDS = "speeds"
-
-
-@click.command(cls=Listed, listed=partial(groups, "rows"))
-@click.argument("names", nargs=-1)
+@click.command()
+@click.argument("names", nargs=-1, type=click.Choice(["speeds", "physics", "designs", "last_bits"]))
 @click.option("--commit", help="Commit beside whose times those of physics are stated.")
 @click.option("--long", is_flag=True, help="Also measure what takes minutes.")
 def main(names: tuple[str, ...], **options: Any) -> None:
@@ -25,9 +20,9 @@ def main(names: tuple[str, ...], **options: Any) -> None:
     from rich.text import Text
 
     console = Console()
-    for name in chosen(names or (SPEEDS,), "rows"):
+    for name in names or ("speeds",):
         table = Table("quantity", "at most", "measured", "unit", title=name, title_justify="left")
-        rows = module(name, "rows").rows
+        rows = import_module(f"validation.benchmark.{name}").rows
         given = {key: options[key] for key in inspect.signature(rows).parameters if options[key]}
         for row in rows(**given):
             style = None if row.measured <= row.required else "red"

@@ -10,7 +10,6 @@ import math
 import os
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
@@ -27,20 +26,16 @@ THREADS = os.cpu_count() or 1
 # Width of the grid beyond the outermost summits, in radii of curvature: no contact here is that wide.
 MARGIN = 0.7
 
-# A load of a curve and the one before, for a code that begins with the pressures of the load before.
-BEFORE = 0.99
-
 
 @dataclass(frozen=True)
 class Answer:
     """What one solver found under a load [N].
 
     seconds: of the solver alone; area: as the code reports it [mm²]; moments: from the second moments of the
-    pressure of each contact [mm²]; separation [mm]; load [N].
+    pressure of each contact [mm²]; separation [mm].
     """
 
     seconds: float
-    load: float
     area: float
     moments: float
     separation: float
@@ -111,46 +106,24 @@ def solve_with_tamaas(grid: Grid, load: float, *, tolerance: float = TAMAAS_TOLE
     """
     import tamaas
 
-    model = _tamaas_model(grid)
-    seconds = _solved_by_tamaas(grid, model, load, tolerance)
-    traction = model.traction
-    touching = traction > 0.0
-    edges = sum(int((each[1:] != each[:-1]).sum()) for each in (touching, touching.T))
-    area = float(tamaas.Statistics2D.contact(traction, edges)) * (grid.side * grid.cell) ** 2
-    # the solver adds a constant to the displacement that the model holds
-    displacement = np.zeros_like(traction)
-    model.operators["dcfft"](traction, displacement)
-    separation = float(np.median((grid.caps[0] - displacement)[touching]))
-    total = float(traction.sum()) * grid.cell**2
-    return Answer(seconds, total, area, grid.moments(traction), separation)
-
-
-def next_load_with_tamaas(grid: Grid, load: float) -> float:
-    """Seconds of tamaas for a load [N] of a curve, from the pressures of a load that is 1 % smaller."""
-    model = _tamaas_model(grid)
-    _solved_by_tamaas(grid, model, BEFORE * load, TAMAAS_TOLERANCE)
-    return _solved_by_tamaas(grid, model, load, TAMAAS_TOLERANCE)
-
-
-def _tamaas_model(grid: Grid) -> Any:
-    import tamaas
-
     tamaas.set_log_level(tamaas.LogLevel.error)
     tamaas.initialize(THREADS)
     width = grid.side * grid.cell
     model = tamaas.Model(tamaas.model_type.basic_2d, [width] * 2, [grid.side] * 2)
     model.E, model.nu = grid.surface.material.composite_modulus, 0.0
     tamaas.ModelFactory.registerNonPeriodic(model, "dcfft")
-    return model
-
-
-def _solved_by_tamaas(grid: Grid, model: Any, load: float, tolerance: float) -> float:
-    """Solve from the pressures that the model holds, and return the seconds of the solver."""
-    import tamaas
-
     solver = tamaas.PolonskyKeerRey(model, grid.caps[0], tolerance)
     solver.setIntegralOperator("dcfft")
-    return took(lambda: solver.solve(load / (grid.side * grid.cell) ** 2))[0]
+    seconds, _ = took(lambda: solver.solve(load / width**2))
+    traction = model.traction
+    touching = traction > 0.0
+    edges = sum(int((each[1:] != each[:-1]).sum()) for each in (touching, touching.T))
+    area = float(tamaas.Statistics2D.contact(traction, edges)) * width**2
+    # the solver adds a constant to the displacement that the model holds
+    displacement = np.zeros_like(traction)
+    model.operators["dcfft"](traction, displacement)
+    separation = float(np.median((grid.caps[0] - displacement)[touching]))
+    return Answer(seconds, area, grid.moments(traction), separation)
 
 
 def installed() -> bool:

@@ -1,150 +1,210 @@
-"""Seconds against error in A0(P) and P(δ), for every model on seven surfaces, and for tamaas."""
+"""Seconds against error in A0(P) and P(δ), for every model on six surfaces, and for tamaas."""
 
 from __future__ import annotations
 
 import math
+import os
+import platform
+import tomllib
 from collections.abc import Iterator
+from importlib.metadata import version
+from itertools import groupby
+from pathlib import Path
+
+import numpy as np
 
 import metafem as mf
-from metafem._kernels.newton import ON_CURVE as RESIDUAL
+from metafem.drawing import MEASURED, QUIET, new_figure
 from validation.check import Claim, Picture, Row, below, reported
-from validation.cost.ladder_picture import ladder_picture
-from validation.cost.measured import PEER, PEER_ERRORS, Point, fastest_within, models, peers
-from validation.cost.peers import (
-    BEFORE,
-    TAMAAS_TOLERANCE,
-    THREADS,
-    Grid,
-    installed,
-    next_load_with_tamaas,
+from validation.cost.peers import TAMAAS_TOLERANCE, THREADS, installed
+from validation.cost.points import (
+    ASPERITIES,
+    AUTOMATIC,
+    CURVES,
+    INDEPENDENT,
+    LOADS,
+    MOMENTS,
+    ORDER_1,
+    ORDER_3,
+    PEER,
+    PEER_ERROR,
+    RESOLVED,
+    SCENES,
+    Point,
+    fastest_within,
+    points,
+    reference,
 )
-from validation.cost.times import machine, rounded
-from validation.scenes.costs import AUTOMATIC, ORDER_3, RESOLVED, SCENES, reference
+from validation.numbers import powers
 from validation.scenes.models import AREA_ERROR, LOAD_ERROR
 from validation.sources import second_method
+
+# It measures times, and runs alone.
+TIMED = True
 
 # Largest uncertainty of the reference.
 UNCERTAINTY = 2e-4
 
-# The scene of the table of the models.
-TABLE_SCENE = "paper"
-
-# What stands for the errors of order 3 on a scene without a reference of its own.
-OWN = "the model's own estimate; nothing independent"
-
-RUN = "both measured in the same run"
-SOLVED_BY = f"tolerance {TAMAAS_TOLERANCE:g} of tamaas, threads: {THREADS}"
-WARM = f"tamaas from the pressures of {BEFORE:g} of the load, order 3 from its load before"
-EXTRAPOLATED = "resolved contacts extrapolated from three cells"
-MERGED = "resolved contacts extrapolated from seven to thirteen cells"
 TIMES = "median of repeated runs, rounded to 1, 2 or 5"
-SMALLER = "the uncertainty of the reference of this scene; the error is smaller"
 
-# Settings of the models whose numbers are rows; the others are in the pictures.
+# Settings of the models in the table and in the rows; the others are in the picture.
 SHOWN = ("", "0.001", "10 µm")
 
+# Colour and marker of each line; all can be told apart in grey, on white and on black.
+STYLES = {
+    INDEPENDENT: ("#8a8f98", "o"),
+    ORDER_1: ("#7fb069", "^"),
+    ORDER_3: ("#1b6f8a", "D"),
+    AUTOMATIC: ("#8d6fc0", "*"),
+    RESOLVED: ("#c8553d", "v"),
+    PEER: (MEASURED, "X"),
+    MOMENTS: (MEASURED, "x"),
+}
+CHOSEN = f"{AUTOMATIC}, tolerance above"
 
-def measure() -> Claim:
+
+def claim() -> Claim:
     """Errors are counted from resolved contacts on a half-space, extrapolated from three cells, for merged
     contacts from up to thirteen. For 400 and 10,000 asperities there is no such reference: the error of
-    order 3 is its own estimate, and the errors of the other models are counted from order 3.{conditions}
-    {machine}
+    order 3 is its own estimate, and the errors of the other models are counted from order 3. tamaas is
+    measured where it is installed (extra `peers`): the time is that of its solver alone, the area that which
+    it reports, and in a second line that of the second moments of its pressures. Measured on {cores}
+    processor cores with {versions}.
     """
-    rows: list[Row] = [row for scene in SCENES for row in _errors(scene)]
-    figures = {"seconds against error": Picture(ladder_picture)}
-    values = {"conditions": _conditions(), "machine": machine(*[PEER] * installed())}
-    return Claim("Seconds against error", [*_ratios(), *rows], figures, values)
+    rows: list[Row] = [*_ratios(), *(row for scene in SCENES for row in _rows(scene))]
+    packages = ("numpy", "scipy", "numba", *[PEER] * installed())
+    versions = [f"Python {platform.python_version()}", *(f"{name} {version(name)}" for name in packages)]
+    values = {"cores": os.cpu_count(), "versions": ", ".join(versions)}
+    return Claim("Seconds against error", rows, {"seconds against error": Picture(picture)}, values)
 
 
-def _errors(scene: str) -> Iterator[Row]:
+def _rows(scene: str) -> Iterator[Row]:
     """Compare the errors on one scene with those that the models state, and report what they cost."""
-    known, exact, found = SCENES[scene], reference(scene), models(scene)
-    title = known.title
-    order_3 = next((each for each in found if each.line == ORDER_3), None)
+    known, exact, title = SCENES[scene], reference(scene), SCENES[scene].title
     if known.finest:
-        resolved = second_method(mf.BoundaryElements, MERGED if known.merged else EXTRAPOLATED)
-        yield below(f"{title}: uncertainty of A0 of the reference",
-                    exact.area_uncertainty, UNCERTAINTY, resolved)  # fmt: skip
-        if order_3:
-            yield below(f"{title}: error of order 3, A0(P)", order_3.area_error, AREA_ERROR, resolved)
-            yield below(f"{title}: error of order 3, P(δ)", order_3.load_error, LOAD_ERROR, resolved)
-        # a smaller error than the uncertainty of the reference cannot be seen
-        yield from (
-            below(f"{title}: error of Automatic({value:g}), A0(P)",
-                  each.area_error, max(value, exact.area_uncertainty), resolved)
-            for value in known.tolerances
-            for each in found
-            if (each.line, each.setting) == (AUTOMATIC, f"{value:g}")
-        )  # fmt: skip
-    for each in found:
-        if each is order_3 or (scene == TABLE_SCENE and each.setting in SHOWN):
-            yield from _results(scene, each)
+        cells = "seven to thirteen cells" if known.merged else "three cells"
+        resolved = second_method(mf.BoundaryElements, f"resolved contacts extrapolated from {cells}")
+        uncertain = exact.area_uncertainty
+        yield below(f"{title}: uncertainty of A0 of the reference", uncertain, UNCERTAINTY, resolved)
+        for each in points(scene):
+            if each.line == ORDER_3:
+                yield below(f"{title}: error of order 3, A0(P)", each.area_error, AREA_ERROR, resolved)
+                yield below(f"{title}: error of order 3, P(δ)", each.load_error, LOAD_ERROR, resolved)
+            if each.line == AUTOMATIC:  # an error below the uncertainty of the reference cannot be seen
+                name = f"{title}: error of Automatic({each.setting}), A0(P)"
+                yield below(name, each.area_error, max(float(each.setting), uncertain), resolved)
+    for each in points(scene):
+        if each.line == ORDER_3 or (scene == CURVES and each.setting in SHOWN):
+            name = f"{title}: {each.name}"
+            yield reported(f"{name}, one load [s]", rounded(each.cold), TIMES)
+            if math.isfinite(each.per_load):
+                yield reported(f"{name}, each load of a curve [s]", rounded(each.per_load), TIMES)
+            own = "relative to the reference" if known.finest else "the model's own estimate"
+            yield reported(f"{name}, error of A0(P)", each.area_error, own)
+            yield reported(f"{name}, error of P(δ)", each.load_error, own)
 
 
-def _results(scene: str, point: Point) -> list[Row]:
-    """Report times and errors of one model on a scene."""
-    known, exact = SCENES[scene], reference(scene)
-    name = f"{known.title}: {_named(point)}"
-    method = "relative to the reference of this scene" if known.finest else OWN
-    rows: list[Row] = [reported(f"{name}, one load [s]", rounded(point.cold), TIMES)]
-    for what, error, uncertainty in (
-        ("A0(P)", point.area_error, exact.area_uncertainty),
-        ("P(δ)", point.load_error, exact.load_uncertainty),
-    ):
-        if known.finest and error <= uncertainty:
-            rows.append(reported(f"{name}, error of {what}: below", uncertainty, SMALLER))
-        else:
-            rows.append(reported(f"{name}, error of {what}", error, method))
-    if math.isfinite(point.per_load):
-        rows.insert(1, reported(f"{name}, each load of a curve [s]", rounded(point.per_load), TIMES))
-    return rows
+def _ratios() -> Iterator[Row]:
+    """Report the time of tamaas over those of models with at most the same error, on the paper's surface."""
+    method = f"same run; tolerance {TAMAAS_TOLERANCE:g} of tamaas, threads: {THREADS}"
+    for line in (PEER, MOMENTS):
+        for error in (5.0 * PEER_ERROR, PEER_ERROR):
+            other = fastest_within(CURVES, line, error)
+            for chosen in (ORDER_3, RESOLVED):
+                if other and (known := fastest_within(CURVES, chosen, error)):
+                    name = f"A0 to {100.0 * error:g} %, time of {line} over that of {known.name}, one load"
+                    ratio = rounded(other.cold / known.cold)
+                    yield reported(f"{SCENES[CURVES].title}: {name}", ratio, f"{method}; {other.setting}")
 
 
-def _named(point: Point) -> str:
-    """Return the line of a point with its setting in place of the argument."""
-    return f"{point.line}, {point.setting}" if point.setting else point.line
-
-
-def _ratios() -> list[Row]:
-    """Report the times of tamaas over those of metafem on the surface of the paper, at equal error."""
-    every = peers(TABLE_SCENE)
-    return [
-        row
-        for line in (PEER, f"{PEER}, second moments")
-        for error in PEER_ERRORS
-        if (point := fastest_within(every, line, error))
-        for row in _compared(point, error)
+def table() -> str:
+    """Return the table of the models in Markdown: what each assumes, what it costs, how exact it is."""
+    exact, title = reference(CURVES), SCENES[CURVES].title.partition(",")[0]
+    listed = tomllib.loads(Path(__file__).with_name("models.toml").read_text("utf-8"))["model"]
+    lines = [
+        f"| model | assumes | one load, {SCENES[CURVES].surface.count} asperities | each of {LOADS} loads "
+        f"| error in A0(P), {title} | error in P(δ) | range |",
+        "|---|---|---|---|---|---|---|",
     ]
+    found = {(each.line, each.setting): each for each in points(CURVES)}
+    for each in listed:
+        point = found[each["line"], each["setting"]]
+        per_load = in_words(point.per_load) if math.isfinite(point.per_load) else "–"
+        errors = (
+            percent(error) if error > unsure else f"below {percent(unsure)}"
+            for error, unsure in (
+                (point.area_error, exact.area_uncertainty), (point.load_error, exact.load_uncertainty)
+            )
+        )  # fmt: skip
+        cells = (f"`{each['name']}`", each["assumes"], in_words(point.cold), per_load, *errors, each["range"])
+        lines.append(f"| {' | '.join(cells)} |")
+    return "\n".join(lines)
 
 
-def _compared(point: Point, error: float) -> Iterator[Row]:
-    """Report the times of a grid of another code over those of models with at most the same error of A0."""
-    found = models(TABLE_SCENE)
-    name = f"{SCENES[TABLE_SCENE].title}: A0 to {100.0 * error:g} %, time of {point.line} over that of"
-    grid = f"cells of {1e3 * point.cell:g} µm, error {100.0 * point.area_error:.2g} %"
-    method = f"{RUN}; {grid}, {SOLVED_BY}"
-    for line in (ORDER_3, RESOLVED):
-        if known := fastest_within(found, line, error):
-            words = f"{name} {_named(known)}, one load of a new surface"
-            yield reported(words, rounded(point.cold / known.cold, down=True), method)
-    order_3 = fastest_within(found, ORDER_3, error)
-    if order_3:
-        grid = Grid(SCENES[TABLE_SCENE].surface, point.cell)
-        seconds = next_load_with_tamaas(grid, SCENES[TABLE_SCENE].newtons)
-        words = f"{name} {ORDER_3}, each load of a curve"
-        yield reported(words, rounded(seconds / order_3.per_load, down=True), f"{method}; {WARM}")
+def rounded(value: float) -> float:
+    """Return a number rounded to 1, 2 or 5 times a power of ten, so that it seldom changes between runs."""
+    steps = 10.0 ** np.floor(np.log10(value)) * np.array([1.0, 2.0, 5.0, 10.0])
+    return float(steps[np.abs(np.log(steps / value)).argmin()])
 
 
-def _conditions() -> str:
-    """Return what holds for tamaas."""
-    if not installed():
-        return " tamaas is not installed, and therefore absent."
-    return (
-        " The area that tamaas reports is that of its cells in contact, corrected for the length of their "
-        "edges; a second line shows the area that this project computes from the second moments of the same "
-        "pressures. The time is that of its solver alone, at a tolerance with which it is fast: a tolerance "
-        "a hundred times smaller changes the area by less than 0.2 %. "
-        f"tamaas uses {THREADS} thread{'s' if THREADS > 1 else ''}, and order 3, whose residual is at "
-        f"most {RESIDUAL:g}, one. Times are compared where both have at most the same error of A0: one "
-        "load of a new surface with one of a new surface, and the next load of a curve with the next one."
-    )
+def percent(value: float) -> str:
+    """Return a percentage to two digits, without an exponent."""
+    return f"{float(f'{100.0 * value:.2g}'):.10f}".rstrip("0").rstrip(".") + " %"
+
+
+def in_words(seconds: float) -> str:
+    """Return a time rounded to 1, 2 or 5 with its unit."""
+    micro = round(1e6 * rounded(seconds), 3)
+    for scale, unit in ((1e6, "s"), (1e3, "ms")):
+        if micro >= scale:
+            return f"{micro / scale:.0f} {unit}"
+    return f"{micro:g} µs"
+
+
+def picture():
+    """Seconds for one load of a new surface against the error of A0, one panel for each scene. Lines join
+    finer cells or smaller tolerances; rings are what Automatic chose, with its tolerances. Dotted line: the
+    uncertainty of the reference; smaller errors are drawn on it.
+    """
+    figure = new_figure(9.6, 6.6)
+    panels = figure.subplots(2, 3, sharex=True, sharey=True)
+    for ax, scene in zip(panels.ravel(), SCENES, strict=True):
+        _panel(ax, scene)
+    for ax in panels[-1]:
+        ax.set_xlabel("seconds for one load of a new surface")
+    for ax in panels[:, 0]:
+        ax.set_ylabel("relative error of A0")
+    handles = {}
+    for ax in panels.ravel():
+        handles |= dict(zip(*reversed(ax.get_legend_handles_labels()), strict=True))
+    shown = [label for label in (*STYLES, CHOSEN) if label in handles]
+    figure.legend([handles[label] for label in shown], shown, frameon=False, fontsize=9, ncols=4,
+                  loc="outside lower center")  # fmt: skip
+    return figure
+
+
+def _panel(ax, scene: str) -> None:
+    """Draw one scene; errors below the uncertainty of its reference are drawn at the uncertainty."""
+    least, every = reference(scene).area_uncertainty, points(scene)
+
+    def places(of: list[Point]) -> tuple[list[float], list[float]]:
+        return [each.cold for each in of], [max(each.area_error, least) for each in of]
+
+    ax.plot(*places([each for each in every if each.line in ASPERITIES]), color=QUIET, lw=1, zorder=1)
+    for line, (colour, marker) in STYLES.items():
+        if of := [each for each in every if each.line == line]:
+            ax.plot(*places(of), marker=marker, ms=6, lw=1, color=colour, label=line)
+    colour, marker = STYLES[AUTOMATIC]
+    chosen_by = [each for each in every if each.line == AUTOMATIC]
+    for _, group in groupby(chosen_by, key=lambda each: each.solved):
+        chosen = list(group)
+        x, y = places(chosen)
+        ax.plot(x, y, marker=marker, ms=12, mew=1.3, lw=0, mfc="none", color=colour, label=CHOSEN)
+        ends = dict.fromkeys(powers(f"{float(each.setting):.0e}") for each in (chosen[0], chosen[-1]))
+        side = "left" if len(ends) == 1 or max(x) < 1.0 else "right"  # where the panel has room
+        ax.annotate(" … ".join(ends), (max(x), max(y)), (0, 8), textcoords="offset points", fontsize=8.5,
+                    ha=side, color=colour)  # fmt: skip
+    ax.axhline(least, color="grey", lw=0.8, ls=":")
+    ax.set_title(SCENES[scene].title, fontsize=10)
+    ax.spines[["top", "right"]].set_visible(False)
+    ax.loglog()

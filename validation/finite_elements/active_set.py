@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import replace
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.sparse import bmat, csr_matrix
 from skfem import Basis, BilinearForm, ElementQuad1, ElementQuad2, ElementVector, MeshQuad
 
-from metafem import _validate as check
 from metafem._validate import FloatArray, IntArray
 from metafem.caps.shapes import sphere_profile
-from metafem.errors import NotConverged, refuse_if
+from metafem.errors import NotConverged
 from metafem.fe.elements import solve
-from metafem.fe.geometry import Cap, checked_cap, named
+from metafem.fe.geometry import Cap, named
 
 # Radius of the region with equal cells, and radius of the mesh of the half-space, in contact radii.
 REACH, EXTENT = 1.1, 1e5
@@ -30,109 +29,42 @@ THRESHOLD = 1e-3
 STEPS = 50
 
 
-@dataclass(frozen=True, eq=False)
-class ActiveSetContact:
-    """Contact under a rigid plane at a given indentation, from an active-set method.
+class ActiveSetContact(NamedTuple):
+    """Load P/E* [mm²], and radii [mm] by the second moment of the pressure and of the last closed node.
 
-    Attributes
-    ----------
-    rescaled_load : float
-        P/E* [mm^2].
-    contact_radius : float
-        a [mm], from the second moment of the pressure: ``sqrt(5/2 <r^2>)``. This is exact for Hertz's
-        pressure, but not for the pressure on a spherical cap.
-    last_radius : float
-        Radius of the last closed node [mm].
-    steps : int
-        Changes of the active set.
-
-    Examples
-    --------
-    >>> search_contact(0.01, 1.0, cell=0.02).steps < 10
-    True
+    The second moment, ``sqrt(5/2 <r^2>)``, is exact for Hertz's pressure, not for that on a spherical cap.
     """
 
     rescaled_load: float
     contact_radius: float
     last_radius: float
-    steps: int
 
 
 def search_contact(
-    indentation: float,
-    radius: float,
-    poisson_ratio: float = 0.5,
-    *,
-    cell: float,
-    height: float | None = None,
-    thickness: float | None = None,
-    block_radius: float | None = None,
+    indentation: float, radius: float, nu: float = 0.5, *, cell: float, cap: Cap | None = None
 ) -> ActiveSetContact:
-    """Return the contact of a paraboloid on a half-space, or of a cap on a block, by an active-set method.
+    """Return the contact of a paraboloid on a half-space, or of a cap on a block, at an indentation [mm].
 
-    At each node, force and gap are not negative and at least one of them is zero. The elements and the
-    treatment of the edge differ from those of `press`, so that the two computations are independent. The
-    error is at most of first order in the cell size.
-
-    Parameters
-    ----------
-    indentation : float
-        d [mm], positive.
-    radius : float
-        R of the summit [mm], positive.
-    poisson_ratio : float
-        nu [-], from 0 to 0.5; default: 0.5.
-    cell : float
-        Size of the elements along the surface [mm], at most a quarter of the contact radius.
-    height, thickness, block_radius : float, optional
-        Height of a spherical cap, and thickness and radius of the block below it [mm]. The block has a bonded
-        base and a free side. Give all three or none.
-
-    Returns
-    -------
-    ActiveSetContact
-
-    Raises
-    ------
-    InvalidInput
-        If a value is outside its range, the cell is too large for the contact, or only some of height,
-        thickness and block_radius are given.
-    NotConverged
-        If the active set still changes after the largest number of steps.
-
-    Examples
-    --------
-    >>> contact = search_contact(0.01, 1.0, cell=0.01)
-    >>> abs(contact.rescaled_load / (4 / 3 * 0.01**1.5) - 1) < 0.01
-    True
+    At each node, force and gap are not negative and at least one of them is zero. The elements, of a size
+    `cell` [mm] along the surface, and the treatment of the edge differ from those of `press`, so that the two
+    computations are independent. The error is at most of first order in the cell size.
     """
-    depth = check.number("indentation", indentation, above=0.0)
-    big = check.number("radius", radius, above=0.0)
-    nu = check.number("poisson_ratio", poisson_ratio, **check.POISSON)
-    size = math.sqrt(depth * big)
-    width = check.number("cell", cell, above=0.0, at_most=0.25 * size)
-    if height is not None and thickness is not None and block_radius is not None:
-        cap = checked_cap(REACH * size, big, height, thickness, "block_radius", block_radius)
-        r, flexibility = _flexibility(_cap_mesh(cap, width, REACH * size), nu)
-        force, steps = _active_set(flexibility, depth - sphere_profile(r, big))
-        return _of_forces(force, r, steps)
-    refuse_if(
-        not height is thickness is block_radius is None,
-        "height, thickness and block_radius of a cap on a block must be given together",
-    )
+    size = math.sqrt(indentation * radius)
+    if cap is not None:
+        r, flexibility = _flexibility(_cap_mesh(cap, cell, REACH * size), nu)
+        return _of_forces(_active_set(flexibility, indentation - sphere_profile(r, radius)), r)
     # in units of Hertz's contact radius, a^2 = R d
-    r, flexibility = _flexibility(uniform_mesh(width / size, REACH, EXTENT), nu)
-    force, steps = _active_set(flexibility, 1.0 - 0.5 * r**2)
-    return _of_forces(depth * size * force, size * r, steps)
+    r, flexibility = _flexibility(uniform_mesh(cell / size, REACH, EXTENT), nu)
+    force = _active_set(flexibility, 1.0 - 0.5 * r**2)
+    return _of_forces(indentation * size * force, size * r)
 
 
-def _of_forces(force: FloatArray, r: FloatArray, steps: int) -> ActiveSetContact:
+def _of_forces(force: FloatArray, r: FloatArray) -> ActiveSetContact:
     """Return the contact that has these nodal forces at the radii r."""
     return ActiveSetContact(
         rescaled_load=math.fsum(force),
         contact_radius=math.sqrt(2.5 * math.fsum(force * r**2) / math.fsum(force)),
         last_radius=float(r[force > 0.0].max()),
-        steps=steps,
     )
 
 
@@ -164,17 +96,17 @@ def _growing(start: float, end: float, first: float) -> FloatArray:
     return np.concatenate([[start], start + (end - start) * sums[:-1] / sums[-1], [end]])
 
 
-def _active_set(flexibility: FloatArray, depth: FloatArray) -> tuple[FloatArray, int]:
-    """Return forces >= 0 with ``flexibility force >= depth``, equal where force > 0, and the step count."""
+def _active_set(flexibility: FloatArray, depth: FloatArray) -> FloatArray:
+    """Return forces >= 0 with ``flexibility force >= depth``, equal where force > 0."""
     active = depth > 0.0
-    for step in range(1, STEPS + 1):
+    for _ in range(STEPS):
         force = np.zeros(len(depth))
         force[active] = np.linalg.solve(flexibility[np.ix_(active, active)], depth[active])
         overlap = depth - flexibility @ force
         # Active nodes overlap by rounding errors only, so they stay closed while their force is positive.
         following = np.where(active, force > 0.0, overlap > 0.0)
         if (following == active).all():
-            return force, step
+            return force
         active = following
     raise NotConverged(f"the active set still changes after {STEPS} steps")
 

@@ -5,14 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.special import gammainc
 
 import metafem as mf
 from metafem import reference
-from metafem.drawing import ACHIEVED, TARGET
 from metafem.inversion.density import ExponentialDensity
-from validation.check import Check, Claim, Picture, below
-from validation.figures import panels
+from validation.check import Check, Claim, below
 from validation.methods.densities import mean_power
 from validation.methods.independent import sums
 from validation.paper.surfaces import fig3, template
@@ -65,7 +62,7 @@ def claim() -> Claim:
             for name, ratios, function, words in printed
         ),
     ]  # fmt: skip
-    return Claim("Equations S1 to S8", checks, {"Digits of eq. S5": Picture(_figure)})
+    return Claim("Equations S1 to S8", checks)
 
 
 def _printed(d: ExponentialDensity) -> tuple[float, float, float, float, float]:
@@ -104,20 +101,3 @@ def _integrals(
             for what, error in worst.items()
         ),
     ]  # fmt: skip
-
-
-@panels(7.0, 3.2)
-def _figure(ax) -> None:
-    """Relative error of k(x) of eq. S5 as it is printed, in double precision, over x = h_m/λ, against the
-    incomplete gamma function γ(3/2, x), to which it is equal. The printed form loses digits below x = 1 and
-    all of them below 10⁻¹⁵, where the density is nearly uniform. The designs use γ(3/2, x); the dots are the
-    arguments at which the equations are compared here.
-    """
-    x = np.geomspace(1e-15, 100.0, 500)
-    error = [abs(reference.k(float(each)) / gammainc(1.5, each) - 1.0) for each in x]
-    smallest = np.finfo(float).eps
-    ax.loglog(x, np.maximum(error, smallest), color=TARGET, lw=0.9, label="k(x) as printed")
-    ax.loglog(
-        ARGUMENTS, [smallest] * len(ARGUMENTS), "o", ms=4, color=ACHIEVED, label="arguments compared here"
-    )
-    ax.set(xlabel="x = h_m/λ", ylabel="relative error of k(x)")

@@ -6,152 +6,90 @@ the table of the mould, and the table of measured forces.
 
 from __future__ import annotations
 
+import tempfile
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+from typing import NamedTuple
+
 import numpy as np
 from scipy import stats
 
 import metafem as mf
-from metafem import reference
+from metafem import files, reference
 from metafem.drawing import ACHIEVED, MEASURED, TARGET
-from validation.check import Check, Claim, Picture, Result, above, below, near, reported
+from validation.check import Claim, Picture, Row, below, near, reported
 from validation.figures import panels
 from validation.methods import independent
 from validation.paper.surfaces import RADIUS, friction_of_slope
 from validation.published import paper
-from validation.scenes.flow import COEFFICIENT, Flow, flow
 from validation.sources import closed_form, known_input, second_method
+
+# The friction coefficient to be designed, within the bounds of the paper and not one of its own, and loads of
+# the measurement [N]: twelve points up to those of the paper's red law.
+COEFFICIENT, FORCES = 1.5, np.linspace(0.08, 0.95, 12)
 
 # Standard deviations that separate agreement from an error in a single draw.
 SIGMAS = 3.0
 
-# Tables are written with thirteen digits: 1e-13 of 200 µm.
-WRITTEN_UM = 1e-10
-
-# Rounding of lengths, loads and areas in sums of 64 terms.
-ROUNDING = 1e-10
+# Tables are written with thirteen digits: 1e-13 of 200 µm. Rounding in sums of 64 terms.
+WRITTEN_UM, ROUNDING = 1e-10, 1e-10
 
 RESCALED = known_input("target of the flow, m = μ E*/(σB) as in the Fig. 4 caption")
-SAMPLE = known_input("sites of the specification, a lattice of 8 × 8 as in the paper")
 LEVELS = known_input("steps of the specification, 6 µm as in the paper")
 MADE = known_input("three times 0.5 %, the bound that the paper states for the s.d. of the slope at 0.9 µm")
 DENSITY = closed_form(reference.slope, "eq. S3, slope of the exponential density")
-FORCES = second_method(independent.areas, "σB times the areas of the heights, eq. S1, with numpy")
+SUMS = second_method(independent.areas, "law of the heights and lines through it, eq. S1, with numpy")
 LINE = second_method(stats.linregress, "Student's quantile times the standard error of the slope, with scipy")
 DRAWN = known_input("the draws that the check puts in, and the tilt x tan φ + y tan φ of the paper's SM")
-SUMS = second_method(independent.fitted_slope, "line through the law of the heights, eq. S1, with numpy")
 KEPT = known_input("the design as it was before saving")
 TRUE = known_input("true law of the made part, on which the errors of the forces are drawn")
 WITHIN = known_input("manufacturing limits of the specification")
 WANTED = known_input("target of this check")
 
 
-def claim() -> Claim:
-    """Fig. 1 of the paper is a flowchart: a target friction law, an inversion that uses a friction model and
-    calibrated contacts, a list of heights, a manufactured sample, and a measured law that closes the circle.
-    Here it is run for a friction coefficient of {coefficient}, with the paper's material parameters, through
-    the files that a user gets. The part and its measurement are simulated with the errors that the paper
-    states: 0.9 µm in height, 5 µm in radius, 0.005° in alignment, 5 mN in load, and 1 mN and 1 % in friction
-    force.
-    """
-    found = flow()
-    rows = [*_target(found), *_heights(found), *_files(found), *_part(found)]
-    title = f"Fig. 1: the flow for a friction coefficient of {COEFFICIENT}"
-    return Claim(title, rows, {"flow": Picture(_figure)}, {"coefficient": COEFFICIENT})
+class Flow(NamedTuple):
+    """What each step hands on; mould: depths of the holes, by site [mm]."""
+
+    specification: files.Specification
+    design: mf.Design
+    loaded: mf.Design
+    table: mf.Surface
+    mould: np.ndarray
+    made: mf.Surface
+    measured: mf.calibration.MeasuredLaw
+    feature: mf.calibration.Feature
 
 
-def _slope(design: mf.Design) -> float:
-    ((branch, _),) = design.fits
-    return branch.slope
+@cache
+def flow() -> Flow:
+    """Run all steps in a temporary folder."""
+    with tempfile.TemporaryDirectory() as name:
+        folder, result = Path(name), Path(name, "result")
+        text = files.demo_text("linear").replace("slope = 6.87 ", f"friction_coefficient = {COEFFICIENT} ")
+        (folder / "wanted.toml").write_text(text, "utf-8")
+        specification = mf.read_spec(folder / "wanted.toml")
+        design = specification.design()
+        mf.save(design, result, specification=specification)
+        loaded = mf.load(result)
+        given = {"friction": loaded.template.friction, "block": loaded.template.block}
+        table = files.read_surface(result / "heights.csv", loaded.template.material, **given)
+        lines = [each for each in (result / "mould.csv").read_text("utf-8").splitlines() if each[0] != "#"]
+        rows = np.genfromtxt(lines, delimiter=",", names=True, dtype=None, encoding="utf-8")
+        holes = np.sort(rows[rows["kind"] == "asperity"], order="site")
+        made = _made(table.replaced(height=holes["depth_mm"]))
+        measured = _measured(made, folder / "measured.csv")
+        (feature,) = mf.calibration.compare(measured, loaded).features
+    return Flow(specification, design, loaded, table, holes["depth_mm"], made, measured, feature)
 
 
-def _target(found: Flow) -> list[Check | Result]:
-    template = found.specification.template
-    slope = COEFFICIENT / friction_of_slope(template)
-    scale = float(found.design.parameters["scale"])
-    height = found.specification.limits.max_height
-    return [
-        near("1 target: slope m of the rescaled law", _slope(found.design), slope, ROUNDING, RESCALED),
-        near("2 inversion: slope of the density with the scale λ",
-             reference.slope(scale, RADIUS, height), slope, ROUNDING, DENSITY),
-        reported("2 inversion: scale λ [µm]", 1e3 * scale, "mf.design"),
-    ]  # fmt: skip
-
-
-def _heights(found: Flow) -> list[Check]:
-    limits, height = found.specification.limits, found.design.surface.height
-    step = paper()["fig4"]["level_step_um"]
-    # levels stand at the middle of the steps above the offset
-    off = (1e3 * (height - limits.offset) / step - 0.5) % 1.0
-    top, middles = 1e3 * (limits.offset + limits.max_height), np.arange(len(limits.levels)) + 0.5
-    return [
-        near("3 heights: number of asperities", len(height), paper()["fig4"]["asperities"], 0, SAMPLE),
-        below("3 heights: tallest [µm]", 1e3 * float(height.max()), top, WITHIN),
-        above("3 heights: lowest [µm]", 1e3 * float(height.min()), 1e3 * limits.offset, WITHIN),
-        below("3 heights: largest difference of a level from the middle of its step [µm]",
-              float(np.abs(1e3 * (limits.levels - limits.offset) - step * middles).max()), 1e-9, LEVELS),
-        near("3 heights: largest distance from a level [µm]",
-             step * float(np.minimum(off, 1.0 - off).max()), 0.0, 1e-9, LEVELS),
-    ]  # fmt: skip
-
-
-def _files(found: Flow) -> list[Check]:
-    design, ((branch, fit),) = found.design, found.design.fits
-    heights, modulus = design.surface.height, design.surface.material.composite_modulus
-    again = mf.friction_law(found.table, load=design.law.load)
-    loads = np.linspace(*branch.load_range, 100)
-    line = mf.friction_law(found.table, load=modulus * loads)
-    found_line = line.fit(branch.load_range)
-    slope = found_line.slope
-    second = float(independent.fitted_slope(heights, loads, RADIUS))
-    worst = np.abs(again.area / design.law.area - 1.0).max()
-    factor = friction_of_slope(design.surface)
-    force = factor * modulus * independent.areas(heights, design.law.load / modulus, RADIUS)
-    return [
-        near("files: designs that differ after saving and loading", found.loaded != design, 0, 0, KEPT),
-        below("files: largest difference of the heights in heights.csv [µm]",
-              1e3 * np.abs(found.table.height - heights).max(), WRITTEN_UM, KEPT),
-        below("files: largest difference of depths in mould.csv from the heights [µm]",
-              1e3 * np.abs(found.mould - heights).max(), WRITTEN_UM, KEPT),
-        below("4 predicted law of heights.csv: largest difference from the design's law",
-              worst, ROUNDING, KEPT),
-        below("4 predicted law: largest relative difference of the friction force F = σB A0",
-              float(np.abs(design.law.friction_force / force - 1.0).max()), ROUNDING, FORCES),
-        near("4 predicted law: friction coefficient of the fitted slope", fit.friction_coefficient,
-             second * factor, 0.005 * second * factor, SUMS),
-        near("4 predicted law: half of the 68 % interval of the slope", found_line.slope_interval[1] - slope,
-             *_interval(loads, line.area), LINE),
-        near("4 predicted law: fitted slope", slope, second, ROUNDING * second, SUMS),
-        near("4 predicted law: fitted slope in the design", fit.slope, second, 0.005 * second, SUMS),
-    ]  # fmt: skip
-
-
-def _part(found: Flow) -> list[Check | Result]:
-    ((branch, _),) = found.design.fits
-    loads = found.made.material.composite_modulus * np.linspace(*branch.load_range, 100)
-    laws = (mf.friction_law(surface, load=loads) for surface in (found.table, found.made))
-    designed, made = (law.fit(branch.load_range).slope for law in laws)
-    feature, factor = found.feature, friction_of_slope(found.made)
-    truth = _line(found.made, found.measured, branch.load_range)
-    scatter = paper()["manufacturing"]["slope_sd_below_at_0p9um"]
-    moved = 1e3 * (found.made.height - found.table.height)
-    return [
-        below("5 made part: largest difference of the heights from those that were drawn [µm]",
-              float(np.abs(moved - drawn_errors(found.table)).max()), WRITTEN_UM, DRAWN),
-        reported("5 made part: s.d. of the errors of the heights [µm]", float(moved.std()),
-                 "draw with 0.9 µm, and a tilt of 0.005° about both axes"),
-        below(f"5 made part: change of the slope, {SIGMAS:g} s.d.", abs(made / designed - 1.0),
-              SIGMAS * scatter, MADE),
-        near(f"6 measured law: slope, {SIGMAS:g} s.d.", feature.value, truth, SIGMAS * feature.sd, TRUE),
-        near(f"6 measured law: friction coefficient, {SIGMAS:g} s.d.", feature.value * factor, COEFFICIENT,
-             SIGMAS * feature.sd * factor, WANTED),
-        reported("6 measured law: standard deviation of the friction coefficient", feature.sd * factor,
-                 "mf.calibration.compare"),
-    ]  # fmt: skip
-
-
-def _interval(load: np.ndarray, area: np.ndarray) -> tuple[float, float]:
-    """Return half of the 68 % interval of the slope of a line, and its rounding."""
-    half = float(stats.t.ppf(0.84, len(load) - 2) * stats.linregress(load, area).stderr)
-    return half, 1e-8 * half
+def _made(surface: mf.Surface) -> mf.Surface:
+    """Return a part with the paper's errors of heights, radii and alignment."""
+    sample, rng = paper()["sample"], np.random.default_rng(1)
+    angle = np.radians(sample["alignment_precision_deg"])
+    radius = surface.radius + 1e-3 * sample["radius_sd_um"] * rng.standard_normal(surface.count)
+    perturbed = surface.perturbed(1e-3 * sample["depth_precision_um"], rng)
+    return perturbed.replaced(radius=radius).tilted(angle, angle)
 
 
 def drawn_errors(surface: mf.Surface) -> np.ndarray:
@@ -163,38 +101,120 @@ def drawn_errors(surface: mf.Surface) -> np.ndarray:
     return scatter + 1e3 * tilt * surface.position.sum(axis=1)
 
 
-def _line(made: mf.Surface, measured: mf.calibration.MeasuredLaw, load_range: tuple[float, float]) -> float:
-    """Return the slope of least squares of the made part's true law at the measured loads of a branch."""
-    low, high = load_range
+def _measured(made: mf.Surface, path: Path) -> mf.calibration.MeasuredLaw:
+    """Write a table of forces with the paper's errors, and read it."""
+    error, rng = paper()["force_error"], np.random.default_rng(2)
+    true = mf.friction_law(made, load=FORCES).friction_force
+    sd = np.hypot(error["friction_N"], error["friction_relative"] * true)
+    load = FORCES + error["normal_N"] * rng.standard_normal(len(FORCES))
+    force = true + sd * rng.standard_normal(len(FORCES))
+    np.savetxt(
+        path, np.column_stack([load, force]), "%.17g", ",", header="load_N,friction_force_N", comments=""
+    )
+    return files.read_measured_law(path, made.material, made.friction)
+
+
+def claim() -> Claim:
+    """Fig. 1 of the paper is a flowchart: a target friction law, an inversion that uses a friction model and
+    calibrated contacts, a list of heights, a manufactured sample, and a measured law that closes the circle.
+    Here it is run for a friction coefficient of {coefficient}, with the paper's material parameters, through
+    the files that a user gets. The part and its measurement are simulated with the errors that the paper
+    states: 0.9 µm in height, 5 µm in radius, 0.005° in alignment, 5 mN in load, and 1 mN and 1 % in friction
+    force.
+    """
+    rows = [*_heights(), *_files(), *_law(), *_part()]
+    title = f"Fig. 1: the flow for a friction coefficient of {COEFFICIENT}"
+    return Claim(title, rows, {"flow": Picture(_figure)}, {"coefficient": COEFFICIENT})
+
+
+def _heights() -> Iterator[Row]:
+    """Check the target, the density and the heights on their steps."""
+    design, limits = flow().design, flow().specification.limits
+    slope = COEFFICIENT / friction_of_slope(flow().specification.template)
+    yield near("1 target: slope m of the rescaled law", design.fits[0][0].slope, slope, ROUNDING, RESCALED)
+    density = reference.slope(float(design.parameters["scale"]), RADIUS, limits.max_height)
+    yield near("2 inversion: slope of the density with the scale λ", density, slope, ROUNDING, DENSITY)
+    height, step = 1e3 * design.surface.height, paper()["fig4"]["level_step_um"]
+    top = 1e3 * (limits.offset + limits.max_height)
+    yield below("3 heights: tallest [µm]", float(height.max()), top, WITHIN)
+    # levels stand at the middle of the steps above the offset
+    middles = 1e3 * limits.offset + step * (np.arange(len(limits.levels)) + 0.5)
+    off = np.abs(1e3 * limits.levels - middles).max()
+    yield below(
+        "3 heights: largest difference of a level from the middle of its step [µm]", off, 1e-9, LEVELS
+    )
+    off = np.abs(height[:, None] - middles).min(axis=1).max()
+    yield below("3 heights: largest distance from a level [µm]", float(off), 1e-9, LEVELS)
+
+
+def _files() -> Iterator[Row]:
+    """Compare what is read with what was written."""
+    design, heights = flow().design, flow().design.surface.height
+    yield near("files: designs that differ after saving and loading", flow().loaded != design, 0, 0, KEPT)
+    for name, read in (("heights.csv", flow().table.height), ("mould.csv", flow().mould)):
+        worst = 1e3 * np.abs(read - heights).max()
+        yield below(f"files: largest difference of {name} from the heights [µm]", worst, WRITTEN_UM, KEPT)
+    again = mf.friction_law(flow().table, load=design.law.load)
+    worst = np.abs(again.area / design.law.area - 1.0).max()
+    yield below(
+        "4 predicted law of heights.csv: largest difference from the design's law", worst, ROUNDING, KEPT
+    )
+
+
+def _law() -> Iterator[Row]:
+    """Compare the predicted law and the line through it with numpy and scipy."""
+    design, ((branch, fit),) = flow().design, flow().design.fits
+    heights, modulus = design.surface.height, design.surface.material.composite_modulus
+    factor, loads = friction_of_slope(design.surface), np.linspace(*branch.load_range, 100)
+    force = factor * modulus * independent.areas(heights, design.law.load / modulus, RADIUS)
+    worst = float(np.abs(design.law.friction_force / force - 1.0).max())
+    name = "4 predicted law"
+    yield below(f"{name}: largest relative difference of the friction force F = σB A0", worst, ROUNDING, SUMS)
+    law = mf.friction_law(flow().table, load=modulus * loads)
+    line, second = law.fit(branch.load_range), float(independent.fitted_slope(heights, loads, RADIUS))
+    half = float(stats.t.ppf(0.84, len(loads) - 2) * stats.linregress(loads, law.area).stderr)
+    found, coefficient = line.slope_interval[1] - line.slope, second * factor
+    yield near(f"{name}: half of the 68 % interval of the slope", found, half, 1e-8 * half, LINE)
+    yield near(f"{name}: fitted slope", line.slope, second, ROUNDING * second, SUMS)
+    yield near(f"{name}: fitted slope in the design", fit.slope, second, 0.005 * second, SUMS)
+    yield near(f"{name}: friction coefficient of the fitted slope",
+               fit.friction_coefficient, coefficient, 0.005 * coefficient, SUMS)  # fmt: skip
+
+
+def _part() -> Iterator[Row]:
+    """Compare the made part with its draws, and its measured law with the true one and with the target."""
+    table, made, measured, feature = flow().table, flow().made, flow().measured, flow().feature
+    (low, high), modulus = flow().design.fits[0][0].load_range, made.material.composite_modulus
+    moved = 1e3 * (made.height - table.height)
+    worst = float(np.abs(moved - drawn_errors(table)).max())
+    words = "largest difference of the heights from those that were drawn [µm]"
+    yield below(f"5 made part: {words}", worst, WRITTEN_UM, DRAWN)
+    loads = modulus * np.linspace(low, high, 100)
+    before, after = (mf.friction_law(each, load=loads).fit((low, high)).slope for each in (table, made))
+    scatter = SIGMAS * paper()["manufacturing"]["slope_sd_below_at_0p9um"]
+    yield below(
+        f"5 made part: change of the slope, {SIGMAS:g} s.d.", abs(after / before - 1.0), scatter, MADE
+    )
     x = measured.rescaled_load
     x = x[(x >= low) & (x <= high)]
-    area = mf.friction_law(made, load=made.material.composite_modulus * x).area
-    return float(np.polyfit(x, area, 1)[0])
+    truth = float(np.polyfit(x, mf.friction_law(made, load=modulus * x).area, 1)[0])
+    sd, factor, name = SIGMAS * feature.sd, friction_of_slope(made), "6 measured law"
+    yield near(f"{name}: slope, {SIGMAS:g} s.d.", feature.value, truth, sd, TRUE)
+    coefficient, sd = feature.value * factor, sd * factor
+    yield near(f"{name}: friction coefficient, {SIGMAS:g} s.d.", coefficient, COEFFICIENT, sd, WANTED)
+    words = f"{name}: standard deviation of the friction coefficient"
+    yield reported(words, feature.sd * factor, "mf.calibration.compare")
 
 
-@panels(9.0, 3.2, columns=2)
-def _figure(law, measured):
-    """4: predicted law and target slope. 6: measured points of the made part, and the line of the target
-    slope; the points follow the slope, with the intercept that the paper explains.
+@panels(6.0, 3.6)
+def _figure(ax):
+    """Predicted law of the designed heights, measured points of the made part with their errors, and a line
+    of the target slope; the points follow the slope, with the intercept that the paper explains.
     """
-    found = flow()
-    law.plot(found.design.law.load, found.design.law.friction_force, color=ACHIEVED, label="predicted")
-    _draw_slope(law, found.design.law)
-    _forces(law, "4 predicted law")
+    law, points = flow().design.law, flow().measured
+    ax.plot(law.load, law.friction_force, color=ACHIEVED, label="predicted")
     style = {"fmt": "o", "ms": 3.5, "lw": 0.8, "color": MEASURED, "label": "measured"}
-    points = found.measured
-    measured.errorbar(points.load, points.friction_force, points.friction_force_sd, points.load_sd, **style)
-    _draw_slope(measured, mf.friction_law(found.made))
-    _forces(measured, "6 law of the made part")
-
-
-def _forces(ax, title: str) -> None:
-    ax.set(xlabel="load  P [N]", ylabel="friction force  F [N]", xlim=(0.0, 1.0), ylim=(0.0, 1.8))
-    ax.set_title(title, fontsize=9)
-
-
-def _draw_slope(ax, law: mf.FrictionLaw) -> None:
-    """Draw a line of the target slope through the middle of a law."""
-    middle = float(np.interp(0.45, law.load, law.friction_force))
-    ends = np.array([0.1, 0.9])
+    ax.errorbar(points.load, points.friction_force, points.friction_force_sd, points.load_sd, **style)
+    ends, middle = np.array([0.1, 0.9]), float(np.interp(0.45, law.load, law.friction_force))
     ax.plot(ends, middle + COEFFICIENT * (ends - 0.45), color=TARGET, label=f"slope {COEFFICIENT}")
+    ax.set(xlabel="load  P [N]", ylabel="friction force  F [N]", xlim=(0.0, 1.0), ylim=(0.0, 1.8))

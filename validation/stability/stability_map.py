@@ -6,30 +6,51 @@ The errors are those of A0 at a given load against resolved contacts without cel
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from functools import cache
+from typing import NamedTuple
 
 import numpy as np
 
+import metafem as mf
 from metafem.drawing import QUIET
-from metafem.prediction.validity import BOUND, STATED
-from validation.check import Check, Claim, Picture, Row, below, near, reported
+from metafem.models.error import truncation
+from metafem.notes import Level
+from metafem.prediction.validity import BOUND
+from metafem.substrate import Radial
+from validation.check import Claim, Picture, Row, below, near, reported
 from validation.figures import panels
 from validation.methods.resolved_areas import extrapolated_area
-from validation.scenes import stability_points as points
 from validation.scenes.models import AREA_ERROR, FEW_ERROR, LAYER_ERROR
 from validation.sources import known_input, self_consistency
 
-# Three quarters of a minute of one core.
+# Half a minute of one core.
 SLOW = True
 
-# Part of the tolerance from which an error is compared with its estimate; smaller ones are uncertain.
-CERTAIN = 0.2
+# The pitch is the unit of length. The contacts are paraboloids, for which R only scales the heights.
+RADIUS = 10.0
 
-# Margin of the estimate over the errors that were seen: the quarter of `metafem.models.error`.
-MARGIN = 1.25
+# Contact radius of the tallest asperity without interaction over the pitch; from 0.5 on contacts merge.
+# Spread of the heights over the indentation of the tallest, and the rank of each height on the lattice.
+WIDTHS, SPREADS = (0.1, 0.2, 0.3, 0.36, 0.44, 0.54), (0.0, 0.5, 2.0)
+RANKS = np.array([0, 5, 2, 7, 4, 1, 8, 3, 6]) / 8.0
 
-# Beginnings of the two warnings of `metafem.prediction.validity`.
-OVERLAP = "contacts overlap: …"
-TOO_WIDE = "the contacts are too wide for their distances or their layer: …"
+# Contact radius over the thickness of a layer, Poisson's ratios, and ratios of the radii of two asperities.
+LAYERS, POISSON, RADII = (0.1, 0.3, 0.8, 1.5), (0.0, 0.3, 0.5), (1.0, 2.0, 5.0, 10.0)
+
+# Asperities on a side of the lattice of equal contacts, their radius over the pitch, cells per contact
+# radius, and steps to equal contacts.
+SIDE, WIDE, FEWER_CELLS, STEPS = 8, 0.319, 14, 12
+
+# Largest ratio of contact radius to the distance of neighbours, and to the thickness, of the stated errors.
+COMPARED, THIN = 0.32, 0.3
+
+# Tolerance of `Automatic` and of the reference [-]; cells per contact radius and their number in the latter.
+TOLERANCE, CELLS, SIZES = 1e-3, 32, (5, 7)
+
+# Error from which it is compared with its estimate, as smaller ones are uncertain, and the margin of the
+# estimate over the errors that were seen: the quarter of `metafem.models.error`.
+CERTAIN, MARGIN = 0.2 * TOLERANCE, 1.25
 
 # Ticks of a colour bar [%].
 PERCENTS = (0.001, 0.01, 0.1, 1.0)
@@ -38,113 +59,151 @@ RESOLVED = self_consistency(extrapolated_area, "resolved contacts, extrapolated 
 ANNOUNCED = known_input(f"requirement: an error above {100 * BOUND:g} % is announced by a warning")
 
 
+class Point(NamedTuple):
+    """One scene: relative errors of A0, nan where there is no solution, and what Automatic chose."""
+
+    third: float  # error of order 3
+    automatic: float
+    uncertainty: float
+    estimate: float  # that of the error of order 3, infinite where contacts overlap
+    ratio: float  # contact radius over the distance of neighbours, or over the thickness of the layer
+    announced: bool  # whether order 3 warns or refuses
+    resolved: bool  # whether Automatic chose resolved contacts
+
+    @property
+    def beyond(self) -> float:
+        """Size of the error of order 3 without the uncertainty of the resolved contacts, nan if refused."""
+        return abs(self.third) - self.uncertainty
+
+
+def solve(surface: mf.Surface, load: float, substrate: Radial, cells: int = CELLS) -> Point:
+    """Solve a scene of unit distances by order 3 and by Automatic; compare both with resolved contacts."""
+    third, estimate, announced = math.nan, math.inf, True
+    try:
+        point = mf.equilibrium(surface, mf.Interacting(3, substrate), load=load)
+        third, estimate = point.area, truncation(surface, point.asperity_area, substrate)
+        announced = any(note.level is Level.WARNING for note in point.notes)
+    except mf.MetafemError:
+        pass
+    state = mf.equilibrium(surface, mf.Automatic(TOLERANCE, substrate), load=load)
+    options = {"substrate": substrate, "first": cells, "sizes": SIZES}
+    exact, uncertainty = extrapolated_area(surface, load, TOLERANCE / 3.0, **options)
+    ratio = float(np.sqrt(state.asperity_area.max() / math.pi))
+    errors = third / exact - 1.0, state.area / exact - 1.0, uncertainty, estimate
+    return Point(*errors, ratio, announced, isinstance(state.model, mf.BoundaryElements))
+
+
+def _pressed(surface: mf.Surface, depth: float, substrate: Radial) -> Point:
+    """Solve a scene under the load of contacts without interaction at an approach."""
+    return solve(surface, mf.equilibrium(surface, approach=depth).load, substrate)
+
+
+@cache
+def crowded(width: float, spread: float) -> Point:
+    """Nine asperities whose tallest has a contact of a given width without interaction."""
+    depth = width**2 / RADIUS
+    height = 2.0 * RADIUS - spread * depth * RANKS
+    surface = mf.Surface.square_lattice(height, (3, 3), 1.0, radius=RADIUS, material=mf.Material(1.0))
+    return _pressed(surface, depth, mf.HalfSpace())
+
+
+def equal() -> Point:
+    """A lattice whose heights make all contacts equal: the sum over the neighbours is largest there."""
+    part = {"radius": RADIUS, "material": mf.Material(1.0)}
+    surface = mf.Surface.square_lattice(2.0 * RADIUS, (SIDE, SIDE), 1.0, **part)
+    load = surface.count * 4.0 / 3.0 * WIDE**3 / RADIUS
+    for _ in range(STEPS):
+        square = mf.equilibrium(surface, mf.Interacting(), load=load).asperity_area / math.pi
+        surface = surface.replaced(height=surface.height + (WIDE**2 - square) / RADIUS)
+    return solve(surface, load, mf.HalfSpace(), FEWER_CELLS)
+
+
+def on_layer(width: float, poisson_ratio: float) -> Point:
+    """One contact of a given width on a layer of thickness 1."""
+    material, block = mf.Material(1.0, poisson_ratio), mf.Block(50.0, 50.0, 1.0)
+    surface = mf.Surface([[0.0, 0.0]], [1.0], RADIUS, material, block=block)
+    return _pressed(surface, width**2 / RADIUS, mf.BondedLayer())
+
+
+def unequal(ratio: float) -> Point:
+    """A large and a small asperity with equal indentations."""
+    surface = mf.Surface([[0.0, 0.0], [1.0, 0.0]], [1.0, 1.0], [RADIUS, RADIUS / ratio], mf.Material(1.0))
+    return _pressed(surface, 0.2**2 / RADIUS, mf.HalfSpace())
+
+
 def claim() -> Claim:
     """Order 3 holds while contacts are narrow compared with their distances and with the thickness of a
-    layer. Automatic estimates the errors of independent asperities, of order 1 and of order 3 from their
-    contacts, takes the first within the tolerance, and resolves the contacts by cells where none is, where
-    contacts overlap, and where order 3 refuses. Errors are those of A0 at a given load. Order 3 warns where
-    contacts overlap (“{overlap}”) and where its estimated error exceeds {bound:g} % (“{wide}”), and notes an
-    error above {stated:g} %. For a smaller tolerance use Automatic.{refusal}
+    layer. Automatic estimates the errors of independent asperities and of order 3 from their contacts, takes
+    the first within the tolerance, and resolves the contacts by cells where none is, where contacts overlap,
+    and where order 3 refuses. Errors are those of A0 at a given load. Order 3 warns where contacts overlap
+    and where its estimated error exceeds {bound:g} %. For a smaller tolerance use Automatic.
     """
-    pairs = [points.crowded(width, spread) for spread in points.SPREADS for width in points.WIDTHS]
-    layers = [points.on_layer(width, ratio) for ratio in points.RATIOS for width in points.LAYERS]
-    every = [*pairs, *layers, *(points.unequal(ratio) for ratio in points.RADII), points.equal()]
-    refusals = [
-        f" On a layer thinner than the contacts order 3 refuses: “{p.refusal}”." for p in every if p.refusal
-    ]
-    figures = {
-        "crowded contacts": Picture(_crowded_figure),
-    }
-    values = {
-        "overlap": OVERLAP, "wide": TOO_WIDE, "bound": 100.0 * BOUND, "stated": 100.0 * STATED,
-        "refusal": next(iter(refusals), ""),
-    }  # fmt: skip
+    figures, values = {"crowded contacts": Picture(_figure)}, {"bound": 100.0 * BOUND}
     title = "Maps of the errors: where order 3 holds, and what Automatic chooses"
-    return Claim(title, [*_checks(every, pairs), *_results(every)], figures, values)
+    return Claim(title, [*_rows()], figures, values)
 
 
-def _checks(every: list[points.Point], pairs: list[points.Point]) -> list[Check]:
+def _rows() -> Iterator[Row]:
     """Compare the errors with those that the models state."""
-    solved = [point for point in every if not point.refusal]
-    inside = [point for point in pairs if point.ratio <= points.COMPARED]
-    narrow = [points.on_layer(width, ratio) for width in points.LAYERS if width <= 0.3
-              for ratio in points.RATIOS]  # fmt: skip
-    least = CERTAIN * points.TOLERANCE
-    known = [p for p in solved if math.isfinite(p.estimate) and _beyond(p.third, p) > least]
-    silent = [point for point in solved if abs(point.third) > BOUND and not point.warned]
-    return [
-        below(f"Automatic({points.TOLERANCE:g}): largest error of A0",
-              max(_beyond(point.automatic, point) for point in every), points.TOLERANCE, RESOLVED),
-        below(f"order 3 up to a/r = {points.COMPARED:g} on the half-space, nine contacts: error of A0",
-              max(_beyond(point.third, point) for point in inside), FEW_ERROR, RESOLVED),
-        below(f"order 3, {points.SIDE**2} equal contacts at a/r = {points.equal().ratio:.2g}: error of A0",
-              _beyond(points.equal().third, points.equal()), AREA_ERROR, RESOLVED),
-        below("order 3 up to a/t = 0.3 on a layer: largest error of A0",
-              max(_beyond(point.third, point) for point in narrow), LAYER_ERROR, RESOLVED),
-        below(f"order 3: largest error of A0 over its estimate, of errors above {1e2 * least:.2g} %",
-              max((_beyond(p.third, p) / p.estimate for p in known), default=0.0), 1.0 / MARGIN, RESOLVED),
-        near(f"order 3: scenes with an error above {100 * BOUND:g} % and no warning",
-             len(silent), 0, 0, ANNOUNCED),
-    ]  # fmt: skip
-
-
-def _beyond(error: float, point: points.Point) -> float:
-    """Return the size of an error without the uncertainty of the resolved contacts."""
-    return max(abs(error) - point.uncertainty, 0.0)
-
-
-def _results(every: list[points.Point]) -> list[Row]:
-    resolved = sum(point.resolved for point in every)
-    refused = sum(bool(point.refusal) for point in every)
-    return [
-        reported("scenes", len(every),
-                 "9 or 64 contacts on a half-space, one on a layer, two of unequal radii"),
-        reported(f"order 3, {points.SIDE**2} equal contacts: error of A0 [%]", 1e2 * points.equal().third,
-                 f"uncertainty {1e2 * points.equal().uncertainty:.2g} %"),
-        reported("scenes in which Automatic chose resolved contacts", resolved, "in the others asperities"),
-        reported("scenes that order 3 refuses", refused, "Automatic resolves the contacts there"),
-        reported("largest uncertainty of the resolved contacts", max(point.uncertainty for point in every),
-                 "95 % confidence interval of a fit over five to seven sizes of the cells"),
-        *(
-            reported(f"two radii, 1 to {r:g}: error of order 3", points.unequal(r).third, str(RESOLVED))
-            for r in points.RADII
-        ),
-    ]  # fmt: skip
-
-
-def _percent(error: float) -> float:
-    """Return the size of an error in percent, at least the smallest one that is shown."""
-    return max(1e2 * abs(error), PERCENTS[0])
+    nine = [crowded(width, spread) for spread in SPREADS for width in WIDTHS]
+    layers = {(width, nu): on_layer(width, nu) for nu in POISSON for width in LAYERS}
+    pairs, lattice = {ratio: unequal(ratio) for ratio in RADII}, equal()
+    every = [*nine, *layers.values(), *pairs.values(), lattice]
+    worst = max(abs(each.automatic) - each.uncertainty for each in every)
+    yield below(f"Automatic({TOLERANCE:g}): largest error of A0", worst, TOLERANCE, RESOLVED)
+    worst = max(each.beyond for each in nine if each.ratio <= COMPARED)
+    name = f"order 3 up to a/r = {COMPARED:g} on the half-space, nine contacts: error of A0"
+    yield below(name, worst, FEW_ERROR, RESOLVED)
+    name = f"order 3, {SIDE**2} equal contacts"
+    yield below(f"{name} at a/r = {lattice.ratio:.2g}: error of A0", lattice.beyond, AREA_ERROR, RESOLVED)
+    unsure = f"uncertainty {1e2 * lattice.uncertainty:.2g} %"
+    yield reported(f"{name}: error of A0 [%]", 1e2 * lattice.third, unsure)
+    worst = max(each.beyond for (width, _), each in layers.items() if width <= THIN)
+    yield below(f"order 3 up to a/t = {THIN:g} on a layer: largest error of A0", worst, LAYER_ERROR, RESOLVED)
+    over = [each.beyond / each.estimate for each in every if each.beyond > CERTAIN]
+    name = f"order 3: largest error of A0 over its estimate, of errors above {1e2 * CERTAIN:.2g} %"
+    yield below(name, max(over), 1.0 / MARGIN, RESOLVED)
+    silent = sum(abs(each.third) > BOUND and not each.announced for each in every)
+    yield near(
+        f"order 3: scenes with an error above {100 * BOUND:g} % and no warning", silent, 0, 0, ANNOUNCED
+    )
+    chosen = sum(each.resolved for each in every)
+    yield reported("scenes in which Automatic chose resolved contacts", chosen, f"of {len(every)}")
+    for ratio, each in pairs.items():
+        yield reported(f"two radii, 1 to {ratio:g}: error of order 3", each.third, str(RESOLVED))
 
 
 @panels(9.0, 3.6, columns=2)
-def _crowded_figure(left, right):
+def _figure(left, right):
     """Left: error of A0 by order 3 for nine contacts on a half-space; a/L is the radius of the tallest
     contact without interaction over the pitch of the lattice, and the spread of the heights is that over the
     indentation of the tallest. Errors below 0.001 % are shown as 0.001 %. A: Automatic takes an asperity
     model; R: it resolves the contacts. Right: the error of what Automatic chose stays below its tolerance
-    (line), also where contacts merge (a/L above 0.5). In the text above, a/r is the radius of a contact in
-    equilibrium over the distance r of a neighbour.
+    (line), also where contacts merge (a/L above 0.5).
     """
-    rows = [[points.crowded(width, spread) for width in points.WIDTHS] for spread in points.SPREADS]
-    error = np.array([[_percent(point.third) for point in row] for row in rows])
-    drawn = left.pcolormesh(
-        error, cmap="viridis", norm="log", vmin=PERCENTS[0], vmax=PERCENTS[-1], edgecolors="white",
-        label="error of order 3 [%]",
-    )  # fmt: skip
-    for i, row in enumerate(rows):
-        for j, point in enumerate(row):
-            mark = f"{error[i, j]:.2g} %\n{'R' if point.resolved else 'A'}"
-            colour = "black" if error[i, j] > 0.1 else "white"
-            left.text(j + 0.5, i + 0.5, mark, ha="center", va="center", fontsize=7, color=colour)
-    left.set_xticks(np.arange(len(points.WIDTHS)) + 0.5, [f"{width:g}" for width in points.WIDTHS])
-    left.set_yticks(np.arange(len(points.SPREADS)) + 0.5, [f"{spread:g}" for spread in points.SPREADS])
+    rows = [[crowded(width, spread) for width in WIDTHS] for spread in SPREADS]
+    third, chosen = np.maximum(
+        1e2 * np.abs([[(each.third, each.automatic) for each in row] for row in rows]), PERCENTS[0]
+    ).transpose(2, 0, 1)
+    style = {
+        "cmap": "viridis",
+        "norm": "log",
+        "vmin": PERCENTS[0],
+        "vmax": PERCENTS[-1],
+        "edgecolors": "white",
+    }
+    drawn = left.pcolormesh(third, **style, label="error of order 3 [%]")
+    for (i, j), error in np.ndenumerate(third):
+        mark = f"{error:.2g} %\n{'R' if rows[i][j].resolved else 'A'}"
+        colour = "black" if error > 0.1 else "white"
+        left.text(j + 0.5, i + 0.5, mark, ha="center", va="center", fontsize=7, color=colour)
+    left.set_xticks(np.arange(len(WIDTHS)) + 0.5, [f"{width:g}" for width in WIDTHS])
+    left.set_yticks(np.arange(len(SPREADS)) + 0.5, [f"{spread:g}" for spread in SPREADS])
     left.set(xlabel="a/L", ylabel="spread of the heights over the indentation")
     bar = left.figure.colorbar(drawn, ax=left, label="error of order 3 [%]", extend="max")
     bar.set_ticks(PERCENTS, labels=[f"{each:g}" for each in PERCENTS])
     bar.minorticks_off()
-    for row, spread, mark in zip(rows, points.SPREADS, "os^", strict=True):
-        size = [_percent(point.automatic) for point in row]
-        right.semilogy(points.WIDTHS, size, mark, ls="-", ms=5, label=f"spread {spread:g}")
-    right.axhline(1e2 * points.TOLERANCE, color=QUIET, lw=1.0, label="tolerance")
+    for size, spread, mark in zip(chosen, SPREADS, "os^", strict=True):
+        right.semilogy(WIDTHS, size, mark, ls="-", ms=5, label=f"spread {spread:g}")
+    right.axhline(1e2 * TOLERANCE, color=QUIET, lw=1.0, label="tolerance")
     right.set(xlabel="a/L", ylabel="error of Automatic [%]")

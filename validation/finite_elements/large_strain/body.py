@@ -5,7 +5,6 @@ from __future__ import annotations
 import logging
 import math
 from dataclasses import dataclass, field
-from enum import Enum
 from functools import cached_property
 
 import numpy as np
@@ -34,13 +33,6 @@ RESIDUAL, CHANGE = 1e-8, 1e-6
 SMALLEST_STEP = 1.0 / 64.0
 
 
-class NewtonStatus(Enum):
-    """How Newton's method ended; the value is the message."""
-
-    CONVERGED = "converged: the nodal forces balance"
-    NOT_CONVERGED = "not converged: the state belongs to a fraction of the indentation"
-
-
 @dataclass(frozen=True, eq=False)
 class FiniteContact:
     """Contact of a soft cap under a rigid plane at large strain.
@@ -61,14 +53,6 @@ class FiniteContact:
         earlier contacts is halved.
     residual : float
         Largest unbalanced nodal force, relative to the load [-].
-    status : NewtonStatus
-
-    Examples
-    --------
-    >>> import metafem as mf
-    >>> contact = press_finite(0.1, 0.526, height=0.2, thickness=7.2, block_radius=10.0)
-    >>> contact.status.name, contact.error_estimate < 1e-2
-    ('CONVERGED', True)
     """
 
     contact_radius: float
@@ -83,11 +67,6 @@ class FiniteContact:
     shift: float  # amplitude of the last term of the radial displacement of sticking points
     fraction: float  # fraction of the prescribed displacements that is applied; 1 for a complete state
     unknowns: FloatArray = field(repr=False)  # radial and downward displacements, pressures
-
-    @property
-    def status(self) -> NewtonStatus:
-        """Whether the load steps reached the complete state."""
-        return NewtonStatus.CONVERGED if self.fraction == 1.0 else NewtonStatus.NOT_CONVERGED
 
 
 @dataclass(frozen=True, eq=False)

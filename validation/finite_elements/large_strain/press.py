@@ -2,21 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 from functools import partial
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.caps.shapes import sphere_profile
-from metafem.contact import TabulatedContact
 from metafem.errors import NotConverged, refuse_if
-from metafem.fe.geometry import Cap, checked_cap, graded_mesh
-from metafem.material import Material
-from metafem.substrate import BondedLayer
+from metafem.fe.geometry import Cap, graded_mesh
 from validation.finite_elements.large_strain.body import FiniteContact, SoftBody
 
 # Size of the smallest elements at the contact's edge, over the contact radius. The error due to the position
@@ -40,68 +34,22 @@ RADIUS_ERROR, SECANT_STEPS = 1e-7, 12
 HISTORY = 4
 
 
-def press_finite(
-    contact_radius: float,
-    radius: float,
-    *,
-    height: float,
-    thickness: float,
-    block_radius: float,
-    stick: bool = False,
-) -> FiniteContact:
-    """Return the contact of prescribed radius between a rigid plane and a soft cap at large strain.
+def press_finite(contact_radius: float, cap: Cap, stick: bool = False) -> FiniteContact:
+    """Return the contact of prescribed deformed radius [mm] between a rigid plane and a soft cap.
 
     The body is axisymmetric, incompressible and neo-Hookean: ``W = mu/2 (F:F - 3)`` with ``J = 1`` and
     ``E* = 4 mu``. The elements have quadratic displacements and linear pressures in the undeformed
     configuration. All points up to a material radius lie on the plane. The indentation is chosen so that no
     force acts on the last of these points and the pressure is finite at the edge. The material radius is
     chosen so that its deformed value is `contact_radius`. The cap is part of a block with a bonded base and
-    free sides, as in `press`.
+    free sides, as in `metafem.fe.press`.
 
     The points slip without friction or, with `stick`, remain where they first touched the plane. A point with
     the undeformed radius s then remains at ``r = a(s)``. A sequence of increasing contacts determines this
     function; in each contact, no shear force acts on the last point.
-
-    Parameters
-    ----------
-    contact_radius : float
-        a [mm] in the deformed state, below the foot radius of the cap.
-    radius, height : float
-        Radius of the sphere and height of the cap, at most the radius [mm].
-    thickness, block_radius : float
-        Thickness and radius of the block [mm].
-    stick : bool
-        Whether points in contact stick to the plane; default: False.
-
-    Returns
-    -------
-    FiniteContact
-
-    Raises
-    ------
-    InvalidInput
-        If a size is not positive or does not fit the others.
-    NotConverged
-        If Newton's method or the search for the material radius fails; the last state is attached.
-
-    Notes
-    -----
-    For h/R = 0.38, the ratio of P(a) to Hertz's law is 0.989 at a/R = 0.1, 0.974 at 0.4 and 0.978
-    at 0.5. Small strain (`press`) gives 1.11 at a/R = 0.5, so its error is larger than that of Hertz's law
-    and has the opposite sign. For soft bodies at large a/R, Hertz's law with a fitted E* is more accurate
-    than small strain.
-
-    Examples
-    --------
-    >>> contact = press_finite(0.26, 0.526, height=0.2, thickness=7.2, block_radius=10.0)
-    >>> round(contact.rescaled_load / (4 / 3 * 0.26**3 / 0.526), 3)
-    0.977
     """
-    a = check.number("contact_radius", contact_radius, above=0.0)
-    check.instance("stick", stick, bool, "True or False")
-    cap = checked_cap(a, radius, height, thickness, "block_radius", block_radius)
-    radii = a * np.arange(1, HISTORY + 1) / HISTORY if stick else np.array([a])
-    return press_sequence(radii, cap, stick)[-1]
+    count = HISTORY if stick else 1
+    return press_sequence(contact_radius * np.arange(1, count + 1) / count, cap, stick)[-1]
 
 
 def press_sequence(
@@ -201,66 +149,3 @@ def _flatten(
             partial(part, earlier=earlier, unit=cap.radius) for part in (stuck_displacement, stick_mode)
         )
     return body.flatten(partial(sphere_profile, radius=cap.radius), stuck, start)
-
-
-def tabulated_contact(
-    contact_radius: ArrayLike,
-    radius: float,
-    *,
-    height: float,
-    thickness: float,
-    block_radius: float,
-    material: Material,
-) -> TabulatedContact:
-    """Return the contact law of a soft spherical cap at large strain, from `press_finite`.
-
-    The plane slips on the cap without friction. As in all contact laws, the indentation is that of a cap on a
-    half-space. It exceeds the indentation on the block by ``-P/E* self_influence`` of `BondedLayer`, which
-    coupled models add separately. The law includes the compliance of the pedestal. Each contact radius takes
-    about 6 s. The load is within 0.2 % where the mesh resolves the contact (see
-    `FiniteContact.error_estimate`).
-
-    Parameters
-    ----------
-    contact_radius : array_like, (m,)
-        Increasing contact radii [mm] of the table, at least 3, below the foot radius of the cap.
-    radius, height : float
-        Radius of the sphere and height of the cap, at most the radius [mm].
-    thickness, block_radius : float
-        Thickness and radius of the block [mm].
-    material : Material
-        Incompressible material; its E* scales the loads.
-
-    Returns
-    -------
-    TabulatedContact
-
-    Raises
-    ------
-    InvalidInput
-        If a size does not fit the others, or the material is compressible.
-    NotConverged
-        If a contact does not converge.
-
-    Examples
-    --------
-    >>> law = tabulated_contact(
-    ...     [0.1, 0.2, 0.26], 0.526, height=0.2, thickness=7.2, block_radius=10.0, material=Material(1.36)
-    ... )
-    >>> round(float(law.table[1, -1]) / (1.36 * 4 / 3 * 0.26**3 / 0.526), 3)
-    0.977
-    """
-    radii = check.array("contact_radius", contact_radius, shape=(None,), positive=True)
-    check.instance("material", material, Material, "a metafem.Material")
-    refuse_if(
-        material.poisson_ratio != 0.5,
-        f"material = {material!r} must have poisson_ratio = 0.5: at large strain the finite elements are "
-        "incompressible",
-    )
-    check.increasing("contact_radius", radii)
-    cap = checked_cap(float(radii[-1]), radius, height, thickness, "block_radius", block_radius)
-    contacts = press_sequence(radii, cap, stick=False)
-    load = np.array([contact.rescaled_load for contact in contacts])
-    sunk = -BondedLayer(cap.thickness, 0.5).self_influence * load
-    indentation = np.array([contact.indentation for contact in contacts]) + sunk
-    return TabulatedContact(indentation, material.composite_modulus * load, math.pi * radii**2)
