@@ -24,7 +24,6 @@ from metafem.files.disk import (
     read_record,
     refuse_existing,
     staged,
-    write_file,
     write_text,
 )
 from metafem.files.part import (
@@ -248,7 +247,8 @@ def write_study(study: Dataset, path: Path, *, force: bool = False) -> None:
 
     The answer of a study of manufacturing is also written into the files for the workshop beside it.
     """
-    write_file(path, lambda fresh: study.to_netcdf(fresh, engine="h5netcdf"), force=force)
+    with staged(path, force) as fresh:
+        study.to_netcdf(fresh, engine="h5netcdf")
     if study.attrs.get("study") == "manufacturing":
         for file in filter(Path.exists, (path.with_name("mould.csv"), path.with_name("mould.gcode"))):
             text = decoded(file, read_bytes(file, RECORD))

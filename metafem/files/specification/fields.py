@@ -48,8 +48,9 @@ class Section(BaseModel):
         return None if self.makes is None else type(self).makes(**self.given())  # type: ignore[misc]
 
     def given(self) -> dict[str, Any]:
-        """Return the keys that have a value, but those of the section itself."""
-        return {name: value for name, value in self if value is not None and name not in ("kind", "file")}
+        """Return the values of the keys that have one, but those of the section itself."""
+        own = {name: value for name, value in self if value is not None and name not in ("kind", "file")}
+        return {name: value.value() if isinstance(value, Section) else value for name, value in own.items()}
 
     @classmethod
     def __get_pydantic_json_schema__(cls, core: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, cast
 
 from pydantic import Field, field_validator
 
 from metafem._given import printable
-from metafem.caps import Cap, Paraboloid, Power, Profile, Sphere
-from metafem.contact import JKR, Contact, Elastic, Hertz, JacksonGreen, KogutEtsion, TabulatedContact
+from metafem.caps import Paraboloid, Power, Profile, Sphere
+from metafem.contact import JKR, Elastic, Hertz, JacksonGreen, KogutEtsion, TabulatedContact
 from metafem.errors import InvalidInput, refuse_if
 from metafem.files.part import DWELL, FEED, SAFE, SPINDLE, PartOptions
 from metafem.files.specification.fields import (
@@ -235,16 +235,12 @@ class ProfileCap(Section):
     Before the section is read, the columns of the table replace the key `file`.
     """
 
+    makes = staticmethod(lambda rho, f: Profile(cast(Any, [rho, f])))
     kind: Literal["profile"]
     choices = (("rho", "f"), ("file",))
     rho: list[Length] | None = optional("either: distances from the axis, from 0", RHO)
     f: list[Length] | None = optional("with it: depths below the summit, from 0", DEPTHS)
     file: str | None = optional("or: a table with columns such as rho_mm,f_um", "cap.csv")
-
-    def value(self) -> Cap:
-        """Return the cap that the keys describe."""
-        profile: Any = [self.rho, self.f]
-        return Profile(profile)
 
 
 class HertzSection(Section):
@@ -269,13 +265,10 @@ HERTZ = HertzSection(kind="hertz")
 class JKRSection(Section):
     """Elastic caps with adhesion, from the theory of Johnson, Kendall and Roberts."""
 
+    makes = JKR
     kind: Literal["jkr"]
     adhesion_energy: Energy = key("w", "9 mJ/m^2")
     cap: Under = key("one of the kinds above", {"kind": "elastic"}, default=HERTZ)
-
-    def value(self) -> Contact:
-        """Return the contact law that the keys describe."""
-        return JKR(self.adhesion_energy, self.cap.value())
 
 
 class KogutEtsionSection(Section):

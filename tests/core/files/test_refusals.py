@@ -338,5 +338,5 @@ def test_a_foreign_record_is_refused():
     assert faults((partial(from_record, given), key, value) for given, key, value in RECORDS) == []
     assert faults([
         (partial(to_record, object()), "object", "record"),
-        (partial(to_record, profile), "Profile.profile", "square"),
+        (partial(to_record, profile), "square", "function as a table"),
     ]) == []  # fmt: skip
