@@ -6,7 +6,6 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import chain, repeat
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +17,7 @@ from metafem._values import MICROMETRES
 from metafem.caps import SPHERE, Caps
 from metafem.errors import InvalidInput, refuse_if
 from metafem.files.mesh import block_mesh, mirrored, mould_mesh, triangle_count
-from metafem.files.summits import caps_column
+from metafem.files.summits import caps_column, csv
 from metafem.inversion import Design
 from metafem.notes import Note, information
 from metafem.progress import doing, message
@@ -271,15 +270,17 @@ def mould_table(design: Design, part: Surface) -> str:
     ``heights.csv``. The depth of a hole below the face of the mould is the height of its summit, and the
     radius of its tool is the radius of the summit.
     """
-    more, sites = caps_column(part), chain(design.sites.tolist(), repeat(""))
-    lines = [f"# {line}" for line in _head(design, part)]
-    lines.append(",".join(("number", "kind", "site", "x_mm", "y_mm", "depth_mm", "tool_radius_mm", *more)))
-    rows = zip(sites, *mirrored(part.position).T, part.height, part.radius, *more.values(), strict=False)
-    for number, (site, *lengths) in enumerate(rows, 1):
-        kind = "alignment" if site == "" else "asperity"
-        texts = (each if isinstance(each, str) else number_text(each) for each in lengths)
-        lines.append(",".join((str(number), kind, str(site), *texts)))
-    return "\n".join(lines) + "\n"
+    asperities, alignment = design.sites.size, part.count - design.sites.size
+    x, y = mirrored(part.position).T
+    lengths = {"x_mm": x, "y_mm": y, "depth_mm": part.height, "tool_radius_mm": part.radius}
+    columns = {
+        "number": range(1, part.count + 1),
+        "kind": ["asperity"] * asperities + ["alignment"] * alignment,
+        "site": [*design.sites, *[""] * alignment],
+        **{name: map(number_text, values) for name, values in lengths.items()},
+        **caps_column(part),
+    }
+    return "".join(f"# {line}\n" for line in _head(design, part)) + csv(columns)
 
 
 def _head(design: Design, part: Surface) -> Iterator[str]:
