@@ -48,12 +48,9 @@ def made_table(made: MadeSurface, sites: IntArray) -> str:
 
     `sites` are the sites of the design's asperities.
     """
-    errors = {
-        "sd_position_mm": made.position_sd,
-        "sd_height_mm": made.height_sd,
-        "sd_radius_mm": made.radius_sd,
-    }
-    return csv({"site": sites[made.site], **_columns(made.surface), **errors})
+    errors = {"position": made.position_sd, "height": made.height_sd, "radius": made.radius_sd}
+    titled = {f"sd_{name}_mm": values for name, values in errors.items()}
+    return csv({"site": sites[made.site], **_columns(made.surface), **titled})
 
 
 def law_table(law: FrictionLaw) -> str:
@@ -146,13 +143,8 @@ def write_surface(design: Design, path: str | Path) -> None:
 
 def _columns(surface: Surface) -> dict[str, Iterable[object]]:
     x, y = surface.position.T
-    return {
-        "x_mm": x,
-        "y_mm": y,
-        "height_mm": surface.height,
-        "radius_mm": surface.radius,
-        **caps_column(surface),
-    }
+    found = {"x_mm": x, "y_mm": y, "height_mm": surface.height, "radius_mm": surface.radius}
+    return {**found, **caps_column(surface)}
 
 
 def csv(columns: Mapping[str, Iterable[object]]) -> str:
