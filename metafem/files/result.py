@@ -13,6 +13,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from metafem import _validate as check
+from metafem import studies
 from metafem.errors import InvalidInput, refuse_if
 from metafem.files.disk import (
     RECORD,
@@ -42,7 +43,6 @@ from metafem.files.summits import heights_table, law_table, write_surface
 from metafem.inversion import Design
 from metafem.notes import from_lines
 from metafem.progress import doing
-from metafem.studies import summary
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -252,7 +252,7 @@ def write_study(study: Dataset, path: Path, *, force: bool = False) -> None:
     if study.attrs.get("study") == "manufacturing":
         for file in filter(Path.exists, (path.with_name("mould.csv"), path.with_name("mould.gcode"))):
             text = decoded(file, read_bytes(file, RECORD))
-            write_text(file, with_tolerance(text, summary(study).answer), force=True)
+            write_text(file, with_tolerance(text, studies.summary(study).answer), force=True)
 
 
 @doing("reading the studies")
