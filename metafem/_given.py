@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 # Unit of each argument that has a unit. An argument name has the same meaning in the whole package.
@@ -41,26 +40,9 @@ def unit_of(name: str) -> str:
     return UNITS.get(name.rpartition(".")[2].partition("[")[0], "1")
 
 
-@dataclass(frozen=True)
-class Given:
-    """An argument or an entry of an array argument, such as ``radius[3]``, in the template of a message.
-
-    `value` is a number in the package's unit, or a text; None if the message does not state it.
-    """
-
-    name: str
-    value: float | str | None = None
-
-    @property
-    def number(self) -> str:
-        """Value as text, with its unit."""
-        if self.value is None or isinstance(self.value, str):
-            return self.value or ""
-        return f"{self.value:g} {unit_of(self.name)}".removesuffix(" 1")
-
-    def __str__(self) -> str:
-        name = spoken(self.name)
-        return name if self.value is None else f"{name} = {self.number}"
+def with_unit(name: str, value: float) -> str:
+    """Return the value of an argument as text, with its unit."""
+    return f"{value:g} {unit_of(name)}".removesuffix(" 1")
 
 
 def spoken(name: str) -> str:

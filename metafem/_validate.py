@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from metafem._given import Given, shown, unit_of
+from metafem._given import shown, unit_of, with_unit
 from metafem.errors import InvalidInput, refuse_if
 
 FloatArray = NDArray[np.float64]
@@ -51,12 +51,14 @@ def number(
     except (TypeError, ValueError, OverflowError, Warning):
         raise InvalidInput("is not a number in double precision", key=name, value=shown(value)) from None
     refuse_if(not math.isfinite(result), "must be finite", key=name, value=str(result))
-    for wrong, must, bound in (
-        (above is not None and not result > above, "must be greater than {.number}", above),
-        (at_least is not None and result < at_least, "must be at least {.number}", at_least),
-        (at_most is not None and result > at_most, "must be at most {.number}", at_most),
-    ):
-        refuse_if(wrong, must, Given(name, bound), key=name, value=result)
+    limits: Any = (
+        (above is not None and not result > above, "greater than", above),
+        (at_least is not None and result < at_least, "at least", at_least),
+        (at_most is not None and result > at_most, "at most", at_most),
+    )
+    for wrong, must, bound in limits:
+        if wrong:
+            raise InvalidInput(f"must be {must} {with_unit(name, bound)}", key=name, value=result)
     least, most = bounds(name, above == 0.0)
     if result and not least <= abs(result) <= most:
         raise _beyond(name, result, least, most)
@@ -150,9 +152,8 @@ def lists(name: str, value: Any, length: int | None) -> FloatArray:
 def loads(name: str, value: Any, *, negative: bool = False) -> FloatArray:
     """Return `value` as an array of loads (k,); negative ones are refused unless `negative`."""
     result = array(name, value, shape=(None,))
-    lowest = Given(name, result.min())
     below = result.min() < 0.0 and not negative
-    refuse_if(below, "holds {.number}; loads cannot be negative", lowest, key=name)
+    refuse_if(below, f"holds {with_unit(name, result.min())}; loads cannot be negative", key=name)
     tiny = np.flatnonzero((result != 0.0) & (np.abs(result) < SMALLEST))
     if tiny.size:
         raise _beyond(f"{name}[{tiny[0]}]", result[tiny[0]], SMALLEST, LARGEST)

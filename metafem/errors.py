@@ -4,17 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from metafem._given import Given, spoken
+from metafem._given import spoken
 
 
 class MetafemError(Exception):
-    """Base class of all errors that metafem raises.
-
-    A message is one sentence; `about` fills the fields of a message that is a template.
-    """
-
-    def __init__(self, message: str = "", *about: Given) -> None:
-        super().__init__(message.format(*about) if about else message)
+    """Base class of all errors that metafem raises; a message is one sentence."""
 
 
 class InvalidInput(MetafemError, ValueError):
@@ -39,13 +33,13 @@ class InvalidInput(MetafemError, ValueError):
     def __init__(
         self,
         must: str = "",
-        *about: Given,
+        *,
         key: str = "",
         value: float | str | None = None,
         example: str = "",
         problems: tuple[InvalidInput, ...] = (),
     ) -> None:
-        super().__init__(must, *about)
+        super().__init__(must)
         self.key, self.value, self.example, self.problems = key, value, example, problems
 
     @property
@@ -74,10 +68,10 @@ class InvalidInput(MetafemError, ValueError):
         return self.at(f"{section}.{self.key}")
 
 
-def refuse_if(wrong: Any, must: str, *about: Given, **attributes: Any) -> None:
+def refuse_if(wrong: Any, must: str, **attributes: Any) -> None:
     """Raise `InvalidInput` with these arguments if `wrong` is true."""
     if wrong:
-        raise InvalidInput(must, *about, **attributes)
+        raise InvalidInput(must, **attributes)
 
 
 class Infeasible(MetafemError):
@@ -110,8 +104,8 @@ class NotConverged(MetafemError):
         The solver's last state, with its status and residual.
     """
 
-    def __init__(self, message: str, state: Any = None, *about: Given) -> None:
-        super().__init__(message, *about)
+    def __init__(self, message: str, state: Any = None) -> None:
+        super().__init__(message)
         self.state = state
 
 

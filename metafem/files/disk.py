@@ -6,7 +6,7 @@ import codecs
 import json
 import os
 import stat
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -100,15 +100,10 @@ def _reported(target: Path) -> Iterator[None]:
         raise InvalidInput(f"{target} cannot be written: {reason}; choose another folder") from None
 
 
-def write_file(path: str | Path, write: Callable[[Path], object], *, force: bool = False) -> None:
-    """Call `write` with the path of a hidden file, which then becomes `path`; see `staged`."""
-    with staged(path, force) as fresh:
-        write(fresh)
-
-
 def write_text(path: str | Path, text: str, *, force: bool = False) -> None:
     """Write a text in UTF-8; see `staged`."""
-    write_file(path, lambda fresh: fresh.write_bytes(text.encode("utf-8")), force=force)
+    with staged(path, force) as fresh:
+        fresh.write_bytes(text.encode("utf-8"))
 
 
 def refuse_figure(path: Path, force: bool) -> None:
@@ -127,7 +122,8 @@ def write_figure(path: Path, figure: Figure, title: str, *, force: bool = False)
         write_text(path, f"<!-- {MARK} -->\n{drawing.svg(figure, title)}\n", force=force)
         return
     options: dict[str, Any] = {"format": "png", "dpi": drawing.RESOLUTION, "metadata": {"Software": MARK}}
-    write_file(path, lambda fresh: figure.savefig(fresh, **options), force=force)
+    with staged(path, force) as fresh:
+        figure.savefig(fresh, **options)
 
 
 def read_bytes(path: str | Path, most: int, missing: str = "no such file", beginning: bool = False) -> bytes:

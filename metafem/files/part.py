@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import chain, repeat
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +17,7 @@ from metafem._values import MICROMETRES
 from metafem.caps import SPHERE, Caps
 from metafem.errors import InvalidInput, refuse_if
 from metafem.files.mesh import block_mesh, mirrored, mould_mesh, triangle_count
-from metafem.files.summits import caps_column
+from metafem.files.summits import caps_column, csv
 from metafem.inversion import Design
 from metafem.notes import Note, information
 from metafem.progress import doing, message
@@ -46,6 +46,9 @@ APART = 4.0
 
 # Factor of a proposed length, which then suffices also when it is rounded to three digits.
 LARGER = 1.0051
+
+# First word of the line on the tolerance, which a study replaces.
+TOLERANCE = "Tolerance"
 
 # Decimals of a length in millimetres: a hundredth of a micrometre, a tenth of what machines position.
 DECIMALS = 5
@@ -267,15 +270,17 @@ def mould_table(design: Design, part: Surface) -> str:
     ``heights.csv``. The depth of a hole below the face of the mould is the height of its summit, and the
     radius of its tool is the radius of the summit.
     """
-    more, sites = caps_column(part), chain(design.sites.tolist(), repeat(""))
-    lines = [f"# {line}" for line in _head(design, part)]
-    lines.append(",".join(("number", "kind", "site", "x_mm", "y_mm", "depth_mm", "tool_radius_mm", *more)))
-    rows = zip(sites, *mirrored(part.position).T, part.height, part.radius, *more.values(), strict=False)
-    for number, (site, *lengths) in enumerate(rows, 1):
-        kind = "alignment" if site == "" else "asperity"
-        texts = (each if isinstance(each, str) else number_text(each) for each in lengths)
-        lines.append(",".join((str(number), kind, str(site), *texts)))
-    return "\n".join(lines) + "\n"
+    asperities, alignment = design.sites.size, part.count - design.sites.size
+    x, y = mirrored(part.position).T
+    lengths = {"x_mm": x, "y_mm": y, "depth_mm": part.height, "tool_radius_mm": part.radius}
+    columns = {
+        "number": range(1, part.count + 1),
+        "kind": ["asperity"] * asperities + ["alignment"] * alignment,
+        "site": [*design.sites, *[""] * alignment],
+        **{name: map(number_text, values) for name, values in lengths.items()},
+        **caps_column(part),
+    }
+    return "".join(f"# {line}\n" for line in _head(design, part)) + csv(columns)
 
 
 def _head(design: Design, part: Surface) -> Iterator[str]:
@@ -287,12 +292,26 @@ def _head(design: Design, part: Surface) -> Iterator[str]:
         thickness = block.thickness + float(part.height.max())
         above = f"{block.thickness:g} mm above the face"
         yield f"Casting: {inside}, {above}; mould.stl is {thickness:g} mm thick."
-    if design.limits.height_sd:
-        sd = MICROMETRES * design.limits.height_sd
-        yield f"Tolerance: standard deviation of the depths at most {sd:g} um, as the specification states."
+    sd = design.limits.height_sd
+    stated = (
+        f"standard deviation of the depths {MICROMETRES * sd:g} um, from limits.height_sd"
+        if sd
+        else "not stated"
+    )
+    yield f"{TOLERANCE}: {stated}; the command metafem study manufacturing replaces this line."
 
 
-def drilling_program(part: Surface, options: PartOptions) -> str | None:
+def with_tolerance(text: str, words: str) -> str:
+    """Return the text of mould.csv or mould.gcode with other words on the tolerance."""
+    plain = words.replace("µ", "u").translate(str.maketrans("()", "[]"))
+    return re.sub(
+        rf"(?m)^(# |\(){TOLERANCE}: .*?(\)?)$",
+        lambda line: f"{line[1]}{TOLERANCE}: {plain}{line[2] or ''}",
+        text,
+    )
+
+
+def drilling_program(design: Design, part: Surface, options: PartOptions) -> str | None:
     """Return the text of mould.gcode, or None if the holes need more than one ball-end mill.
 
     The tool plunges into each hole to the depth of its cap, dwells and returns to the safe height. Z is 0 at
@@ -305,6 +324,7 @@ def drilling_program(part: Surface, options: PartOptions) -> str | None:
     lines = [
         f"(metafem: {part.count} holes, ball-end mill of radius {tool} mm, deepest hole {deepest} mm, "
         "dwell P in seconds; check this program on the machine before use)",
+        *(f"({line})" for line in _head(design, part)),
         *("G21", "G90", "G54", f"S{options.spindle:g} M3", f"G0 Z{safe}"),
     ]
     for (x, y), depth in zip(mirrored(part.position), part.height, strict=True):

@@ -8,7 +8,6 @@ from dataclasses import fields, is_dataclass
 from enum import Enum
 from functools import cache
 from importlib import import_module
-from inspect import isbuiltin, isfunction
 from typing import Any, cast, get_type_hints
 
 import numpy as np
@@ -55,14 +54,8 @@ def to_record(value: Any) -> Any:
     if isinstance(value, Enum) and title in TYPES:
         return {"type": title, "name": value.name, "message": value.value}
     if is_dataclass(value) and title in {*TYPES, *LATE}:
-        members = {field.name: getattr(value, field.name) for field in fields(value)}
-        for name, member in members.items():
-            if isfunction(member) or isbuiltin(member) or isinstance(member, np.ufunc):
-                raise InvalidInput(
-                    f"{title}.{name} = {member.__name__} is a function, which cannot be written to a record; "
-                    "give it as a table"
-                )
-        return {"type": title, **{name: to_record(member) for name, member in members.items()}}
+        members = {field.name: to_record(getattr(value, field.name)) for field in fields(value)}
+        return {"type": title, **members}
     if isinstance(value, ModelError):
         number = None if math.isnan(value) else float(value)
         return {"type": title, "value": number, **{name: to_record(v) for name, v in vars(value).items()}}
@@ -76,7 +69,8 @@ def to_record(value: Any) -> Any:
         return [to_record(member) for member in value]
     if value is None or isinstance(value, (bool, int, float, str)):
         return value
-    raise InvalidInput(f"{value!r:.80} cannot be written to a record")
+    remedy = "; give a function as a table" if callable(value) else ""
+    raise InvalidInput(f"{value!r:.80} cannot be written to a record{remedy}")
 
 
 def from_record(record: Any, name: str = "record") -> Any:

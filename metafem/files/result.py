@@ -13,8 +13,20 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from metafem import _validate as check
+from metafem import studies
 from metafem.errors import InvalidInput, refuse_if
-from metafem.files.disk import STUDIES, damaged, file_label, read_record, refuse_existing, staged, write_file
+from metafem.files.disk import (
+    RECORD,
+    STUDIES,
+    damaged,
+    decoded,
+    file_label,
+    read_bytes,
+    read_record,
+    refuse_existing,
+    staged,
+    write_text,
+)
 from metafem.files.part import (
     Part,
     PartOptions,
@@ -23,6 +35,7 @@ from metafem.files.part import (
     part_notes,
     planned,
     with_alignment,
+    with_tolerance,
 )
 from metafem.files.records import from_record, to_record
 from metafem.files.specification.read import Specification
@@ -111,7 +124,7 @@ def write_all(
         **result_tables(design, options),
         **pages,
     }
-    program = None if made is None else drilling_program(made.surface, options)
+    program = None if made is None else drilling_program(design, made.surface, options)
     contents = {name: text.encode("utf-8") for name, text in texts.items()}
     contents |= {} if program is None else {"mould.gcode": program.encode("utf-8")}
     contents |= {} if specification is None else specification.files
@@ -230,8 +243,16 @@ def study_path(folder: str | Path, name: str, force: bool) -> Path:
 
 
 def write_study(study: Dataset, path: Path, *, force: bool = False) -> None:
-    """Write a study as NetCDF 4 with h5netcdf; an existing file is refused unless `force` is true."""
-    write_file(path, lambda fresh: study.to_netcdf(fresh, engine="h5netcdf"), force=force)
+    """Write a study as NetCDF 4 with h5netcdf; an existing file is refused unless `force` is true.
+
+    The answer of a study of manufacturing is also written into the files for the workshop beside it.
+    """
+    with staged(path, force) as fresh:
+        study.to_netcdf(fresh, engine="h5netcdf")
+    if study.attrs.get("study") == "manufacturing":
+        for file in filter(Path.exists, (path.with_name("mould.csv"), path.with_name("mould.gcode"))):
+            text = decoded(file, read_bytes(file, RECORD))
+            write_text(file, with_tolerance(text, studies.summary(study).answer), force=True)
 
 
 @doing("reading the studies")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -28,9 +28,6 @@ COLUMNS = Columns(
     "x_mm,y_mm,height_um,radius_um (or in other units)",
 )
 
-# Column titles of heights.csv.
-HEIGHTS = ("site", "x_mm", "y_mm", "height_mm", "radius_mm")
-
 # Columns of a law that are omitted from law.csv.
 UNWRITTEN = ("friction_coefficient", "approach_mm", "stiffness_N_per_mm", "residual")
 
@@ -42,29 +39,23 @@ DIGITS = 13
 
 
 def heights_table(surface: Surface, sites: IntArray) -> str:
-    """Return the text of heights.csv: site in the template, position, height and radius of each summit.
-
-    If the caps are not spheres or the frictions differ, they follow.
-    """
-    more = caps_column(surface)
-    return csv((*HEIGHTS, *more), zip(sites.tolist(), *_columns(surface), *more.values(), strict=True))
+    """Return the text of heights.csv: site in the template, position, height, radius and cap of summits."""
+    return csv({"site": sites, **_columns(surface)})
 
 
 def made_table(made: MadeSurface, sites: IntArray) -> str:
-    """Return the table of a made surface: sites, positions, heights, radii and their standard deviations.
+    """Return the table of a made surface, as `heights_table` does, with standard deviations.
 
     `sites` are the sites of the design's asperities.
     """
-    errors = (each.tolist() for each in (made.position_sd, made.height_sd, made.radius_sd))
-    more = caps_column(made.surface)
-    rows = zip(sites[made.site].tolist(), *_columns(made.surface), *more.values(), *errors, strict=True)
-    return csv((*HEIGHTS, *more, "sd_position_mm", "sd_height_mm", "sd_radius_mm"), rows)
+    errors = {"position": made.position_sd, "height": made.height_sd, "radius": made.radius_sd}
+    titled = {f"sd_{name}_mm": values for name, values in errors.items()}
+    return csv({"site": sites[made.site], **_columns(made.surface), **titled})
 
 
 def law_table(law: FrictionLaw) -> str:
     """Return the text of law.csv, which has friction forces only if the surface has a Friction."""
-    columns = {name: column for name, column in law.columns().items() if name not in UNWRITTEN}
-    return csv(tuple(columns), zip(*(column.tolist() for column in columns.values()), strict=True))
+    return csv({name: column for name, column in law.columns().items() if name not in UNWRITTEN})
 
 
 def read_surface(
@@ -150,15 +141,16 @@ def write_surface(design: Design, path: str | Path) -> None:
     mesh.write(path, file_format="vtu")
 
 
-def _columns(surface: Surface) -> list[list[float]]:
+def _columns(surface: Surface) -> dict[str, Iterable[object]]:
     x, y = surface.position.T
-    return [column.tolist() for column in (x, y, surface.height, surface.radius)]
+    found = {"x_mm": x, "y_mm": y, "height_mm": surface.height, "radius_mm": surface.radius}
+    return {**found, **caps_column(surface)}
 
 
-def csv(header: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
+def csv(columns: Mapping[str, Iterable[object]]) -> str:
     """Return the CSV text of a table; its numbers have at most `DIGITS` digits."""
-    lines = [",".join(header), *(",".join(_entry(value) for value in row) for row in rows)]
-    return "\n".join(lines) + "\n"
+    rows = zip(*columns.values(), strict=True)
+    return "\n".join([",".join(columns), *(",".join(map(_entry, row)) for row in rows)]) + "\n"
 
 
 def _entry(value: object) -> str:

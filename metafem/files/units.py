@@ -83,7 +83,6 @@ def converted(given: Any, unit: str, example: str | None = None) -> float:
     if not isinstance(given, str):
         words = "needs a unit" if isinstance(given, (int, float)) else f"must be a text in {unit}"
         raise InvalidInput(words, **valid)
-    valid["value"] = f'"{printable(given, 60)}"'
     match = QUANTITY.fullmatch(given)
     if match is None:
         raise InvalidInput("does not begin with a number", **valid)
@@ -103,6 +102,8 @@ def as_written(value: Any) -> str:
         return str(value).lower()
     if isinstance(value, (datetime.date, datetime.time)):
         return value.isoformat()
+    if isinstance(value, str):
+        return f'"{printable(value, 60)}"'
     return shown(value)
 
 

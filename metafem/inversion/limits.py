@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from metafem import _validate as check
-from metafem._given import Given, shown
+from metafem._given import shown
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput, refuse_if
 from metafem.surface import Surface
@@ -67,8 +67,8 @@ class Limits:
         check.member(self, "max_height", above=0.0)
         for name in ("min_height", "offset"):
             check.member(self, name, at_least=0.0)
-        top = Given("max_height", self.max_height)
-        refuse_if(self.span <= 0.0, "must be below {}", top, key="min_height", value=self.min_height)
+        must = f"must be below max_height = {self.max_height:g} mm"
+        refuse_if(self.span <= 0.0, must, key="min_height", value=self.min_height)
         finest = self.span / MOST_LEVELS
         check.member(self, "height_step", optional=True, at_least=finest, at_most=self.span)
         check.member(self, "height_sd", optional=True, at_least=0.0)

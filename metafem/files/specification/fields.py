@@ -12,6 +12,14 @@ from pydantic import model_validator as validator
 from metafem.errors import refuse_if
 from metafem.files.units import UNITS, converted, pattern
 
+# Bounds of values by their names in pydantic: the name in a JSON schema, and words.
+BOUNDS = {
+    "gt": ("exclusiveMinimum", "greater than"),
+    "ge": ("minimum", "at least"),
+    "lt": ("exclusiveMaximum", "less than"),
+    "le": ("maximum", "at most"),
+}
+
 # Alternative sets of keys, of which one must be present.
 Choices = tuple[tuple[str, ...], ...]
 
@@ -40,8 +48,9 @@ class Section(BaseModel):
         return None if self.makes is None else type(self).makes(**self.given())  # type: ignore[misc]
 
     def given(self) -> dict[str, Any]:
-        """Return the keys that have a value, but those of the section itself."""
-        return {name: value for name, value in self if value is not None and name not in ("kind", "file")}
+        """Return the values of the keys that have one, but those of the section itself."""
+        own = {name: value for name, value in self if value is not None and name not in ("kind", "file")}
+        return {name: value.value() if isinstance(value, Section) else value for name, value in own.items()}
 
     @classmethod
     def __get_pydantic_json_schema__(cls, core: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
@@ -57,14 +66,14 @@ class Section(BaseModel):
         return {**found, "x-choices": [list(choice) for choice in cls.choices]}
 
 
-def key(meaning: str, example: Any = None, *, default: Any = ...) -> Any:
-    """Return the field of a key with its meaning and an example; it is required without a default."""
-    return Field(default, description=meaning, examples=None if example is None else [example])
+def key(meaning: str, example: Any = None, *, default: Any = ..., **bounds: Any) -> Any:
+    """Return the field of a key with its meaning, an example and bounds; it is required without a default."""
+    return Field(default, description=meaning, examples=None if example is None else [example], **bounds)
 
 
-def optional(meaning: str, example: Any = None) -> Any:
-    """Return the field of a key that may be omitted, with its meaning and an example."""
-    return key(meaning, example, default=None)
+def optional(meaning: str, example: Any = None, **bounds: float) -> Any:
+    """Return the field of a key that may be omitted, with its meaning, an example and bounds."""
+    return key(meaning, example, default=None, **bounds)
 
 
 def text_schema(*units: str) -> dict[str, Any]:
@@ -73,18 +82,21 @@ def text_schema(*units: str) -> dict[str, Any]:
     return {"type": "string", "pattern": pattern(units), "x-units": shown}
 
 
-def measured(unit: str, **bounds: Any) -> Any:
+def measured(unit: str, **bounds: float) -> Any:
     """Return the type of a text such as "120 um", whose value is a number in `unit` within the bounds."""
 
     def number(given: Any) -> float:
         """Return the number of a text; an entry of a table is one already."""
         return float(given) if isinstance(given, np.float64) else converted(given, unit)
 
-    return Annotated[float, Field(**bounds), BeforeValidator(number), WithJsonSchema(text_schema(unit))]
+    stated = {BOUNDS[name][0]: bound for name, bound in bounds.items()}
+    schema: dict[str, Any] = text_schema(unit) | {"x-unit": unit} | stated
+    known: Any = bounds
+    return Annotated[float, Field(**known), BeforeValidator(number), WithJsonSchema(schema)]
 
 
-Length, Area, Force, Stress = map(measured, ("mm", "mm^2", "N", "MPa"))
-Energy, Angle = map(measured, ("N/mm", "rad"))
-PositiveLength, PositiveStress = measured("mm", gt=0.0), measured("MPa", gt=0.0)
+Area, Force, Angle = map(measured, ("mm^2", "N", "rad"))
+Length, PositiveLength, Energy = measured("mm", ge=0.0), measured("mm", gt=0.0), measured("N/mm", ge=0.0)
+Stress = measured("MPa", gt=0.0)
 Feed, Speed, Time = measured("mm/min", gt=0.0), measured("1/min", gt=0.0), measured("s", ge=0.0)
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
+from metafem.files.specification.fields import BOUNDS, Section
 from metafem.files.specification.sections import Sections
 
 Schema = dict[str, Any]
@@ -39,10 +40,10 @@ PLAIN = {"number": "number", "integer": "integer", "boolean": "truth", "string":
 class KeyForm:
     """The description of a key and of its value.
 
-    `value` is quantity, number, integer, truth, text or section, of the value or of a list's entries, which
-    with `pairs` can be lists of two; `units` are the usual ones, `names` the allowed texts. `kind` is that of
-    the section, or None. `choice` is the number of the alternative set to which the key belongs, or None; a
-    section needs the keys of one set.
+    `meaning` ends with the bounds, which are in `unit`. `value` is quantity, number, integer, truth, text or
+    section, of the value or of a list's entries, which with `pairs` can be lists of two; `units` are the
+    usual ones, `names` the allowed texts. `kind` is that of the section, or None. `choice` is the number of
+    the alternative set to which the key belongs, or None; a section needs the keys of one set.
     """
 
     section: str
@@ -54,6 +55,7 @@ class KeyForm:
     default: Any
     choice: int | None
     value: str
+    unit: str
     units: tuple[str, ...]
     names: tuple[str, ...]
     listed: bool
@@ -82,7 +84,7 @@ class SectionForm:
 
 
 @cache
-def whole_schema() -> Schema:
+def whole_schema(sections: type[Section] = Sections) -> Schema:
     """Return the JSON schema of a specification, by which editors complete keys and mark errors.
 
     Examples
@@ -91,7 +93,7 @@ def whole_schema() -> Schema:
     True
     """
     # language servers for TOML read draft 7 of JSON Schema
-    return {"$schema": "http://json-schema.org/draft-07/schema#", **Sections.model_json_schema()}
+    return {"$schema": "http://json-schema.org/draft-07/schema#", **sections.model_json_schema()}
 
 
 def schema_text() -> str:
@@ -100,7 +102,7 @@ def schema_text() -> str:
 
 
 @cache
-def section_forms() -> dict[str, SectionForm]:
+def section_forms(sections: type[Section] = Sections) -> dict[str, SectionForm]:
     """Return the descriptions of all sections by name, in the order of the manual.
 
     If the value of a key is itself a section, such as ``contact.cap``, that section follows.
@@ -110,11 +112,11 @@ def section_forms() -> dict[str, SectionForm]:
     >>> section_forms()["limits"].keys[""][0].units[:3], section_forms()["contact"].kinds["hertz"]
     (('nm', 'um', 'mm'), 'Elastic paraboloids with the curvature of each summit.')
     """
-    whole = whole_schema()
+    whole = whole_schema(sections)
     every = (
         form
         for name, given in whole["properties"].items()
-        for form in _forms(name, given, name not in whole["required"])
+        for form in _forms(name, given, name not in whole["required"], whole["$defs"])
     )
     return {form.name: form for form in every}
 
@@ -131,18 +133,18 @@ def as_toml(value: Any) -> str:
     return json.dumps(value)
 
 
-def _forms(name: str, given: Schema, optional: bool) -> Iterator[SectionForm]:
+def _forms(name: str, given: Schema, optional: bool, every: Schema) -> Iterator[SectionForm]:
     """Yield the form of a section with a schema, and those of the sections that its keys hold."""
     value = _not_null(given)
     kinds = {part: kind for kind, part in value.get("discriminator", {}).get("mapping", {}).items()}
     places = [part["$ref"] for part in value.get("oneOf", [value])]
-    defined = {kinds.get(part, ""): whole_schema()["$defs"][part.rpartition("/")[2]] for part in places}
+    defined = {kinds.get(part, ""): every[part.rpartition("/")[2]] for part in places}
     meanings = {kind: part["description"].splitlines()[0] for kind, part in defined.items() if kind}
     keys = {kind: tuple(_keys(name, kind, part)) for kind, part in defined.items()}
     yield SectionForm(name, given.get("description", ""), optional, meanings, keys)
     for kind, part in defined.items():
         for key in (key for key in keys[kind] if key.value == "section"):
-            yield from _forms(f"{name}.{key.name}", part["properties"][key.name], key.optional)
+            yield from _forms(f"{name}.{key.name}", part["properties"][key.name], key.optional, every)
 
 
 def _keys(section: str, kind: str, schema: Schema) -> Iterator[KeyForm]:
@@ -154,22 +156,37 @@ def _keys(section: str, kind: str, schema: Schema) -> Iterator[KeyForm]:
         listed = value.get("type") == "array"
         entry = value["items"] if listed else value
         single = (entry.get("anyOf") or [entry])[0]
-        units = tuple(single.get("x-units", ()))
+        units, unit = tuple(single.get("x-units", ())), single.get("x-unit", "")
+        bounds = [
+            bound_words(each, single[name], unit) for each, (name, _) in BOUNDS.items() if name in single
+        ]
         yield KeyForm(
             section,
             kind or None,
             name,
             given.get("examples", [None])[0],
-            given.get("description", ""),
+            "; ".join([given.get("description", ""), *filter(None, [", ".join(bounds)])]),
             name not in schema.get("required", ()),
             None if given.get("default") == [] else given.get("default"),
             choices.get(name),
             "quantity" if units else PLAIN.get(single.get("type", ""), "section"),
+            unit,
             units,
             tuple(single.get("enum", ())),
             listed,
             bool(listed and entry.get("anyOf")),
         )
+
+
+def bound_words(name: str, bound: float, unit: str) -> str:
+    """Return words on a bound of a value in a unit.
+
+    Examples
+    --------
+    >>> bound_words("gt", 0.0, "mm"), bound_words("le", 32.0, "")
+    ('greater than 0 mm', 'at most 32')
+    """
+    return f"{BOUNDS[name][1]} {bound:g} {unit}".rstrip()
 
 
 def _not_null(schema: Schema) -> Schema:

@@ -18,7 +18,8 @@ from metafem.errors import InvalidInput, refuse_if
 from metafem.files.disk import RECORD, RESERVED, SPECIFICATION, TABLE, decoded, file_label, read_bytes
 from metafem.files.laws import COLUMNS, columns_of
 from metafem.files.part import PartOptions, planned
-from metafem.files.specification.forms import as_toml, section_forms
+from metafem.files.specification.fields import Section
+from metafem.files.specification.forms import as_toml, bound_words, section_forms
 from metafem.files.specification.models import model_named, suggestion
 from metafem.files.specification.sections import Sections
 from metafem.files.tables import table_of
@@ -359,11 +360,11 @@ def _within(section: str) -> Iterator[None]:
         ) from None
 
 
-def problem(detail: Any, table: Mapping[str, Any]) -> InvalidInput:
+def problem(detail: Any, table: Mapping[str, Any], sections: type[Section] = Sections) -> InvalidInput:
     """Return the problem that an error of pydantic describes, with its key, value and an example."""
     keys, kind, value = _place(detail["loc"], table)
     name, path = keys[-1], "".join(f"[{each}]" if isinstance(each, int) else f".{each}" for each in keys)[1:]
-    form = section_forms().get(".".join(each for each in keys[:-1] if isinstance(each, str)))
+    form = section_forms(sections).get(".".join(each for each in keys[:-1] if isinstance(each, str)))
     known = {key.name: key for key in form.keys.get(kind, ())} if form else {}
     own = known.get(name)
     example = f"{name} = {as_toml(own.example)}" if own else ""
@@ -390,6 +391,9 @@ def problem(detail: Any, table: Mapping[str, Any]) -> InvalidInput:
             return InvalidInput(words, key=f"{path}.kind", value=given, example=f'kind = "{kinds[0]}"')
         case "model_type" | "model_attributes_type" | "dict_type":
             example, must = "", f"must be a section: write [{path}] on a line of its own"
+        case "greater_than" | "greater_than_equal" | "less_than" | "less_than_equal":
+            ((bound, number),) = detail["ctx"].items()
+            must = f"must be {bound_words(bound, number, own.unit if own else '')}"
         case _:
             must = re.sub(r"^\w+ should", "must", detail["msg"])
     return InvalidInput(must, key=path, value=as_written(value), example=example)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, cast
 
 from pydantic import Field, field_validator
 
 from metafem._given import printable
-from metafem.caps import Cap, Paraboloid, Power, Profile, Sphere
-from metafem.contact import JKR, Contact, Elastic, Hertz, JacksonGreen, KogutEtsion, TabulatedContact
+from metafem.caps import Paraboloid, Power, Profile, Sphere
+from metafem.contact import JKR, Elastic, Hertz, JacksonGreen, KogutEtsion, TabulatedContact
 from metafem.errors import InvalidInput, refuse_if
 from metafem.files.part import DWELL, FEED, SAFE, SPINDLE, PartOptions
 from metafem.files.specification.fields import (
@@ -20,7 +20,6 @@ from metafem.files.specification.fields import (
     Length,
     Number,
     PositiveLength,
-    PositiveStress,
     Section,
     Speed,
     Stress,
@@ -38,7 +37,7 @@ TWO, SOME = Field(min_length=2, max_length=2), Field(min_length=1)
 Radii = Annotated[list[PositiveLength], SOME]
 Caps = Annotated[list[Annotated[str, Field(strict=True)]], SOME]
 Ends = Annotated[list[PositiveLength], TWO]
-Powers = Annotated[list[Number], TWO]
+Powers = Annotated[list[Annotated[Number, Field(gt=1.0)]], TWO]
 
 Site = Annotated[int, Field(strict=True, ge=0)]
 Sites = tuple[Site, ...]
@@ -50,7 +49,7 @@ class MaterialSection(Section):
     choices = (("composite_modulus",), ("young_modulus",))
     composite_modulus: Stress | None = optional("either: E* = E/(1 - nu^2)", "1.36 MPa")
     young_modulus: Stress | None = optional("or: E, Young's modulus", "1.02 MPa")
-    poisson_ratio: Number = key("nu, from 0 to 0.5", 0.5, default=0.5)
+    poisson_ratio: Number = key("nu", 0.5, default=0.5, ge=0.0, le=0.5)
 
     def value(self) -> Material:
         """Return the material."""
@@ -64,15 +63,15 @@ class FrictionSection(Section):
 
     makes = Friction
     shear_strength: Stress = key("sigma: friction force per real contact area", "0.358 MPa")
-    area_ratio: Number = key("B: sheared over initial real contact area", 0.85, default=1.0)
+    area_ratio: Number = key("B: sheared over initial real contact area", 0.85, default=1.0, gt=0.0)
 
 
 class LatticeSection(Section):
     """The section ``[lattice]``."""
 
-    shape: Annotated[list[Annotated[int, Field(strict=True)]], TWO] = key("rows, columns", [8, 8])
-    pitch: Length = key("distance between neighbours", "1.5 mm")
-    radius: Length | None = optional("either: radius of curvature; or: radii in [tools]", "526 um")
+    shape: Annotated[list[Annotated[int, Field(strict=True, ge=1)]], TWO] = key("rows, columns", [8, 8])
+    pitch: PositiveLength = key("distance between neighbours", "1.5 mm")
+    radius: PositiveLength | None = optional("either: radius of curvature; or: radii in [tools]", "526 um")
 
 
 class ToolsSection(Section):
@@ -84,8 +83,8 @@ class ToolsSection(Section):
     radius_range: Ends | None = optional("or: smallest and largest radius", ["200 um", "800 um"])
     step: PositiveLength | None = optional("with radius_range: radii are its multiples", "10 um")
     exponent_range: Powers | None = optional("or: exponents of power caps of lattice.radius", [1.2, 6.0])
-    exponent_step: Number | None = optional("with exponent_range: multiples; default: 0.1", 0.1)
-    coefficient: Number | None = optional("with exponent_range: of the power caps; default: 0.5", 0.5)
+    exponent_step: Number | None = optional("with exponent_range: multiples; default: 0.1", 0.1, gt=0.0)
+    coefficient: Number | None = optional("with exponent_range: of the power caps; default: 0.5", 0.5, gt=0.0)
 
     def value(self) -> RadiusRange | PowerRange | tuple[Tool | float, ...]:
         """Return the range of radii or exponents, or the tools or their radii [mm]."""
@@ -141,9 +140,9 @@ class BlockSection(Section):
     """The section ``[block]``."""
 
     makes = Block
-    width: Length = key("along x", "20 mm")
-    length: Length = key("along y", "20 mm")
-    thickness: Length = key("down to the rigid plate", "7.2 mm")
+    width: PositiveLength = key("along x", "20 mm")
+    length: PositiveLength = key("along y", "20 mm")
+    thickness: PositiveLength = key("down to the rigid plate", "7.2 mm")
 
 
 class CellSection(Section):
@@ -157,10 +156,10 @@ class LimitsSection(Section):
     """The section ``[limits]``."""
 
     makes = Limits
-    max_height: Length = key("of the summits, above the offset", "120 um")
+    max_height: PositiveLength = key("of the summits, above the offset", "120 um")
     min_height: Length = key("of the summits, above the offset", "10 um", default=0.0)
     offset: Length = key("added to all heights", "84 um", default=0.0)
-    height_step: Length | None = optional("distance between levels; default: any height", "6 um")
+    height_step: PositiveLength | None = optional("distance between levels; default: any height", "6 um")
     height_sd: Length | None = optional("standard deviation of the manufactured heights", "0.9 um")
 
 
@@ -201,7 +200,7 @@ class PartSection(Section):
 class ChecksSection(Section):
     """The section ``[checks]``."""
 
-    hardness: PositiveStress | None = optional("H, which decides on a plastic law", "10 MPa")
+    hardness: Stress | None = optional("H, which decides on a plastic law", "10 MPa")
 
 
 RHO, DEPTHS = ["0 um", "200 um", "400 um", "600 um"], ["0 um", "39 um", "184 um", "600 um"]
@@ -226,8 +225,8 @@ class PowerLawCap(Section):
 
     makes = Power
     kind: Literal["power"]
-    exponent: Number = key("greater than 1, at most 32; 2 is a paraboloid", 4.0)
-    coefficient: Number = key("greater than 0", 0.5, default=0.5)
+    exponent: Number = key("2 is a paraboloid", 4.0, gt=1.0, le=32.0)
+    coefficient: Number = key("of the profile", 0.5, default=0.5, gt=0.0)
 
 
 class ProfileCap(Section):
@@ -236,16 +235,12 @@ class ProfileCap(Section):
     Before the section is read, the columns of the table replace the key `file`.
     """
 
+    makes = staticmethod(lambda rho, f: Profile(cast(Any, [rho, f])))
     kind: Literal["profile"]
     choices = (("rho", "f"), ("file",))
     rho: list[Length] | None = optional("either: distances from the axis, from 0", RHO)
     f: list[Length] | None = optional("with it: depths below the summit, from 0", DEPTHS)
     file: str | None = optional("or: a table with columns such as rho_mm,f_um", "cap.csv")
-
-    def value(self) -> Cap:
-        """Return the cap that the keys describe."""
-        profile: Any = [self.rho, self.f]
-        return Profile(profile)
 
 
 class HertzSection(Section):
@@ -270,13 +265,10 @@ HERTZ = HertzSection(kind="hertz")
 class JKRSection(Section):
     """Elastic caps with adhesion, from the theory of Johnson, Kendall and Roberts."""
 
+    makes = JKR
     kind: Literal["jkr"]
-    adhesion_energy: Energy = key("w, from 0", "9 mJ/m^2")
+    adhesion_energy: Energy = key("w", "9 mJ/m^2")
     cap: Under = key("one of the kinds above", {"kind": "elastic"}, default=HERTZ)
-
-    def value(self) -> Contact:
-        """Return the contact law that the keys describe."""
-        return JKR(self.adhesion_energy, self.cap.value())
 
 
 class KogutEtsionSection(Section):

@@ -150,19 +150,40 @@ def test_the_program_drills_the_holes_of_the_table(folder):
     assert {"G21", "G90", "G54"} <= state
     assert program.count("G4 P0.5") == len(found)
     assert re.findall(r"[TF]\d+|S\d+ M3|M\d+$", program, re.M)[-2:] == ["M5", "M30"]
-    (comment,) = re.findall(r"\((.*)\)", program)
-    for words in (f"{len(found)} holes", "0.52600 mm", "deepest hole 0.40000 mm", "check this program"):
-        assert words in comment
+    comments = " ".join(re.findall(r"^\(([^()]*)\)$", program, re.M))
+    for words in (
+        *(f"{len(found)} holes", "0.52600 mm", "deepest hole 0.40000 mm", "check this program"),
+        *("Casting: 20 by 20 mm", "7.2 mm above the face", "Tolerance: not stated"),
+    ):
+        assert words in comments
     options = files.PartOptions(feed=30.0, spindle=6000.0, dwell=0.0, safe_height=2.0)
-    surface = small()[1].surface
-    other = drilling_program(surface, options)
+    design = small()[1]
+    surface = design.surface
+    other = drilling_program(design, surface, options)
     assert ("F30\n" in other, "S6000 M3\n" in other, "G4" in other, "G0 Z2.00000" in other) == (
         True,
         True,
         False,
         True,
     )
-    assert drilling_program(surface.replaced(cap=mf.Power(4)), options) is None
+    assert drilling_program(design, surface.replaced(cap=mf.Power(4)), options) is None
+
+
+def test_the_heads_for_the_workshop_have_the_tolerance_of_the_study(tmp_path):
+    design, folder = small()[1], tmp_path / "made"
+    mf.save(replace(design, limits=replace(design.limits, height_sd=9e-4)), folder)
+    heads = [folder / name for name in ("mould.csv", "mould.gcode")]
+    before = [path.read_text("ascii") for path in heads]
+    assert all("Tolerance: standard deviation of the depths 0.9 um, from limits" in text for text in before)
+    study = mf.studies.manufacturing(design.surface, [1e-4, 2e-4], draws=20)
+    files.write_study(study, files.study_path(folder, "manufacturing", False))
+    for path, old in zip(heads, before, strict=True):
+        new = path.read_text("ascii")
+        differing = [(a, b) for a, b in zip(old.splitlines(), new.splitlines(), strict=True) if a != b]
+        ((_, line),) = differing
+        assert re.fullmatch(
+            r"# Tolerance: .*0\.2 um \[SD\].*|\(Tolerance: [^()]*0\.2 um \[SD\][^()]*\)", line
+        )
 
 
 def test_caps_cells_and_errors_have_columns_where_they_differ():

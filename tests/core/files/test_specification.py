@@ -8,12 +8,16 @@ import tomllib
 import numpy as np
 import pytest
 from jsonschema import Draft7Validator
+from pydantic import ValidationError, create_model
 
 import metafem as mf
 from metafem import files
-from metafem.files.specification.forms import as_toml, whole_schema
+from metafem.explorer.workshop import form as page_form
+from metafem.files.specification import fields
+from metafem.files.specification.forms import as_toml, section_forms, whole_schema
 from metafem.files.specification.options import contact_named, contacts
-from metafem.files.specification.sections import Sections
+from metafem.files.specification.read import problem
+from metafem.files.specification.sections import ChecksSection, Sections
 from metafem.models.model import contact_of, with_contact
 from tests.core.files.specs import SHAPE, spec, text
 
@@ -337,6 +341,30 @@ def test_forms_describe_the_values_of_keys():
     needed = [key.name for key in forms["target"].keys["sampled"] if key.needed]
     assert needed == ["rescaled_load", "rescaled_friction"]
     assert list(forms["contact.cap"].kinds) == ["hertz", "elastic"]
+
+
+def test_a_field_of_a_section_is_all_that_a_new_key_needs():
+    class Wider(ChecksSection):
+        gap: fields.measured("mm", gt=0.001, le=0.5) | None = fields.optional("between the plates", "20 um")
+
+    sections = create_model(
+        "Wider", __base__=Sections, checks=(Wider, fields.key("further checks", default=Wider()))
+    )
+    found = whole_schema(sections)["$defs"]["Wider"]["properties"]["gap"]["anyOf"][0]
+    assert (found["type"], found["exclusiveMinimum"], found["maximum"]) == ("string", 0.001, 0.5)
+    form = section_forms(sections)["checks"].keys[""][-1]
+    assert (form.name, form.unit, form.value, form.optional) == ("gap", "mm", "quantity", True)
+    assert form.meaning == "between the plates; greater than 0.001 mm, at most 0.5 mm"
+    field = page_form._field("checks", form)
+    assert (field["label"], field["example"], "um" in field["units"]) == ("gap", "20 um", True)
+    assert "greater than 0.001 mm, at most 0.5 mm" in field["help"]
+    for given, words in (("1 um", "greater than 0.001 mm"), ("501 um", "at most 0.5 mm")):
+        table = files.toml_table(text() + f'[checks]\ngap = "{given}"')
+        with pytest.raises(ValidationError) as caught:
+            sections.model_validate(table)
+        (detail,) = caught.value.errors()
+        expected = f'checks.gap = "{given}" must be {words}; write for example gap = "20 um"'
+        assert str(problem(detail, table, sections)) == expected
 
 
 def test_the_schema_describes_every_key():
