@@ -14,7 +14,6 @@ from starlette.websockets import WebSocketClose
 
 from metafem.errors import InvalidInput
 from metafem.explorer.history import State
-from metafem.explorer.start import HOST, token_and_port
 
 # Time for which the server holds a page after its connection is lost [s]. A later reconnection loads the page
 # again, with the state that the browser stored.
@@ -30,10 +29,9 @@ STARTUP_FAILURE = 3
 HISTORY = 100
 
 
-def serve(first: State, port: int | None, show: bool) -> None:
+def serve(first: State, host: str, token: str, port: int, show: bool) -> None:
     """Serve pages that begin with a state, until Ctrl-C."""
-    token, port = token_and_port(port)
-    address = f"http://{HOST}:{port}/{token}/"
+    address = f"http://{host}:{port}/{token}/"
     from nicegui import app, background_tasks, ui
     from nicegui.server import Server
 
@@ -60,7 +58,7 @@ def serve(first: State, port: int | None, show: bool) -> None:
     app.on_startup(lambda: background_tasks.create(warm_up()))
     try:
         ui.run(
-            root, host=HOST, port=port, title="metafem", dark=None, language="en-US", reload=False,
+            root, host=host, port=port, title="metafem", dark=None, language="en-US", reload=False,
             show=False, show_welcome_message=False, favicon="◠", reconnect_timeout=RECONNECTION,
             tailwind=False, message_history_length=HISTORY, binding_refresh_interval=None,
         )  # fmt: skip

@@ -45,7 +45,7 @@ def explore(path: str | Path | None = None, *, port: int | None = None, show: bo
         check.integer("port", port, at_least=1)
     from metafem.explorer.server import serve
 
-    serve(first, port, show)
+    serve(first, HOST, *token_and_port(port), show)
 
 
 def first_state(path: str | Path | None) -> State:

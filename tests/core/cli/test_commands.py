@@ -22,11 +22,12 @@ def test_spec_prints_every_key(run):
 @pytest.mark.parametrize(
     "model",
     [
-        "layer",
-        *(pytest.param(name, marks=pytest.mark.slow) for name in ("half-space",)),
-        # its influence takes half a minute; resolved contacts take longer where the automatic ones need them
-        pytest.param("block", marks=pytest.mark.slow),
-        "automatic",
+        "independent",
+        # a design on steps is searched again under these, and the influence of the block takes half a minute
+        *(
+            pytest.param(name, marks=pytest.mark.slow)
+            for name in ("half-space", "layer", "block", "automatic")
+        ),
     ],
 )
 def test_demo_runs_under_every_model(run, model):

@@ -201,7 +201,7 @@ def test_a_problem_is_at_its_key_and_its_line_in_the_words_of_the_page():
         ("limits.max_height", "120 kg", "mm", {"limits.max_height": "120 um"}),
         ("lattice.pitch", "1,500 mm", "decimals", {"lattice.pitch": "1.5 mm"}),
         ("lattice.shape", "8, a", 'Entry 2 = "a"', {}),
-        ("material.poisson_ratio", "0.7", "0.5", {}),
+        ("material.poisson_ratio", "0.7", "0.5", {"material.poisson_ratio": "0.5"}),
         ("model.kind", "rigid", "nknown", {}),
     ):
         text = with_field(LINEAR, key, typed)

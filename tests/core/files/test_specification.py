@@ -12,7 +12,7 @@ from pydantic import ValidationError, create_model
 
 import metafem as mf
 from metafem import files
-from metafem.explorer.workshop import form as page_form
+from metafem.explorer import form as page_form
 from metafem.files.specification import fields
 from metafem.files.specification.forms import as_toml, section_forms, whole_schema
 from metafem.files.specification.options import contact_named, contacts
