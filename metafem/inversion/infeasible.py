@@ -111,7 +111,8 @@ def refuse_missed(problem: Problem, area: FloatArray, misfit: float) -> None:
     target, law, limits = problem.target, problem.law, problem.limits
     if not target.refused or limits.height_step is not None or problem.held:
         return
-    near, far = target.near(law.load, area), percent(misfit, ".3g")
+    near = target.near(law.load, area) or SampledLaw(law.load, area, wording=target.wording)
+    far = percent(misfit, ".3g")
     if not (target.exact or law.is_band):
         distance, friction = nearest_law(law, problem.bounds)
         if distance > problem.margin + GOAL:
@@ -262,7 +263,6 @@ def achievable_load_range(
     True
     """
     problem = Problem.checked(target, template, Independent(contact=checked_contact(contact)), limits, tools)
-    problem = replace(problem, draft=len(problem.tools) > 1)
     line: Any = problem.target
     refuse_if(not target.lines, f"target = {target!r:.60} must be a metafem.LinearLaw or BilinearLaw")
     most = replace(problem.bounds, last=0.0).largest_load(limits)

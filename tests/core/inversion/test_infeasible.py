@@ -76,7 +76,8 @@ def test_the_refused_and_the_nearest_target(first):
             assert near.misfit <= 0.03 or near.density
 
 
-def test_the_range_of_a_line_with_tools_of_two_shapes_is_found_in_a_short_search():
+@pytest.mark.slow
+def test_the_range_of_a_line_with_tools_of_two_shapes_is_found():
     low, high = achievable_load_range(mf.LinearLaw(7.0), LATTICE, HIGH, TOOLS, mf.Elastic())
     assert low < 0.1 < high
 
