@@ -17,7 +17,11 @@ TARGETS = {
 }
 
 
-@pytest.mark.parametrize("name", TARGETS)
+# three searches for slopes under interaction take two seconds
+SLOW = pytest.param("multilinear", marks=pytest.mark.slow)
+
+
+@pytest.mark.parametrize("name", [*(name for name in TARGETS if name != "multilinear"), SLOW])
 def test_heights_stand_on_steps_and_the_loss_is_told(template, name):
     model = mf.Independent() if name == "sampled" else mf.Interacting(order=1)
     result = mf.design(TARGETS[name], template, model, LIMITS)

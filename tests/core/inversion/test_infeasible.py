@@ -63,7 +63,11 @@ ALONE = [
 ]
 
 
-@pytest.mark.parametrize("first", range(30))
+# a search with several tools, whose restarts do not agree
+SLOW = pytest.param(5, marks=pytest.mark.slow)
+
+
+@pytest.mark.parametrize("first", [*range(5), SLOW, *range(6, 30)])
 def test_the_refused_and_the_nearest_target(first):
     rows = [(*row, True) for row in BOUNDS] + [(*row, False) for row in ALONE]
     for target, limits, rest, words, offered in rows[first::30]:
