@@ -201,8 +201,7 @@ def manual() -> str:
     Examples
     --------
     >>> text = manual()
-    >>> print(text[text.index("[checks]") :], end="")
-    [checks]                                        # optional: further checks
+    >>> print(text[text.index("hardness") :].partition(";")[0])
     hardness = "10 MPa"                             # optional: H, which decides on a plastic law
     """
     lines = [HEAD]
