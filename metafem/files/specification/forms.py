@@ -201,7 +201,8 @@ def manual() -> str:
     Examples
     --------
     >>> text = manual()
-    >>> print(text[text.index("hardness") :].partition(";")[0])
+    >>> print(text[text.index("[checks]") :].partition(";")[0])
+    [checks]                                        # optional: further checks
     hardness = "10 MPa"                             # optional: H, which decides on a plastic law
     """
     lines = [HEAD]
