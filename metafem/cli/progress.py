@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from typing import TYPE_CHECKING
 
 import metafem as mf
@@ -30,14 +30,14 @@ def progress() -> Iterator[None]:
 
     on_first_compilation(lambda: say("compiling kernels for this installation …"))
     columns = SpinnerColumn(), TextColumn("{task.description}", markup=False), TimeElapsedColumn()
-    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
-        task = bar.add_task("starting")
+    bar = Progress(*columns, console=console, transient=True)
+    task = bar.add_task("starting")
 
-        def on_step(step: str, done: float | None) -> None:
-            bar.update(task, description=step if done is None else f"{step}, {100.0 * done:.0f} %")
+    def on_step(step: str, done: float | None) -> None:
+        bar.update(task, description=step if done is None else f"{step}, {100.0 * done:.0f} %")
 
-        with listening(on_step, say):
-            yield
+    with bar if console.is_terminal else nullcontext(), listening(on_step, say):
+        yield
 
 
 def loaded(folder: Path) -> Design:
