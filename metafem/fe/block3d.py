@@ -116,14 +116,6 @@ class Block3D:
         result = self.solution(surface)
         return result.gradient_x.copy(), result.gradient_y.copy(), result.laplacian.copy()
 
-    def is_kept(self, surface: Surface) -> bool:
-        """Return whether the influence is stored on disk; otherwise 64 sites of a lattice take 15 s."""
-        bound = self.for_surface(surface)
-        try:
-            return _path(bound, surface.position.tobytes()).is_file()
-        except OSError:  # no home folder, or an unreadable folder
-            return False
-
     def solution(self, surface: Surface) -> BlockInfluence:
         """Return the influence with its derivatives and errors.
 
