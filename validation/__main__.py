@@ -49,14 +49,20 @@ def _renew(part: str, body: str) -> None:
 
 
 def _first_minute():
-    """Draw the demo's law with the areas of finite elements of its caps."""
+    """Draw the demo's law with the areas on its block by finite elements."""
     design = fig4("red")
     found = mf.studies.fidelity(design)
     figure = law_figure(design)
     ax = figure.axes[0]
     every = slice(4, None, 8)
-    area = found["area"].sel(model="fe").values[every]
-    ax.plot(design.law.rescaled_load[every], area, "k^", ms=4, label="finite elements of the true caps")
+    area = found["area"].sel(model="block").values[every]
+    ax.plot(
+        design.law.rescaled_load[every],
+        area,
+        "k^",
+        ms=4,
+        label="the caps coupled by finite elements of the block",
+    )
     ax.legend(frameon=False, loc="upper left")
     return figure
 

@@ -74,7 +74,6 @@ OPTIONS: dict[str, Decorator] = {
     "angle": _option("--angle", ANGLE, "Largest angle, reached in 1,000 steps.", default="0.1deg"),
     "shuffles": _option("--shuffles", FROM_0, "Number of random placements to compare with.", default=20),
     "placements": _option("--placements", FROM_1, "Number of random placements.", default=1000),
-    "elements": _option("--elements/--no-elements", bool, "Press true caps, for a minute.", default=True),
     "sd": deviation_option(INPUTS),
     "calibration": _option("--calibration", Name(), CALIBRATED, metavar="FILE.toml"),
     "measured": _option("--measured", Name(), PAIRS, metavar="TABLE.csv"),
@@ -222,15 +221,15 @@ def interaction(design: Design, **options: Any) -> Dataset:
     return mf.studies.interaction(design, **options)
 
 
-@of_design("elements", short_help="The law under every model.")
-def fidelity(design: Design, **options: Any) -> Dataset:
-    """Compare the laws under all models, from independent asperities to the true block and finite elements.
+@of_design(short_help="The law under every model.")
+def fidelity(design: Design) -> Dataset:
+    """Compare the laws under all models, from independent asperities to the finite elements of the block.
 
-    The first run takes a minute or two. The result is the file DIR/fidelity.nc.
+    The first run takes half a minute. The result is the file DIR/fidelity.nc.
 
-    Example: metafem study fidelity linear --no-elements
+    Example: metafem study fidelity linear
     """
-    return mf.studies.fidelity(design, **options)
+    return mf.studies.fidelity(design)
 
 
 def given_deviations(given: tuple[str, ...], inputs: Mapping[str, tuple[str, str]]) -> dict[str, float]:

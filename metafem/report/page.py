@@ -83,7 +83,7 @@ def page(
         parts["sliding"] = drawn(figures.onset_figure(sliding), "Onset of sliding")
     if surface.count <= MOST_COMPARED or "fidelity" in studies:
         models = studies.get("fidelity")
-        models = compared(design, elements=False, wait=False) if models is None else models
+        models = compared(design, wait=False) if models is None else models
         parts["interaction"] = drawn(figures.interaction_figure(models), "Change by elastic interaction")
         parts["models"] = summary(models)
     return render(

@@ -21,7 +21,6 @@ STUDIED: Mapping[str, tuple[str, str]] = QUANTITIES | {
     "area_change": ("1", "change of the real contact area from independent asperities"),
     "placement_rms": ("1", "root mean square change of the area of a random assignment"),
     "sinking": ("mm", "decrease of the separation by interaction"),
-    "elements_error": ("1", "relative error of the table of caps"),
     "deviation": ("mm2", "rescaled friction less the predicted real contact area"),
     "stress": ("MPa", "friction force over rescaled friction, 0 for a law of areas"),
     "predicted": ("mm2", "rescaled friction of the design"),

@@ -64,15 +64,15 @@ def test_laws_are_drawn_with_their_target_and_forces(design):
 
 
 def test_interaction_is_drawn(design):
-    models = compared(design, elements=False, wait=False)
-    assert models.model.values.tolist() == ["independent", "half-space", "layer"]
+    models = compared(design, wait=False)
+    assert models.model.values.tolist() == ["independent", "half-space", "layer", "layer with pedestals"]
     assert "true block is left out" in models.attrs["notes"]
-    _, first, _ = interaction_figure(models).axes[0].lines
+    _, first, *_ = interaction_figure(models).axes[0].lines
     other = mf.friction_law(design.surface, mf.Interacting(), load=design.law.load)
     np.testing.assert_allclose(first.get_ydata(), 100.0 * (other.area / design.law.area - 1.0), atol=1e-9)
     np.testing.assert_allclose(first.get_xdata(), design.law.rescaled_load)
     own = mf.friction_law(design.surface, mf.Interacting(1), load=design.law.load)
-    others = compared(replace(design, law=own), elements=False, wait=False)
+    others = compared(replace(design, law=own), wait=False)
     assert others.model.values[-1] == "half-space, order 1"
 
 

@@ -92,7 +92,7 @@ def test_the_page_states_the_numbers_of_the_design():
     for place, model in ((2, mf.Interacting()), (3, mf.Interacting(substrate=mf.BondedLayer()))):
         other = mf.friction_law(surface, model, load=law.load)
         change, sinking = other.area / law.area - 1.0, 1e3 * (law.separation - other.separation)[-1]
-        found = {row[0]: row[place] for row in rows if len(row) == 4}
+        found = {row[0]: row[place] for row in rows if len(row) == 5}
         assert found["rms [%]"] == f"{100.0 * rms(change):.2f}"
         assert found["largest [%]"] == f"{100.0 * change[np.abs(change).argmax()]:+.2f}"
         assert found["plane lower by [µm]"] == f"{sinking:+.2f}"

@@ -52,4 +52,4 @@ def test_numbers_and_notes_of_a_summary(template):
         numbers = [float(last.area[k]), 1000.0 * float(last.separation[k]), 1000.0 * float(last.sinking[k])]
         np.testing.assert_allclose([float(cell) for cell in row[6:]], numbers, rtol=1e-4, atol=0.0051)
     assert {len(row) for row in table.rows} == {len(table.columns)}
-    assert len(table.notes) == 2
+    assert len(table.notes) == 1
