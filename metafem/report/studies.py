@@ -77,10 +77,10 @@ def uncertainty_figure(study: Dataset) -> Figure:
     """Draw the share of each input in the variance."""
     figure = new_figure(*BESIDE_TEXT, (1.8, 0.2, 0.6, 0.4))
     ax, name = figure.add_subplot(), main_quantity(study)
+    labels = [in_words(str(label)).removeprefix("the ") for label in study["parameter"].values]
     labels = [
-        in_words(str(label)).removeprefix("the ").replace(" and ", "\nand ")  # correlated inputs are one bar
-        for label in study["parameter"].values
-    ]
+        label.replace(" together with ", "\nwith ") for label in labels
+    ]  # correlated parameters are one bar
     ax.barh(labels, 100.0 * shares(study, name, "total"), color=QUIET, label="with others")
     ax.barh(labels, 100.0 * shares(study, name, "first_order"), height=0.5, color=ACHIEVED, label="alone")
     ax.set_ylim(max(len(labels), FEW_BARS) - 0.5, -0.5)

@@ -190,11 +190,11 @@ def shown(count: int) -> list[int]:
 
 def _uncertainty(study: Dataset) -> Summary:
     """Return the table of the share of each input in the variance of the law."""
-    names = study["parameter"].values.tolist()
+    names = [in_words(str(name)) for name in study["parameter"].values]
     quantity = main_quantity(study)
     first, total = shares(study, quantity, "first_order"), shares(study, quantity, "total")
     columns = {
-        "input": [in_words(name).removeprefix("the ") for name in names],
+        "input": [name.removeprefix("the ") for name in names],
         "alone [%]": texts(".1f", 100.0 * first),
         "with others [%]": texts(".1f", 100.0 * total),
     }
@@ -202,11 +202,9 @@ def _uncertainty(study: Dataset) -> Summary:
         columns["of the slope [%]"] = texts(".1f", 100.0 * study["slope_total"].values)
         columns["its error [%]"] = texts(".1f", 100.0 * study["slope_total_error"].values)
     most = int(total.argmax())
-    several = " + " in names[most]
-    matters = "matter most: their errors account" if several else "matters most: its error accounts"
     answer = (
-        f"T{in_words(names[most])[1:]} {matters} for "
-        f"{100.0 * first[most]:.0f} % of the variance of {QUANTITIES[quantity]}"
+        f"T{names[most][1:]} matters most: its error accounts for {100.0 * first[most]:.0f} % "
+        f"of the variance of {QUANTITIES[quantity]}"
     )
     if quantity != "deviation":
         mean, sd = study[f"{quantity}_mean"].values, study[f"{quantity}_sd"].values
@@ -227,8 +225,8 @@ def shares(study: Dataset, name: str, index: str) -> FloatArray:
 
 
 def in_words(label: str) -> str:
-    """Return the words for an input, or for several correlated inputs."""
-    return " and ".join(WORDS.get(name, name) for name in label.split(" + "))
+    """Return the words for a parameter, or for several correlated ones."""
+    return " together with ".join(WORDS[name] for name in label.split(" + "))
 
 
 SUMMARIES: Mapping[str, Callable[[Dataset], Summary]] = {

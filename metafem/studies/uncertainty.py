@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike
-from scipy.stats import sobol_indices
+from numpy.typing import ArrayLike, NDArray
+from scipy.linalg import block_diag
+from scipy.sparse.csgraph import connected_components
+from scipy.stats import qmc, sobol_indices
 
 from metafem import _validate as check
 from metafem._validate import FloatArray
+from metafem.calibration.statistics import checked_covariance
 from metafem.errors import NotConverged, refuse_if
 from metafem.models import Independent, Model
 from metafem.models.model import checked_model, contact_of
@@ -23,12 +25,18 @@ from metafem.prediction import default_loads
 from metafem.progress import doing, each
 from metafem.studies.dataset import Variables, dataset
 from metafem.studies.draws import generator_of, seed_of
-from metafem.studies.inputs import Inputs, Parameters
 from metafem.studies.slope import Slope
 from metafem.surface import Surface
 
 if TYPE_CHECKING:
     import xarray as xr
+
+# Standard deviations of parameters by name, or names and their covariance matrix.
+Parameters = Mapping[str, ArrayLike] | tuple[Sequence[str], ArrayLike]
+
+# Minimum distance of a positive parameter from zero, in standard deviations: the normal numbers of scipy's
+# Sobol points are within 6.4.
+WIDEST = 7.0
 
 # Number of independent sets of points, from whose scatter the sampling errors follow.
 SETS = 16
@@ -120,10 +128,10 @@ def uncertainty(
     number, seed = check.integer("draws", draws, at_least=2), seed_of(rng)
     loads, force = _loads(surface, used, load)
     means = nominal_values(surface) | {"load": loads} | ({} if force is None else {"friction_force": force})
-    inputs = Inputs.of(parameters, means)
+    sd, correlation = _inputs(parameters, means)
     law = contact_of(used)
     refuse_if(
-        "composite_modulus" in inputs.names and law.scales_with_stress,
+        "composite_modulus" in sd and law.scales_with_stress,
         f"also changes the law {law!r}, whose energy or stress is compared with it; take the contact law "
         "Hertz(), or leave the modulus out",
         key="parameters.composite_modulus",
@@ -132,32 +140,31 @@ def uncertainty(
     if load_range is not None or np.ptp(surface.height) > 0.0:
         slope = Slope.of(surface, load_range, used)
         notes = [slope.note]
-    modulus, last = surface.material.composite_modulus, float(loads.max())
-    if slope is not None:
-        last = max(last, modulus * slope.load_range[1])
-    response = Response.of(surface, used, inputs, last)
-    draw = partial(_drawn, surface, inputs, response, slope, loads, force)
-    runs = SETS * (2 + len(inputs.groups))  # evaluations of the law at each point
-    points = max(LEAST, 2 ** math.ceil(math.log2(number / runs)))
-    sets = [_sampled(draw, inputs, generator_of(seed, k), points) for k in each("set of points", range(SETS))]
+    modulus, ends = surface.material.composite_modulus, [] if slope is None else slope.load_range
+    area = tabulated(surface, used, sd, max([*loads.tolist(), *(modulus * end for end in ends)]))
+    quantities = partial(_quantities, surface, sd, area, slope, loads, force)
 
+    groups, label = connected_components(correlation != 0.0)
+    exchanged = label == np.arange(groups)[:, None]
+    runs = SETS * (2 + groups)  # evaluations of the law at each point
+    points = max(LEAST, 2 ** math.ceil(math.log2(number / runs)))
+    sets = [
+        _sampled(quantities, correlation, exchanged, generator_of(seed, k), points)
+        for k in each("set of points", range(SETS))
+    ]
     variables: Variables = {}
-    for name, nominal in draw(np.zeros(len(inputs.names))).items():
+    for name, nominal in quantities(np.zeros(len(sd))).items():
         # the slope has a single value
         axes, part = ((), 0) if name == "slope" else (("rescaled_load",), slice(None))
         variables[f"nominal_{name}"] = axes, nominal[part]
-        parts = [each_set[name] for each_set in sets]
-        whole = {key: np.concatenate([values[key] for values in parts], axis=-1) for key in parts[0]}
-        scatter = [_estimates(values) for values in parts]
-        for statistic, value in _estimates(whole).items():
+        for statistic, (value, error) in _estimates([values[name] for values in sets]).items():
             over = axes if statistic in ("mean", "sd") else ("parameter", *axes)
-            error = np.std([found[statistic] for found in scatter], axis=0, ddof=1) / np.sqrt(SETS)
             variables[f"{name}_{statistic}"] = over, value[..., part]
             variables[f"{name}_{statistic}_error"] = over, error[..., part]
+    labels = [" + ".join(np.array(list(sd))[group]) for group in exchanged]
     variables.pop("nominal_rescaled_load", None)  # the coordinate holds these values
-    coordinates = {"rescaled_load": loads / modulus, "parameter": inputs.labels}
+    coordinates = {"rescaled_load": loads / modulus, "parameter": labels}
     origin = {"model": repr(used), "seed": str(seed), "draws": runs * points}
-    ends = [] if slope is None else slope.load_range
     return dataset("uncertainty", variables, coordinates, notes, **origin, load_range=ends)
 
 
@@ -180,61 +187,83 @@ def nominal_values(surface: Surface) -> dict[str, Any]:
     return {"radius": float(surface.radius.mean()), "composite_modulus": modulus, **friction}
 
 
-@dataclass(frozen=True, eq=False)
-class Response:
-    """A0 as a function of the load P/E* and of a factor s of all radii, by interpolation.
+def _inputs(parameters: Parameters, mean: Mapping[str, Any]) -> tuple[dict[str, FloatArray], FloatArray]:
+    """Return the standard deviation (1,) or (k,) of each parameter, and their correlations (p, p).
+
+    A number must stay positive under its errors; the values of an array may have any size.
+    """
+    if isinstance(parameters, Mapping):
+        given, correlation = {**parameters}, np.eye(len(parameters))
+    else:
+        names, matrix = checked_covariance(*parameters, [*mean])
+        deviation = np.sqrt(np.diagonal(matrix))
+        given = dict(zip(names, deviation, strict=True))
+        correlation = matrix / np.outer(*[np.where(deviation > 0.0, deviation, 1.0)] * 2)
+    known = f"{', '.join(mean)}; strength and ratio need a Friction, and friction_force measured pairs"
+    found = {}
+    for name, value in given.items():
+        label = f"parameters.{name}"
+        refuse_if(name not in mean, f"is none of the parameters {known}", key=label)
+        if np.ndim(mean[name]) and not check.scalar(value):
+            found[name] = check.loads(label, check.array(label, value, shape=mean[name].shape))
+            continue
+        most = None if np.ndim(mean[name]) else mean[name] / WIDEST
+        found[name] = np.array([check.number(label, value, at_least=0.0, at_most=most)])
+    words = "parameters are all without errors; one standard deviation must be above 0"
+    refuse_if(not any(value.any() for value in found.values()), words)
+    return found, correlation
+
+
+def tabulated(
+    surface: Surface, model: Model, sd: Mapping[str, FloatArray], load: float
+) -> Callable[[FloatArray, FloatArray], FloatArray]:
+    """Return A0 [mm^2] as a function of P/E* [mm^2] and of a factor s of all radii, by interpolation.
 
     For independent Hertz contacts ``A0(P/E*, s) = s A0(P/E*/sqrt(s), 1)``. In this form the area is linear in
-    ``(P/E*/sqrt(s))^(2/3)`` between the loads of the table, and a parabola in s.
+    ``(P/E*/sqrt(s))^(2/3)`` between the loads of the table, which reaches the largest likely rescaled load
+    from the largest nominal load [N], and a parabola in s.
     """
+    widest: dict[str, float] = defaultdict(float, {name: float(value.max()) for name, value in sd.items()})
+    radius_sd = widest["radius"] / float(surface.radius.mean())
+    last = load + FARTHEST * widest["load"]
+    last /= surface.material.composite_modulus - FARTHEST * widest["composite_modulus"]
+    last /= np.sqrt(1.0 - FARTHEST * radius_sd)
+    coordinate, step, area = np.linspace(0.0, last ** (2.0 / 3.0), LOADS), APART * radius_sd, []
+    for factor in (1.0 - step, 1.0, 1.0 + step):
+        loads = np.sqrt(factor) * coordinate**1.5
+        area.append(model.areas(surface, loads, surface.height[None], factor * surface.radius[None])[0])
+        failed = loads[~np.isfinite(area[-1])]
+        if failed.size:
+            raise NotConverged(f"the model has no solution at the rescaled load {failed[0]:.3g} mm^2")
+    low, middle, high = area[0] / (1.0 - step), area[1], area[2] / (1.0 + step)
+    parabola = middle, (high - low) / 2.0, (high + low) / 2.0 - middle
 
-    coordinate: FloatArray  # (LOADS,), (P/E*/sqrt(s))^(2/3)
-    table: FloatArray  # (3, LOADS), coefficients of the parabola in (s - 1)/step [mm^2]
-    step: float
-
-    @classmethod
-    def of(cls, surface: Surface, model: Model, inputs: Inputs, load: float) -> Response:
-        """Return the response up to the largest likely rescaled load, from the largest nominal load [N]."""
-        sd = {name: float(value.max()) for name, value in zip(inputs.names, inputs.sd, strict=True)}
-        radius_sd = sd.get("radius", 0.0) / float(surface.radius.mean())
-        lowest = surface.material.composite_modulus - FARTHEST * sd.get("composite_modulus", 0.0)
-        last = (load + FARTHEST * sd.get("load", 0.0)) / lowest
-        last /= np.sqrt(1.0 - FARTHEST * radius_sd)
-        coordinate, step, area = np.linspace(0.0, last ** (2.0 / 3.0), LOADS), APART * radius_sd, []
-        for factor in (1.0 - step, 1.0, 1.0 + step):
-            loads = np.sqrt(factor) * coordinate**1.5
-            area.append(model.areas(surface, loads, surface.height[None], factor * surface.radius[None])[0])
-            failed = loads[~np.isfinite(area[-1])]
-            if failed.size:
-                raise NotConverged(f"the model has no solution at the rescaled load {failed[0]:.3g} mm^2")
-        low, middle, high = area[0] / (1.0 - step), area[1], area[2] / (1.0 + step)
-        parabola = np.array([middle, (high - low) / 2.0, (high + low) / 2.0 - middle])
-        return cls(coordinate, parabola, step)
-
-    def area(self, load: FloatArray, factor: FloatArray) -> FloatArray:
-        """Return A0 [mm^2] at rescaled loads [mm^2] and factors of the radii; 0 for negative loads."""
+    def interpolated(load: FloatArray, factor: FloatArray) -> FloatArray:
         x = (np.maximum(load, 0.0) / np.sqrt(factor)) ** (2.0 / 3.0)
-        t = (factor - 1.0) / self.step if self.step > 0.0 else np.zeros(1)
-        constant, linear, square = (np.interp(x, self.coordinate, row) for row in self.table)
+        t = (factor - 1.0) / step if step > 0.0 else np.zeros(1)
+        constant, linear, square = (np.interp(x, coordinate, row) for row in parabola)
         return np.asarray(factor * (constant + t * (linear + t * square)))
 
+    return interpolated
 
-def _drawn(
+
+def _quantities(
     surface: Surface,
-    inputs: Inputs,
-    response: Response,
+    sd: Mapping[str, FloatArray],
+    area: Callable[[FloatArray, FloatArray], FloatArray],
     slope: Slope | None,
     load: FloatArray,
     force: FloatArray | None,
     normal: FloatArray,
 ) -> dict[str, FloatArray]:
     """Return the quantities (..., k) by name for normal numbers (..., p); the slope has k = 1."""
-    errors = defaultdict(lambda: np.zeros(1), inputs.errors(normal))
+    errors: dict[str, FloatArray] = defaultdict(lambda: np.zeros(1))
+    errors |= {name: normal[..., [i]] * value for i, (name, value) in enumerate(sd.items())}
     material, friction = surface.material, surface.friction
     modulus = material.composite_modulus + errors["composite_modulus"]
     factor = 1.0 + errors["radius"] / surface.radius.mean()
     rescaled = (load + errors["load"]) / modulus
-    found = {"area": response.area(rescaled, factor)}
+    found = {"area": area(rescaled, factor)}
     if friction is not None:
         strength = friction.shear_strength + errors["shear_strength"]
         stress = strength * (friction.area_ratio + errors["area_ratio"])
@@ -245,32 +274,43 @@ def _drawn(
             found["rescaled_friction"] = (force + errors["friction_force"]) / stress
             found["deviation"] = found["rescaled_friction"] - found["area"]
     if slope is not None:
-        area = response.area(slope.load * material.composite_modulus / modulus, factor)
-        found["slope"] = slope.fitted(area)[..., None]
+        fitted = slope.fitted(area(slope.load * material.composite_modulus / modulus, factor))
+        found["slope"] = fitted[..., None]
     # a quantity that depends on no random parameter has the same value at all points
     shape = normal.shape[:-1]
     return {name: np.broadcast_to(value, (*shape, value.shape[-1])) for name, value in found.items()}
 
 
 def _sampled(
-    draw: Callable[[FloatArray], dict[str, FloatArray]],
-    inputs: Inputs,
+    quantities: Callable[[FloatArray], dict[str, FloatArray]],
+    correlation: FloatArray,
+    exchanged: NDArray[np.bool_],
     random: np.random.Generator,
     points: int,
 ) -> dict[str, dict[str, FloatArray]]:
-    """Return each quantity at two sets of points, and with the columns of each group exchanged.
+    """Return each quantity at two sets of points, and with the columns of each group exchanged, (g, p).
 
     The values have the names and the shapes (k, points) and (g, k, points) that `sobol_indices` takes.
     """
-    first, second = inputs.drawn(points, random)
-    mixed = np.array([first] * len(inputs.groups))
-    for part, group in zip(mixed, inputs.groups, strict=True):
-        part[:, group] = second[:, group]
-    at = {"f_A": draw(first), "f_B": draw(second), "f_AB": draw(mixed)}
+    both = block_diag(correlation, correlation)
+    normal = qmc.MultivariateNormalQMC(np.zeros(len(both)), both, rng=random).random(points)
+    first, second = np.split(normal, 2, axis=1)
+    mixed = np.where(exchanged[:, None], second, first)
+    at = {"f_A": quantities(first), "f_B": quantities(second), "f_AB": quantities(mixed)}
     return {name: {key: np.moveaxis(of[name], -1, -2) for key, of in at.items()} for name in at["f_A"]}
 
 
-def _estimates(values: dict[str, FloatArray]) -> dict[str, FloatArray]:
+def _estimates(sets: list[dict[str, FloatArray]]) -> dict[str, tuple[FloatArray, FloatArray]]:
+    """Return the statistics of all sets of points, each with its sampling error by their scatter."""
+    whole = _statistics({key: np.concatenate([of[key] for of in sets], axis=-1) for key in sets[0]})
+    scatter = [_statistics(values) for values in sets]
+    return {
+        name: (value, np.std([found[name] for found in scatter], axis=0, ddof=1) / np.sqrt(SETS))
+        for name, value in whole.items()
+    }
+
+
+def _statistics(values: dict[str, FloatArray]) -> dict[str, FloatArray]:
     """Return mean and standard deviation (k,), and the Sobol indices (g, k)."""
     both = np.concatenate([values["f_A"], values["f_B"]], axis=-1)
     # a copy of the first value: scipy's indices have no axis for a single one

@@ -8,10 +8,7 @@ import xarray as xr
 
 import metafem as mf
 from metafem.studies import summary
-from metafem.studies.caps import caps_of
-from metafem.studies.inputs import Inputs
 from metafem.studies.slope import Slope
-from tests.core.studies.test_inputs import MEAN
 from tests.refusals import faults
 
 MATERIAL, FRICTION = mf.Material(1.36), mf.Friction(0.404, 0.85)
@@ -19,11 +16,7 @@ SURFACE = mf.Surface.square_lattice(
     [0.1, 0.11, 0.12, 0.13], (2, 2), radius=0.526, material=MATERIAL, friction=FRICTION
 )
 FLAT, BARE = SURFACE.replaced(height=np.full(4, 0.1)), SURFACE.replaced(friction=None)
-SIX = mf.Surface.square_lattice(
-    0.12, (2, 3), radius=np.linspace(0.4, 0.6, 6), material=MATERIAL, block=mf.Block(20, 20, 7.2)
-)
 PLASTIC = mf.Independent(mf.KogutEtsion(1.0))
-POWERS = SIX.replaced(cap=mf.Power(4))
 
 
 def manufacturing(height_sd, surface=SURFACE, **given):
@@ -36,11 +29,6 @@ def misalignment(angle, surface=SURFACE, **given):
 
 def uncertainty(surface=SURFACE, **given):
     return lambda: mf.studies.uncertainty(surface, **({"parameters": {"radius": 0.005}} | given))
-
-
-def inputs(parameters, covariance=None):
-    given = parameters if covariance is None else (parameters, covariance)
-    return lambda: Inputs.of(given, MEAN)
 
 
 REFUSALS = {
@@ -79,25 +67,19 @@ REFUSALS = {
         (lambda: Slope.of(FLAT, (0.3, 0.1), mf.Independent()), "load_range", "0.1"),
         (lambda: summary(xr.Dataset()), "summary", ""),
     ],
-    "inputs": [
-        (inputs({}), "parameters", "once"),
-        (inputs(["radius", "radius"], np.eye(2)), "parameters", "once"),
-        (inputs([["radius"]], np.eye(1)), "parameter", "radius"),
-        (inputs({"young_modulus": 0.1}), "young_modulus", "composite_modulus"),
-        (inputs({"radius": -0.01}), "parameters.radius", "-0.01"),
-        (inputs({"radius": 0.1}), "parameters.radius", "0.1 must be at most 0.0714"),
-        (inputs({"radius": [0.01, 0.02]}), "parameters.radius", "0.01"),
-        (inputs({"load": [0.01, -0.02]}), "parameters.load", "-0.02"),
-        (inputs({"load": [0.01, 0.02, 0.03]}), "parameters.load", "3"),
-        (inputs({"radius": 0.0, "load": [0.0, 0.0]}), "parameters", "errors"),
-        (inputs(["radius", "load"], np.eye(3)), "covariance", "(3, 3)"),
-        (inputs(["radius", "load"], [[1e-4, 1e-5], [0, 1e-4]]), "covariance", "symmetric"),
-        (inputs(["radius", "load"], [[1e-4, 2e-4], [2e-4, 1e-4]]), "covariance", "PSD"),
-        (inputs(["radius"], [[0.04]]), "parameters.radius", "0.2"),
-    ],
-    "finite elements": [
-        (lambda: caps_of(SIX, np.full(6, 0.01)), "radii", "one radius"),
-        (lambda: caps_of(POWERS, np.full(6, 0.01)), "cap", "4"),
+    "parameters": [
+        (uncertainty(parameters={}), "parameters", "errors"),
+        (uncertainty(parameters=(["radius", "radius"], np.eye(2))), "parameters", "different"),
+        (uncertainty(parameters=(["radius", "load"], np.eye(3))), "covariance", "(3, 3)"),
+        (uncertainty(parameters=(["radius", "load"], [[1e-4, 2e-4], [2e-4, 1e-4]])), "covariance", "radius"),
+        (uncertainty(parameters=(["radius"], [[0.04]])), "parameters.radius", "0.2"),
+        (uncertainty(parameters={"young_modulus": 0.1}), "young_modulus", "composite_modulus"),
+        (uncertainty(parameters={"radius": -0.01}), "parameters.radius", "-0.01"),
+        (uncertainty(parameters={"radius": 0.1}), "parameters.radius", "0.1 must be at most 0.0"),
+        (uncertainty(parameters={"radius": [0.01, 0.02]}), "parameters.radius", "0.01"),
+        (uncertainty(load=[0.1, 0.2], parameters={"load": [0.01, -0.02]}), "parameters.load", "-0.02"),
+        (uncertainty(load=[0.1, 0.2], parameters={"load": [0.01, 0.02, 0.03]}), "parameters.load", "3"),
+        (uncertainty(load=[0.1], parameters={"radius": 0.0, "load": [0.0]}), "parameters", "errors"),
     ],
 }
 
