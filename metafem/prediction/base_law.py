@@ -41,16 +41,6 @@ QUANTITIES = {
     "residual": ("1", "relative error of the equations"),
 }
 
-# Statistics in words, by the suffix of a name.
-STATISTICS = {
-    "mean": "mean",
-    "sd": "standard deviation",
-    "quantile": "quantile",
-    "first_order": "share of the variance that the parameter explains alone",
-    "total": "share of the variance that remains if all other parameters are known",
-    "error": "standard sampling error",
-}
-
 
 def described(name: str, known: Mapping[str, tuple[str, str]] = QUANTITIES) -> dict[str, str]:
     """Return units and long name of a quantity or its statistic, such as ``area_sd_error``; {} if unknown.
@@ -58,20 +48,19 @@ def described(name: str, known: Mapping[str, tuple[str, str]] = QUANTITIES) -> d
     Examples
     --------
     >>> described("area_mean_error")
-    {'units': 'mm2', 'long_name': 'real contact area A0, mean, standard sampling error'}
+    {'units': 'mm2', 'long_name': 'real contact area A0, mean error'}
     """
-    words, share, base = ["without errors"] * name.startswith("nominal_"), False, name
-    if name not in known:
-        base = name.removeprefix("nominal_")
-    while base not in known:
-        end = next((end for end in STATISTICS if base.endswith(f"_{end}")), None)
-        if end is None:
-            return {}
-        # a share of the variance has no unit, whatever the quantity
-        base, share = base.removesuffix(f"_{end}"), share or end in ("first_order", "total")
-        words.insert(0, STATISTICS[end])
-    unit, quantity = known[base]
-    return {"units": "1" if share else unit, "long_name": ", ".join([quantity, *words])}
+    base = name if name in known else name.removeprefix("nominal_")
+    quantity = max((each for each in known if f"{base}_".startswith(f"{each}_")), key=len, default=None)
+    if quantity is None:
+        return {}
+    statistic = base.removeprefix(quantity).replace("_", " ")
+    # a share of the variance has no unit, whatever the quantity
+    share = "first order" in statistic or "total" in statistic
+    unit, words = known[quantity]
+    nominal = "" if base == name else "nominal "
+    long = f"{nominal}{words}{',' if statistic else ''}{statistic}"
+    return {"units": "1" if share else unit, "long_name": long}
 
 
 @dataclass(frozen=True)

@@ -16,9 +16,9 @@ from metafem.errors import InvalidInput, NotConverged, refuse_if
 from metafem.models import Curve, Independent, Model, Status
 from metafem.models.curve import ModelError
 from metafem.models.model import checked_model, contact_of, with_contact
-from metafem.notes import Note, late, printed_count, to_lines, when_read
+from metafem.notes import Note, late, printed_count, to_lines
 from metafem.prediction.base_law import QUANTITIES, BaseLaw
-from metafem.prediction.validity import NOT_ESTIMATED, REMEDY, Validity
+from metafem.prediction.validity import NOT_ESTIMATED, REMEDY, judged
 from metafem.surface import Friction, Material, PeriodicCell, Surface
 
 if TYPE_CHECKING:
@@ -277,7 +277,6 @@ def law_of_curve(
     unloading: bool = False,
 ) -> FrictionLaw:
     """Return the friction law of a model's curve; raise NotConverged if the curve has not converged."""
-    validity, size = Validity(surface, model, curve, unloading), surface.count + curve.area.size
     law = FrictionLaw(
         rescaled_load=np.array(rescaled_load),
         area=curve.area,
@@ -289,9 +288,8 @@ def law_of_curve(
         model=model,
         material=surface.material,
         friction=surface.friction,
-        notes=when_read(validity.notes, curve.notes, size=size),
-        model_error=when_read(getattr, validity, "error", size=size),
         cell=surface.cell,
+        **judged(surface, model, curve, curve.notes, unloading),
     )
     if not curve.converged:
         worst = curve.residual.max()

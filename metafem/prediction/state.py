@@ -13,8 +13,8 @@ from metafem.errors import InvalidInput, NotConverged, refuse_if
 from metafem.models import ContactField, Independent, Model, Status
 from metafem.models.curve import ModelError
 from metafem.models.model import checked_model
-from metafem.notes import Note, late, printed_count, when_read
-from metafem.prediction.validity import NOT_ESTIMATED, REMEDY, Validity
+from metafem.notes import Note, late, printed_count
+from metafem.prediction.validity import NOT_ESTIMATED, REMEDY, judged
 from metafem.surface import Surface
 
 
@@ -163,7 +163,6 @@ def equilibrium(
         curve = solver.curve(surface, approach=np.array([value if separation is None else top - value]))
     last, reached = curve.last, float(curve.approach[0])
     notes = (*curve.notes, *last.notes)
-    validity = Validity(surface, solver, curve)
     state = ContactState(
         load=modulus * float(curve.load[0]),
         area=float(curve.area[0]),
@@ -176,9 +175,8 @@ def equilibrium(
         status=curve.status,
         model=last.model,
         base_gap=last.base_gap,
-        notes=when_read(validity.notes, notes, size=surface.count) if curve.converged else notes,
-        model_error=when_read(getattr, validity, "error", size=surface.count),
         _field=None if last.field is None else replace(last.field, pressure=modulus * last.field.pressure),
+        **judged(surface, solver, curve, notes),
     )
     if not curve.converged:
         reason = "; ".join([f"residual {state.residual:.2g}", *map(str, notes)])

@@ -11,16 +11,16 @@ influence takes a minute to compute, so the layer is used.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass
-from functools import cached_property
+from collections.abc import Callable, Iterator
+from functools import cache, partial
+from typing import Any
 
 import numpy as np
 import scipy
 
 from metafem._validate import FloatArray
-from metafem._values import percent
-from metafem.contact import Contact
+from metafem._values import MICROMETRES, percent
+from metafem.caps import SPHERE
 from metafem.errors import MetafemError
 from metafem.material import ELASTOMERS
 from metafem.models import Curve, Interacting, Model
@@ -36,8 +36,7 @@ from metafem.models.error import (
 )
 from metafem.models.interacting.influence import close_pairs
 from metafem.models.model import contact_of, has_paraboloids
-from metafem.notes import Level, Note, information
-from metafem.prediction.part_notes import part_notes
+from metafem.notes import Level, Note, information, when_read
 from metafem.substrate import HalfSpace
 from metafem.surface import Surface
 
@@ -61,12 +60,6 @@ WIDEST, TOO_WIDE = 0.55, 0.65
 # the source paper's surfaces exceed 0.3, and loads a thousand times smaller make contacts ten times smaller.
 NARROWEST = 0.1
 
-# Second moment of a uniform pressure over that of Hertz's pressure, 1/2 over 2/5.
-UNIFORM = 1.25
-
-# Relative tolerance of the approach at which paraboloids have the same area as the contacts of another law.
-SIZE_TOLERANCE = 1e-6
-
 # Remedy if a model finds no equilibrium.
 REMEDY = "use lighter loads, a larger pitch or the model resolved"
 
@@ -83,154 +76,197 @@ BASE_TOLERANCE = 1e-9
 MOST_STEPS = 60
 
 
-@dataclass(frozen=True, eq=False)
-class Validity:
-    """Estimated error of a curve of a model, and notes on the effects that the model neglects.
+def judged(
+    surface: Surface, model: Model, curve: Curve, notes: tuple[Note, ...], unloading: bool = False
+) -> dict[str, Any]:
+    """Return the notes and the estimated error of a result, which are computed when they are read.
 
     `unloading` says whether the states of the curve are those on unloading from its largest load.
     """
-
-    surface: Surface
-    model: Model
-    curve: Curve
-    unloading: bool = False
-
-    @cached_property
-    def error(self) -> ModelError:
-        """Estimated error of A0(P)."""
-        return model_error(self.surface, self.model, self.curve, self.unloading)
-
-    def notes(self, notes: tuple[Note, ...]) -> tuple[Note, ...]:
-        """Return `notes`, followed by estimates of the effects that the model neglects."""
-        surface, model, curve = self.surface, self.model, self.curve
-        law = contact_of(model)
-        return (
-            *notes,
-            *law.bound(surface).notes(curve.last.indentation, law.summits(surface)),
-            *_base_notes(surface, model, curve),
-            *_wide_notes(surface, model, curve),
-            *_unusual_notes(surface, curve),
-            *(self._interaction_notes() if (curve.load > 0.0).any() else ()),
-            *part_notes(surface),
-        )
-
-    def _interaction_notes(self) -> Iterator[Note]:
-        """Yield notes on the change of A0 by neighbours and block, and on the validity of order 3."""
-        surface, model, law = self.surface, self.model, contact_of(self.model)
-        error = self.error
-        reference = reference_of(surface, model if model.couples else without_jumps(surface, model))
-        if model.couples and model.reference != reference:
-            error = self._change_by_block(reference)
-        if error.load.size:
-            yield from _change_notes(surface, model, reference, error)
-        if not error.solved:
-            unknown = "the effect of elastic interaction cannot be estimated over all loads"
-            yield Note(f"{unknown}: {error.source}; use {_resolved_or(law)}lighter loads")
-        if model == model.gradient_model:  # otherwise the contacts are resolved and may merge
-            yield from _width_notes(surface, model, reference, self.curve)
-        if model.couples and law.largest_order == 1:
-            yield _size_note(surface, reference, law, float(self.curve.area[-1]))
-
-    def _change_by_block(self, reference: Interacting) -> ModelError:
-        """Return the difference of a model on a half-space from a reference model on the bonded layer."""
-        surface, curve = self.surface, self.curve
-        # for resolved contacts, order 3 is compared with order 3
-        model = without_jumps(surface, self.model.gradient_model)
-        if model != self.model:
-            try:
-                curve = model.curve(surface, curve.load[curve.load > 0.0]).checked()
-            except MetafemError as reason:
-                return ModelError(math.nan, str(reason), solved=False)
-        return compared(surface, without_jumps(surface, reference), curve, self.unloading)
+    size = surface.count + curve.area.size
+    error = cache(partial(model_error, surface, model, curve, unloading))
+    later = when_read(_notes, surface, model, curve, notes, error, unloading, size=size)
+    return {"notes": later if curve.converged else notes, "model_error": when_read(error, size=size)}
 
 
-def _resolved_or(law: Contact) -> str:
-    """Return the start of a remedy, "the model resolved, or ", if the contacts of the law can be resolved."""
-    return "the model resolved, or " if resolvable(law) else ""
-
-
-def _size_note(surface: Surface, reference: Interacting, law: Contact, area: float) -> Note:
-    """Return a note on the error of point loads for other laws than elastic ones, by that of paraboloids."""
-    point = Interacting(1, reference.substrate)
-
-    def at(approach: float) -> Curve:
-        return point.curve(surface, approach=np.array([approach])).checked()
-
-    try:
-        high = area / (math.pi * float(surface.radius.max()))  # the approach for one summit
-        while at(high).area[0] <= area:
-            high *= 2.0
-        alike = scipy.optimize.brentq(lambda x: at(x).area[0] - area, 0.0, high, rtol=SIZE_TOLERANCE)
-        larger = point.reference.curve(surface, at(alike).load).checked().area[0]
-    except MetafemError as reason:
-        return Note(f"what point loads leave out of the size of the contacts cannot be estimated: {reason}")
-    return information(
-        f"contacts of {law!r} are coupled as point loads: for paraboloids of the same "
-        f"area the size of the contacts changes A0 by {percent(larger / area - 1.0, '+.2g')}, and by up to "
-        f"{UNIFORM:g} times as much where the pressure is uniform"
+def _notes(
+    surface: Surface,
+    model: Model,
+    curve: Curve,
+    notes: tuple[Note, ...],
+    error: Callable[[], ModelError],
+    unloading: bool,
+) -> tuple[Note, ...]:
+    """Return `notes`, followed by estimates of the effects that the model neglects."""
+    law, last = contact_of(model), curve.last
+    newtons = surface.material.composite_modulus * float(curve.load[-1])
+    return (
+        *notes,
+        *law.bound(surface).notes(last.indentation, law.summits(surface)),
+        *_base_notes(surface, model, last.base_gap, newtons),
+        *_size_notes(surface, model, curve, newtons),
+        *(_interaction_notes(surface, model, curve, error, unloading) if (curve.load > 0.0).any() else ()),
+        *(_width_notes(surface, model, last.area, newtons) if model == model.gradient_model else ()),
+        *_part_notes(surface),
     )
 
 
-def _change_notes(
-    surface: Surface, model: Model, reference: Interacting, error: ModelError
+def _above(
+    text: str, quantity: str, value: float, stated: float, bound: float, remedy: str, *arguments: str
 ) -> Iterator[Note]:
-    """Yield a note on the change of A0 at given load due to effects that the model neglects."""
-    load, change = error.load, error.change
-    rms = math.sqrt(float((change**2).mean()))
-    if rms < STATED:
+    """Yield a note on a number above `stated`; above `bound` it is a warning, which ends with the remedy."""
+    if value > bound:
+        yield Note(f"{text}{remedy}", Level.WARNING, quantity, value, bound, arguments)
+    elif value > stated:
+        yield Note(text, Level.INFORMATION, quantity, value, bound, arguments)
+
+
+def _base_notes(surface: Surface, model: Model, gap: float, newtons: float) -> Iterator[Note]:
+    """Yield a note on the load at which the plane would reach the base plane."""
+    if gap > 0.0:
         return
-    most = int(np.abs(change).argmax())
-    what, who = "thickness of the block", "a half-space"
-    if not model.couples:
-        what, who = "elastic interaction of the asperities", "this model"
-    elif model.reference == reference:
+    try:
+        onset = min(surface.material.composite_modulus * base_contact_load(surface, model), newtons)
+    except MetafemError:  # no solution at lighter loads: state the last load
+        onset = newtons
+    text = (
+        f"the base plane would touch from a load of {onset:.4g} N on: at {newtons:.4g} N the plane would be "
+        f"{-MICROMETRES * gap:.3g} um below the base beside a summit; the load that the base would carry is "
+        "not counted"
+    )
+    yield Note(text, quantity=BASE, value=onset, bound=newtons, remedies=("offset",))
+
+
+def _size_notes(surface: Surface, model: Model, curve: Curve, newtons: float) -> Iterator[Note]:
+    """Yield notes on contacts too wide for small strain or suspiciously narrow, and on a strange modulus."""
+    ratio = float((np.sqrt(curve.last.area / math.pi) / surface.radius).max())
+    range_of = f"the law of small strain was compared with soft spheres up to {WIDEST:g} only"
+    if has_paraboloids(model):
+        range_of = f"Hertz's law holds up to about {WIDEST:g}, with a fitted modulus"
+    text = f"the widest contact has a/R = {ratio:.2f} at {newtons:.4g} N: {range_of}"
+    yield from _above(text, "widest contact, a/R", ratio, WIDEST, TOO_WIDE, "", "radius")
+    modulus, (least, most) = surface.material.composite_modulus, ELASTOMERS
+    if not least <= modulus <= most:
+        text = f"E* = {modulus:.4g} MPa, but rubbers and gels have {least:g} to {most:g} MPa: check its unit"
+        yield Note(text, quantity="composite modulus", value=modulus, remedies=("composite_modulus",))
+    if len(curve.load) > 1 and 0.0 < ratio < NARROWEST:
+        text = (
+            f"even at the largest load, {newtons:.4g} N, the widest contact has only a/R = {ratio:.1g}: "
+            "check the units of loads and modulus"
+        )
+        remedies = "load", "composite_modulus"
+        yield Note(text, Level.WARNING, "widest contact, a/R", ratio, NARROWEST, remedies)
+
+
+def _interaction_notes(
+    surface: Surface, model: Model, curve: Curve, error: Callable[[], ModelError], unloading: bool
+) -> Iterator[Note]:
+    """Yield notes on the change of A0 at given load by neighbours and block, which the model leaves out."""
+    reference = reference_of(surface, model if model.couples else without_jumps(surface, model))
+    what, who = "elastic interaction of the asperities", "this model"
+    found = error()
+    if model.couples:
         what, who = "size of the contacts", "a point load"
+        if model.reference != reference:
+            what, who = "thickness of the block", "a half-space"
+            found = _change_by_block(surface, model, reference, curve, unloading)
+    if not found.solved:
+        unknown = "the effect of elastic interaction cannot be estimated over all loads"
+        yield Note(f"{unknown}: {found.source}; use {_resolved_or(model)}lighter loads")
+    if not found.load.size:
+        return
+    load, change = found.load, found.change
+    rms, most = math.sqrt(float((change**2).mean())), int(np.abs(change).argmax())
     spread = f"by {percent(rms)} rms and " if load.size > 1 else ""
     text = (
         f"the {what}, which {who} leaves out, changes A0 at a given load {spread}by up to "
         f"{percent(change[most], '+.2g')}, at {surface.material.composite_modulus * load[most]:.4g} N "
         f"({rung_name(reference)})"
     )
-    if rms > BOUND:
-        better = "half-space" if reference.substrate == HalfSpace() else "layer"
-        text += f"; use the model {better}, or a larger pitch"
-    level = Level.WARNING if rms > BOUND else Level.INFORMATION
-    yield Note(text, level, f"change of A0 by the {what}", rms, BOUND, ("model", "pitch"))
+    better = "half-space" if reference.substrate == HalfSpace() else "layer"
+    remedy = f"; use the model {better}, or a larger pitch"
+    yield from _above(text, f"change of A0 by the {what}", rms, STATED, BOUND, remedy, "model", "pitch")
 
 
-def _width_notes(surface: Surface, model: Model, reference: Interacting, curve: Curve) -> Iterator[Note]:
-    """Yield notes on contacts that overlap, or that are wide relative to their distances or their layer."""
-    law, area, newtons = contact_of(model), curve.last.area, _last_force(surface, curve)
-    remedy = f"use {_resolved_or(law)}a larger pitch or lighter loads"
-    if overlaps := overlapping_contacts(surface, area):
-        pairs = "pair reaches" if overlaps == 1 else "pairs reach"
-        text = f"contacts overlap: {overlaps} {pairs} into each other at {newtons:.4g} N, where real contacts"
-        number = "overlapping pairs of contacts"
-        yield Note(f"{text} merge; {remedy}", Level.WARNING, number, overlaps, 0.0, ("pitch",))
-    elif law.largest_order == 3:
+def _change_by_block(
+    surface: Surface, model: Model, reference: Interacting, curve: Curve, unloading: bool
+) -> ModelError:
+    """Return the difference of a model on a half-space from a reference model on the bonded layer."""
+    # for resolved contacts, order 3 is compared with order 3
+    used = without_jumps(surface, model.gradient_model)
+    if used != model:
+        try:
+            curve = used.curve(surface, curve.load[curve.load > 0.0]).checked()
+        except MetafemError as reason:
+            return ModelError(math.nan, str(reason), solved=False)
+    return compared(surface, without_jumps(surface, reference), curve, unloading)
+
+
+def _resolved_or(model: Model) -> str:
+    """Return the start of a remedy, "the model resolved, or ", if the contacts can be resolved."""
+    return "the model resolved, or " if resolvable(contact_of(model)) else ""
+
+
+def _width_notes(surface: Surface, model: Model, area: FloatArray, newtons: float) -> Iterator[Note]:
+    """Yield a note on contacts (n,) [mm^2] that overlap, or that are wide for order 3."""
+    law, reference = contact_of(model), reference_of(surface, model)
+    remedy = f"; use {_resolved_or(model)}a larger pitch or lighter loads"
+    radius = np.sqrt(area / math.pi)
+    pairs = _overlaps(surface, np.where(area > 0.0, radius, -math.inf))
+    reach = "pair reaches" if pairs == 1 else "pairs reach"
+    text = f"contacts overlap: {pairs} {reach} into each other at {newtons:.4g} N, where real contacts merge"
+    yield from _above(text, "overlapping pairs of contacts", pairs, 0, 0, remedy, "pitch")
+    if not pairs and law.largest_order == 3:
         error = float(truncation(surface, area, reference.substrate, law))
         text = (
-            "the contacts are too wide for their distances or their layer: the error of order 3 may be "
+            "the contacts are wide for their distances or their layer: the error of order 3 may be "
             f"{percent(error)} in A0 at {newtons:.4g} N"
         )
-        if error > BOUND:
-            yield Note(
-                f"{text}; {remedy}", Level.WARNING, "error of order 3", error, BOUND, ("model", "pitch")
-            )
-        elif error > STATED and model.couples:
-            yield information(text.replace("too wide", "wide"))
+        stated = STATED if model.couples else BOUND
+        yield from _above(text, "error of order 3", error, stated, BOUND, remedy, "model", "pitch")
 
 
-def overlapping_contacts(surface: Surface, area: FloatArray) -> int:
-    """Return the number of pairs of contacts with areas (n,) [mm^2] that overlap."""
-    radius = np.sqrt(area / math.pi)
-    i, j, distance = close_pairs(surface, 2.0 * float(radius.max()))
-    return int(((radius[i] + radius[j] > distance) & (area[i] > 0.0) & (area[j] > 0.0)).sum())
+def _overlaps(surface: Surface, radius: FloatArray) -> int:
+    """Return the number of pairs of circles (n,) [mm] around the sites that overlap, in all periods."""
+    i, j, distance = close_pairs(surface, 2.0 * float(radius.max(initial=0.0)))
+    return int((distance < radius[i] + radius[j]).sum())
 
 
-def _last_force(surface: Surface, curve: Curve) -> float:
-    """Return the last load of a curve [N]."""
-    return surface.material.composite_modulus * float(curve.load[-1])
+def _part_notes(surface: Surface) -> Iterator[Note]:
+    """Yield notes on features of the surface that cannot be manufactured or differ in the part."""
+    height, radius, block, count = surface.height, surface.radius, surface.block, surface.count
+    tallest = surface.cap.tallest(radius)
+    foot = surface.cap.foot_radius(np.clip(height, 0.0, tallest), radius)
+    low, high, pairs = int((height < 0.0).sum()), int((height > tallest).sum()), _overlaps(surface, foot)
+    text = (
+        f"{low} of {count} summits lie below the base plane, the lowest at {height.min():.4g} mm, and cannot "
+        "be made as caps: raise them above 0 mm"
+    )
+    yield from _above(text, "summits below the base plane", low, 0, 0, "", "min_height")
+    limit, wider = "their profile is deep", "give a wider profile"
+    if surface.cap == SPHERE:
+        limit, wider = "their radius", "use larger radii"
+    text = (
+        f"{high} of {count} summits stand higher than {limit} and cannot be made as caps: lower them to "
+        f"{float(tallest.min()):.4g} mm, or {wider}"
+    )
+    yield from _above(text, "summits too high for caps", high, 0, 0, "", "max_height", "radius")
+    text = (
+        f"the caps of {pairs} {'pair' if pairs == 1 else 'pairs'} of summits overlap on the base plane and "
+        "cannot be made as separate caps: increase the pitch, or lower the summits"
+    )
+    yield from _above(text, "overlapping pairs of caps", pairs, 0, 0, "", "pitch")
+    if block is None:
+        return
+    outside = int((2.0 * np.abs(surface.position) > [block.width, block.length]).any(axis=1).sum())
+    text = (
+        f"{outside} of {count} summits stand outside the block of {block.width:g} by {block.length:g} mm, "
+        "whose centre is at (0, 0): make it larger, or move them"
+    )
+    yield from _above(text, "summits outside the block", outside, 0, 0, "", "width", "length")
+    if surface.cell is not None:
+        period = f"the part has one period of {surface.cell.width:g} by {surface.cell.length:g} mm"
+        yield information(f"the law is that of an infinite surface; {period}")
 
 
 def base_contact_load(surface: Surface, model: Model) -> float:
@@ -261,51 +297,3 @@ def base_contact_load(surface: Surface, model: Model) -> float:
     if abs(gap(high)) > small:
         high = scipy.optimize.brentq(gap, 0.0, high, xtol=small)
     return float(at(high).load[0])
-
-
-def _base_notes(surface: Surface, model: Model, curve: Curve) -> Iterator[Note]:
-    """Yield a note on the load at which the plane would reach the base plane."""
-    gap, newtons = curve.last.base_gap, _last_force(surface, curve)
-    if gap > 0.0:
-        return
-    try:
-        onset = min(surface.material.composite_modulus * base_contact_load(surface, model), newtons)
-    except MetafemError:  # no solution at lighter loads: state the last load
-        onset = newtons
-    text = (
-        f"the base plane would touch from a load of {onset:.4g} N on: at {newtons:.4g} N the plane would be "
-        f"{-1e3 * gap:.3g} um below the base beside a summit; the load that the base would carry is not "
-        "counted"
-    )
-    yield Note(text, quantity=BASE, value=onset, bound=newtons, remedies=("offset",))
-
-
-def _wide_notes(surface: Surface, model: Model, curve: Curve) -> Iterator[Note]:
-    """Yield a note on contacts that are too wide for small-strain models."""
-    ratio = float((np.sqrt(curve.last.area / math.pi) / surface.radius).max())
-    if ratio <= WIDEST:
-        return
-    range_of = f"the law of small strain was compared with soft spheres up to {WIDEST:g} only"
-    if has_paraboloids(model):
-        range_of = f"Hertz's law holds up to about {WIDEST:g}, with a fitted modulus"
-    text = f"the widest contact has a/R = {ratio:.2f} at {_last_force(surface, curve):.4g} N: {range_of}"
-    level = Level.WARNING if ratio > TOO_WIDE else Level.INFORMATION
-    yield Note(text, level, "widest contact, a/R", ratio, WIDEST, ("radius",))
-
-
-def _unusual_notes(surface: Surface, curve: Curve) -> Iterator[Note]:
-    """Yield warnings of a modulus that no elastomer has, and of loads that hardly deform the caps."""
-    modulus, (least, most) = surface.material.composite_modulus, ELASTOMERS
-    if not least <= modulus <= most:
-        text = f"E* = {modulus:.4g} MPa, but rubbers and gels have {least:g} to {most:g} MPa: check its unit"
-        yield Note(text, quantity="composite modulus", value=modulus, remedies=("composite_modulus",))
-    ratio = float((np.sqrt(curve.last.area / math.pi) / surface.radius).max())
-    if len(curve.load) > 1 and 0.0 < ratio < NARROWEST:
-        yield Note(
-            f"even at the largest load, {_last_force(surface, curve):.4g} N, the widest contact has only "
-            f"a/R = {ratio:.1g}: check the units of loads and modulus",
-            quantity="widest contact, a/R",
-            value=ratio,
-            bound=NARROWEST,
-            remedies=("load", "composite_modulus"),
-        )
