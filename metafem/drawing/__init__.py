@@ -23,9 +23,8 @@ FloatArray = NDArray[np.float64]
 TARGET, ACHIEVED, QUIET = "#c8553d", "#1b6f8a", "#8a8f98"
 MEASURED, MEASURED_BESIDE = "#2b2d33", "#b07a1e"
 
-# Diameter of the largest marker over the mean distance between summits; diameter of this marker in a legend
-# [points]; largest number of radii in a legend.
-LARGEST_DOT, LEGEND_DOT, MOST_DOTS = 0.8, 11.0, 3
+# Diameter of the largest marker over the mean distance between summits.
+LARGEST_DOT = 0.8
 
 # Largest number of marks that are drawn as vectors; more marks are drawn as pixels. Resolution [pixels per
 # inch].
@@ -77,7 +76,7 @@ def svg(figure: Figure, title: str) -> str:
     style: dict[Any, Any] = {
         "svg.hashsalt": SALT + title,
         "svg.fonttype": "none",
-        "font.family": "sans-serif",
+        "font.sans-serif": ["DejaVu Sans"],  # or each text names ten fonts
     }
     with rc_context(style):
         metadata = dict.fromkeys(("Date", "Creator", "Format", "Type"))
@@ -113,22 +112,16 @@ def name_law(ax: Axes, *, forces: bool) -> None:
 def summits(ax: Axes, position: FloatArray, height: FloatArray, radius: FloatArray) -> None:
     """Draw summits at their positions (n, 2) [mm] as circles, coloured by height [mm].
 
-    If the radii [mm] differ, the diameters are proportional to them, and a legend explains them.
+    The diameters are proportional to the radii [mm].
     """
-    diameter = LARGEST_DOT * spacing(position) * (radius / radius.max())
-    dots = circles(ax, position, diameter, height * MICROMETRES)
-    ax.figure.colorbar(dots, ax=ax, label="summit height [µm]", shrink=0.85)
+    dots = circles(
+        ax, position, LARGEST_DOT * spacing(position) * radius / radius.max(), height * MICROMETRES
+    )
+    label = "summit height [µm]"
     if np.ptp(radius) > 0.0:
-        shown = np.unique(radius)
-        shown = shown if len(shown) <= MOST_DOTS else np.linspace(shown[0], shown[-1], MOST_DOTS)
-        for each in shown:
-            size = LEGEND_DOT * each / radius.max()
-            ax.plot([], [], "o", color=QUIET, ms=size, label=f"R = {each * MICROMETRES:.4g} µm")
-        # below the axis label, about three lines further down
-        ax.legend(
-            loc="upper center", bbox_to_anchor=(0.5, 0.0), borderaxespad=3.5,
-            ncols=MOST_DOTS, columnspacing=1.0, handletextpad=0.0, frameon=False,
-        )  # fmt: skip
+        low, high = MICROMETRES * radius.min(), MICROMETRES * radius.max()
+        label += f"; diameters in proportion to R = {low:.4g} to {high:.4g} µm"
+    ax.figure.colorbar(dots, ax=ax, label=label, shrink=0.85)
 
 
 def spacing(position: FloatArray) -> float:

@@ -26,13 +26,9 @@ VARIABLES = {
 }
 
 COLOUR = re.compile("|".join(VARIABLES))
-FONT = re.compile(r"font-family: ([^;\"]*sans-serif);? ?")
 IDENTIFIER = re.compile(r' id="([^"]*)"')
 TITLE = re.compile("<title>(.*?)</title>", re.DOTALL)
 REFERENCE = re.compile(r'((?:href="|url\()#)([^")]+)')
-
-# Rotations of horizontal words, by an angle of zero.
-NO_ROTATION = re.compile(r' transform="rotate\(-0 [^"]*"')
 
 # Coordinates, in points of 1/72 inch, and numbers with more than two decimals, which are rounded.
 COORDINATES = re.compile(r' (?:d|x|y|x1|x2|y1|y2)="[^"]*"|rotate\([^)]*\)')
@@ -56,7 +52,7 @@ def drawn(figure: Figure, title: str, caption: str = "") -> Drawn:
 def themed(text: str) -> str:
     """Return an SVG element whose colours are CSS variables of the page, in fewer bytes.
 
-    Unused identifiers, repeated font names and invisible digits are left out. The names of the others are
+    Unused identifiers and invisible digits are left out. The names of the others are
     numbers: matplotlib makes them from all digits of the data, and equal pictures would differ.
     """
     title = zlib.crc32(TITLE.findall(text)[0].encode())
@@ -64,12 +60,9 @@ def themed(text: str) -> str:
     names = {name: f"f{title:x}-{i}" for i, name in enumerate(used)}
     text = IDENTIFIER.sub(lambda found: f' id="{names[found[1]]}"' if found[1] in names else "", text)
     text = REFERENCE.sub(lambda found: found[1] + names[found[2]], text)
-    text = NO_ROTATION.sub("", text)
     text = COORDINATES.sub(lambda found: LONG_NUMBER.sub(_rounded, found[0]), text)
     text = COLOUR.sub(lambda found: f"var({VARIABLES[found[0]]}, {found[0]})", text)
-    fonts = FONT.search(text)
-    style = f' style="font-family: {fonts[1]}"' if fonts else ""
-    return FONT.sub("", text).replace("<svg ", f'<svg role="img"{style} ', 1)
+    return text.replace("<svg ", '<svg role="img" ', 1)
 
 
 def _rounded(number: re.Match[str]) -> str:

@@ -170,22 +170,21 @@ def _interaction_notes(
         if model.reference != reference:
             what, who = "thickness of the block", "a half-space"
             found = _change_by_block(surface, model, reference, curve, unloading)
+    if found.load.size:
+        load, change = found.load, found.change
+        rms, most = math.sqrt(float((change**2).mean())), int(np.abs(change).argmax())
+        spread = f"by {percent(rms)} rms and " if load.size > 1 else ""
+        text = (
+            f"the {what}, which {who} leaves out, changes A0 at a given load {spread}by up to "
+            f"{percent(change[most], '+.2g')}, at {surface.material.composite_modulus * load[most]:.4g} N "
+            f"({rung_name(reference)})"
+        )
+        better = "half-space" if reference.substrate == HalfSpace() else "layer"
+        remedy = f"; use the model {better}, or a larger pitch"
+        yield from _above(text, f"change of A0 by the {what}", rms, STATED, BOUND, remedy, "model", "pitch")
     if not found.solved:
         unknown = "the effect of elastic interaction cannot be estimated over all loads"
         yield Note(f"{unknown}: {found.source}; use {_resolved_or(model)}lighter loads")
-    if not found.load.size:
-        return
-    load, change = found.load, found.change
-    rms, most = math.sqrt(float((change**2).mean())), int(np.abs(change).argmax())
-    spread = f"by {percent(rms)} rms and " if load.size > 1 else ""
-    text = (
-        f"the {what}, which {who} leaves out, changes A0 at a given load {spread}by up to "
-        f"{percent(change[most], '+.2g')}, at {surface.material.composite_modulus * load[most]:.4g} N "
-        f"({rung_name(reference)})"
-    )
-    better = "half-space" if reference.substrate == HalfSpace() else "layer"
-    remedy = f"; use the model {better}, or a larger pitch"
-    yield from _above(text, f"change of A0 by the {what}", rms, STATED, BOUND, remedy, "model", "pitch")
 
 
 def _change_by_block(

@@ -6,6 +6,4 @@ from .words import error_words as error_words
 from .words import fit_table as fit_table
 from .words import misfit_words as misfit_words
 from .words import model_data as model_data
-from .words import onset_data as onset_data
-from .words import onset_words as onset_words
 from .words import parameter_rows as parameter_rows

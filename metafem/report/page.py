@@ -110,7 +110,7 @@ def write(design: Design, path: Path | str, **options: Any) -> None:
 def _numbers(design: Design) -> list[tuple[str, str]]:
     """Return the three numbers by which a design is judged, each with what it means."""
     misfit, value = words.misfit_words(design)
-    error, _, source = words.error_words(design.law.model_error).partition(": ")[2].partition(", ")
+    error, source = words.error_parts(design.law.model_error)
     scattered, errors = _scatter(design)
     return [
         (value, misfit),
@@ -172,22 +172,17 @@ def _summits(design: Design) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
 
 def _inputs(design: Design) -> list[Row]:
     """Return the names, values and units of what was given, and the load at which the base is touched."""
-    given, limits = design.template, design.limits
-    ends = np.unique([radius(design.surface.radius) for radius in (np.min, np.max)])
-    rows = [
-        ("composite modulus E*", f"{given.material.composite_modulus:g}", "MPa"),
-        ("Poisson's ratio ν", f"{given.material.poisson_ratio:g}", ""),
-        ("summit radius R", " – ".join(f"{MICROMETRES * end:.6g}" for end in ends), "µm"),
-        ("sites for asperities", f"{given.count}", ""),
-    ]
-    if given.friction is not None:
-        rows.append(("shear strength σ", f"{given.friction.shear_strength:g}", "MPa"))
-        rows.append(("area ratio B", f"{given.friction.area_ratio:g}", ""))
-    if given.block is not None:
-        sides = (given.block.width, given.block.length, given.block.thickness)
-        rows.append(("block", " × ".join(f"{side:g}" for side in sides), "mm"))
-    if design.tools is not None:
-        rows.append(("tools to choose from, lengths in mm", repr(design.tools), ""))
+    given, limits, block, friction = (
+        design.template, design.limits, design.template.block, design.template.friction,
+    )  # fmt: skip
+    radius = design.surface.radius
+    ends = np.unique([radius.min(), radius.max()])
+    empty = [str(site) for site, height in design.pinned.items() if height is None]
+    modulus = given.material.composite_modulus
+    try:
+        base, unit = f"{modulus * base_contact_load(design.surface, design.law.model):.4g}", "N"
+    except MetafemError as reason:
+        base, unit = f"unknown: {reason}", ""
     lengths = {
         "largest height h_m": limits.max_height,
         "offset h_0": limits.offset,
@@ -195,13 +190,21 @@ def _inputs(design: Design) -> list[Row]:
         "height error": limits.height_sd,
         **{f"given height of site {site}": height for site, height in design.pinned.items()},
     }
-    rows += [(name, f"{value * MICROMETRES:g}", "µm") for name, value in lengths.items() if value is not None]
-    empty = [str(site) for site, height in design.pinned.items() if height is None]
-    if empty:
-        rows.append(("sites that stay empty by the specification", ", ".join(empty), ""))
-    try:
-        load = given.material.composite_modulus * base_contact_load(design.surface, design.law.model)
-        rows.append((BASE, f"{load:.4g}", "N"))
-    except MetafemError as reason:
-        rows.append((BASE, f"unknown: {reason}", ""))
-    return rows
+    rows = [
+        ("composite modulus E*", modulus, "MPa"),
+        ("Poisson's ratio ν", given.material.poisson_ratio, ""),
+        ("summit radius R", " – ".join(f"{MICROMETRES * end:.6g}" for end in ends), "µm"),
+        ("sites for asperities", str(given.count), ""),
+        ("shear strength σ", friction and friction.shear_strength, "MPa"),
+        ("area ratio B", friction and friction.area_ratio, ""),
+        ("block", block and f"{block.width:g} × {block.length:g} × {block.thickness:g}", "mm"),
+        ("tools to choose from, lengths in mm", design.tools and repr(design.tools), ""),
+        *((name, length and MICROMETRES * length, "µm") for name, length in lengths.items()),
+        ("sites that stay empty by the specification", ", ".join(empty) or None, ""),
+        (BASE, base, unit),
+    ]
+    return [
+        (name, value if isinstance(value, str) else f"{value:g}", unit)
+        for name, value, unit in rows
+        if value is not None
+    ]

@@ -33,22 +33,13 @@ PARAMETERS = {
     "prefactor": ("prefactor C of the power law", "mm^(2-2β)"),
     "intercepts": ("intercepts of the branches", "mm²"),
     "adjustment_heights": ("adjustment heights above the base", "µm"),
-    "adjustment_counts": ("numbers of adjustment asperities", ""),
     "load_range": ("rescaled loads over which friction is proportional to load", "mm²"),
     "span": ("depth of the lowest summit below the tallest", "µm"),
-    "tried_radii": ("radii tried", "µm"),
-    "lowest_coefficients": ("lowest friction coefficients of linear laws with them", ""),
-    "highest_coefficients": ("highest friction coefficients of linear laws with them", ""),
     "used_radii": ("radii in use", "µm"),
     "radius_counts": ("numbers of asperities with them", ""),
     "tool_counts": ("numbers of asperities of each tool", ""),
     "used_exponents": ("exponents of the caps in use", ""),
     "exponent_counts": ("numbers of asperities with them", ""),
-    "lowest_radius": ("smallest radius in use", "µm"),
-    "highest_radius": ("largest radius in use", "µm"),
-    "level_radii": ("radii of the levels", "µm"),
-    "adjustment_radii": ("radii of the adjustment asperities", "µm"),
-    "reachable_coefficients": ("achievable friction coefficients of linear laws: from, to", ""),
     "tilt_before": ("rms change of A0 by the tilt, heights at random sites", "%"),
     "tilt_after": ("the same after exchanges of heights", "%"),
     "step_levels": ("levels after quantisation, above the base", "µm"),
@@ -80,6 +71,13 @@ def model_data(model: Model) -> dict[str, str]:
     return {"name": model.name, "python": repr(model)}
 
 
+def error_parts(error: ModelError) -> tuple[str, str]:
+    """Return the estimated error of a model, and its source or why it is unknown, in words."""
+    if math.isnan(error):
+        return "unknown", f"because {error.source}"
+    return percent(error), f"by {error.source}"
+
+
 def error_words(error: ModelError) -> str:
     """Return the estimated error of a model in words.
 
@@ -90,9 +88,7 @@ def error_words(error: ModelError) -> str:
     >>> error_words(mf.equilibrium(surface, mf.Interacting(1), load=0.2).model_error)
     'estimated error of A0(P): 0.067 %, by order 3 on the half-space'
     """
-    if math.isnan(error):
-        return f"error of A0(P): unknown, because {error.source}"
-    return f"estimated error of A0(P): {percent(error)}, by {error.source}"
+    return f"estimated error of A0(P): {', '.join(error_parts(error))}"
 
 
 def error_data(error: ModelError) -> dict[str, Any]:
@@ -193,27 +189,9 @@ def fit_table(design: Design) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
 
 def onset_words(sliding: Onset) -> str:
     """Return the result of an onset of sliding in one sentence."""
-    count, first = len(sliding.displacement), three_digits(MICROMETRES * sliding.displacement[0])
-    end = f"{three_digits(MICROMETRES * sliding.sliding_displacement)} µm"
-    slip = (
-        f"the only contact slides from {end} on"
-        if count == 1
-        else f"the first of {count} contacts slides from {first} µm on, and all slide from {end} on"
-    )
-    force = three_digits(float(sliding.friction_force[-1]))
+    first, last = (three_digits(MICROMETRES * sliding.displacement[i]) for i in (0, -1))
     return (
-        f"At a load of {three_digits(sliding.state.load)} N, {slip}, at {force} N; before, the tangential "
+        f"At a load of {three_digits(sliding.state.load)} N, contacts slide from {first} µm on, and all from "
+        f"{last} µm on, at {three_digits(float(sliding.friction_force[-1]))} N; before, the tangential "
         f"stiffness is {three_digits(sliding.stiffness)} N/mm"
     )
-
-
-def onset_data(sliding: Onset) -> dict[str, Any]:
-    """Return an onset of sliding as plain data for JSON, with units in the keys."""
-    return {
-        "load_N": float(sliding.state.load),
-        "sliding_displacement_mm": sliding.sliding_displacement,
-        "stiffness_N_per_mm": sliding.stiffness,
-        "displacement_mm": sliding.displacement.tolist(),
-        "friction_force_N": sliding.friction_force.tolist(),
-        "asperity": sliding.asperity.tolist(),
-    }

@@ -46,13 +46,11 @@ def test_a_surface_is_drawn_at_its_places_and_heights(rough, ax):
     assert (ax.get_legend(), ax.get_aspect(), names(ax)) == (None, 1.0, ("x [mm]", "y [mm]"))
     (edge,) = ax.patches  # of the block
     assert (*edge.get_xy(), edge.get_width(), edge.get_height()) == (-10.0, -10.0, 20.0, 20.0)
-    two, many = drawing.new_figure(5.0, 4.0).subplots(1, 2)
+    two = drawing.new_figure(5.0, 4.0).add_subplot()
     rough.replaced(radius=np.where(np.arange(64) % 2, 0.3, 0.6)).plot(two)
     size = two.collections[0].get_widths()
     assert size[1] / size[0] == pytest.approx(0.5, rel=1e-12)
-    rough.replaced(radius=np.linspace(0.3, 0.6, 64)).plot(many)
-    assert labels(two) == ["R = 300 µm", "R = 600 µm"]
-    assert labels(many) == ["R = 300 µm", "R = 450 µm", "R = 600 µm"]
+    assert two.figure.axes[1].get_ylabel().endswith("R = 300 to 600 µm")
     assert drawing.spacing(PLACES) == pytest.approx(np.sqrt(3.0 / 4.0))
     assert (drawing.spacing(PLACES[:2]), drawing.spacing(PLACES[:1])) == (1.5, 1.0)
 
@@ -161,7 +159,7 @@ def test_pictures_of_pages_are_equal_small_and_in_the_colours_of_the_page(ax):
     assert plain.startswith("<svg")
     assert "<title>heights &amp; &lt;places&gt;</title>" in plain
     text = themed(plain)
-    assert len(text) < 0.8 * len(plain)
+    assert len(text) < 0.9 * len(plain)
     assert "at 1.23456 &amp; #5" in text  # digits of words stay
     assert text.count("<use") == plain.count("<use") > 0
     for reference in {part.split('"')[0] for part in text.split('href="#')[1:]}:

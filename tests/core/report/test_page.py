@@ -136,13 +136,11 @@ def test_the_misfit_is_that_of_the_drawn_difference():
 
 # Printed unit of each parameter, and its factor.
 UNITS = {
-    ("µm", 1e3): "scale crossover_height levels adjustment_heights span tried_radii used_radii "
-    "lowest_radius highest_radius level_radii adjustment_radii step_levels",
+    ("µm", 1e3): "scale crossover_height levels adjustment_heights span used_radii step_levels",
     ("mm²", 1.0): "intercept foot_load intercepts load_range",
     ("mm^(2-2β)", 1.0): "prefactor",
     ("%", 100.0): "tilt_before tilt_after step_loss",
-    ("", 1.0): "weight counts adjustment_counts lowest_coefficients highest_coefficients radius_counts "
-    "tool_counts used_exponents exponent_counts reachable_coefficients step_counts",
+    ("", 1.0): "weight counts radius_counts tool_counts used_exponents exponent_counts step_counts",
 }
 
 
