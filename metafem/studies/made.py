@@ -22,7 +22,7 @@ from metafem.prediction import Tolerances
 from metafem.progress import doing
 from metafem.studies.dataset import QUANTILES, Variables, dataset
 from metafem.studies.draws import computed, generator_of, seed_of
-from metafem.studies.slope import Slope
+from metafem.studies.slope import range_note, slope, slope_loads
 from metafem.surface import Surface
 
 if TYPE_CHECKING:
@@ -102,47 +102,31 @@ def manufacturing(
     used = checked_model(Independent() if model is None else model)
     deviations = check.array("height_sd", np.atleast_1d(height_sd), shape=(None,))
     count, seed = check.integer("draws", draws, at_least=2), seed_of(rng)
-    slope = Slope.of(part, load_range, used)
-    load = slope.load if design is None else np.union1d(slope.load, _target_loads(design))
-    nominal = used.curve(part, slope.load).checked().area
+    load = slope_loads(part, load_range, used)
+    every = load if design is None else np.union1d(load, _target_loads(design))
+    nominal = used.curve(part, load).checked().area
 
-    def level(sd: float) -> Variables:
-        """Return the variables of one standard deviation of the heights."""
+    levels = []
+    for sd in deviations.tolist():
         tolerances = replace(others, height_sd=sd)
-        task = partial(_areas, part, used, tolerances, load, seed, count)
+        task = partial(_areas, part, used, tolerances, every, seed, count)
         area = np.concatenate(list(computed(task, range(math.ceil(count / SIZE)))))
-        solved = np.isfinite(area).all(axis=1)
-        if solved.sum() < 2:
+        if np.isfinite(area).all(axis=1).sum() < 2:
             raise NotConverged(f"fewer than two draws have a solution with {tolerances}")
-        law = area[solved][:, np.searchsorted(load, slope.load)]
-        slopes = slope.fitted(law)
-        found: Variables = {
-            **_moments("slope", (), slopes),
-            **_moments("area", ("rescaled_load",), law),
-            "slope_quantile": (("quantile",), np.quantile(slopes, QUANTILES)),
-            "failed": ((), count - len(law)),
-            "draws": ((), len(law)),
-        }
-        if design is not None:
-            misfit = np.full(count, np.inf)
-            misfit[solved] = _misfits(design, load, area[solved])
-            found["misfit_quantile"] = ("quantile",), np.quantile(misfit, QUANTILES, method="inverted_cdf")
-        return found
-
-    levels = [level(sd) for sd in deviations.tolist()]
+        levels.append(_statistics(design, every, area, load))
     variables: Variables = {
-        name: (("height_sd", *axes), [each[name][1] for each in levels])
+        name: (("height_sd", *axes), [level[name][1] for level in levels])
         for name, (axes, _) in levels[0].items()
     }
-    variables["nominal_slope"] = (), slope.fitted(nominal)
+    variables["nominal_slope"] = (), slope(load, nominal)
     variables["nominal_area"] = ("rescaled_load",), nominal
     if design is not None:
         variables["nominal_misfit"] = (), design.misfit
-    notes = [slope.note]
-    if unsolved := sum(each["failed"][1] for each in levels):
+    notes = [range_note(load)]
+    if unsolved := sum(level["failed"][1] for level in levels):
         notes.insert(0, Note(f"{unsolved} draws have no solution under this model and are left out"))
-    coordinates = {"height_sd": deviations, "rescaled_load": slope.load, "quantile": QUANTILES}
-    origin = {"model": repr(used), "load_range": slope.load_range, "seed": str(seed), "draws": count}
+    coordinates = {"height_sd": deviations, "rescaled_load": load, "quantile": QUANTILES}
+    origin = {"model": repr(used), "load_range": load[[0, -1]].tolist(), "seed": str(seed), "draws": count}
     return dataset("manufacturing", variables, coordinates, notes, **origin)
 
 
@@ -158,6 +142,28 @@ def _areas(
     """Return A0 (m, k) [mm^2] of the made surfaces of a batch; nan without a solution."""
     size = min(SIZE, draws - batch * SIZE)
     return model.areas(surface, load, *tolerances.perturbed(surface, size, generator_of(seed, batch)))
+
+
+def _statistics(design: Design | None, every: FloatArray, area: FloatArray, load: FloatArray) -> Variables:
+    """Return the variables of one standard deviation of the heights.
+
+    area: (m, j) [mm^2], of the made surfaces at the rescaled loads `every`; load: those of the slope.
+    """
+    solved = np.isfinite(area).all(axis=1)
+    law = area[solved][:, np.searchsorted(every, load)]
+    slopes = slope(load, law)
+    found: Variables = {
+        **_moments("slope", (), slopes),
+        **_moments("area", ("rescaled_load",), law),
+        "slope_quantile": (("quantile",), np.quantile(slopes, QUANTILES)),
+        "failed": ((), len(area) - len(law)),
+        "draws": ((), len(law)),
+    }
+    if design is not None:
+        misfit = np.full(len(area), np.inf)
+        misfit[solved] = _misfits(design, every, area[solved])
+        found["misfit_quantile"] = ("quantile",), np.quantile(misfit, QUANTILES, method="inverted_cdf")
+    return found
 
 
 def _moments(name: str, axes: tuple[str, ...], value: FloatArray) -> Variables:
@@ -186,7 +192,5 @@ def _misfits(design: Design, load: FloatArray, area: FloatArray) -> FloatArray:
     def at(loads: FloatArray) -> FloatArray:
         return area[:, np.searchsorted(load, loads)]
 
-    slopes = np.empty((len(area), len(branches)))
-    for column, branch in zip(slopes.T, branches, strict=True):
-        column[:] = Slope(branch.load).fitted(at(branch.load))
+    slopes = np.array([slope(branch.load, at(branch.load)) for branch in branches]).reshape(-1, len(area)).T
     return misfits(law, branches, at(law.load) / law.laws(at(law.load)) - 1.0, slopes)

@@ -17,7 +17,7 @@ from metafem.notes import Note
 from metafem.progress import doing
 from metafem.studies.dataset import QUANTILES, Variables, dataset
 from metafem.studies.draws import computed, generator_of, seed_of
-from metafem.studies.slope import Slope
+from metafem.studies.slope import range_note, slope, slope_loads
 from metafem.surface import STEEPEST, Surface
 
 if TYPE_CHECKING:
@@ -90,14 +90,14 @@ def misalignment(
     surface.refuse_tilt()
     angles = _angles(angle)
     used = checked_model(Independent() if model is None else model)
-    slope, seed = Slope.of(surface, load_range, used), seed_of(rng)
+    load, seed = slope_loads(surface, load_range, used), seed_of(rng)
     count, sites = check.integer("shuffles", shuffles, at_least=0), np.arange(surface.count)
     orders = [sites, *(generator_of(seed, k).permutation(sites) for k in range(count))]
     tilt = np.outer(np.tan(np.concatenate([-angles[::-1], [0.0], angles])), [1.0, 1.0])
 
-    laws = computed(partial(_areas, surface, used, tilt, slope.load), orders)
+    laws = computed(partial(_areas, surface, used, tilt, load), orders)
     made = next(laws)
-    slopes = np.array([slope.fitted(made), *map(slope.fitted, laws)])
+    slopes = np.array([slope(load, made), *(slope(load, each) for each in laws)])
     mean, sd = moments(angles, slopes)
     area_mean, area_sd = moments(angles, made.T)
     variables: Variables = {
@@ -109,16 +109,16 @@ def misalignment(
         "nominal_area": (("rescaled_load",), made[len(angles)]),
     }
     placements = ["as made", *(f"shuffle {k + 1}" for k in range(count))]
-    coordinates: dict[str, Any] = {"placement": placements, "angle": angles, "rescaled_load": slope.load}
+    coordinates: dict[str, Any] = {"placement": placements, "angle": angles, "rescaled_load": load}
     if count > 1:
         variables["slope_sd_quantile"] = ("quantile", "angle"), np.quantile(sd[1:], QUANTILES, axis=0)
         coordinates["quantile"] = QUANTILES
-    notes = [slope.note]
-    if _touches(surface, used, tilt[-1], slope.load[-1:]):
-        at = f"at {angles[-1]:.3g} rad and a load of {slope.load[-1]:.3g} mm^2"
+    notes = [range_note(load)]
+    if _touches(surface, used, tilt[-1], load[-1:]):
+        at = f"at {angles[-1]:.3g} rad and a load of {load[-1]:.3g} mm^2"
         notes.append(Note(f"{at} the edge of the base plane would touch; the laws have no such contact"))
-    origin = {"model": repr(used), "load_range": slope.load_range, "seed": str(seed), "draws": slopes.size}
-    return dataset("misalignment", variables, coordinates, notes, **origin)
+    origin = {"model": repr(used), "load_range": load[[0, -1]].tolist(), "draws": slopes.size}
+    return dataset("misalignment", variables, coordinates, notes, **origin, seed=str(seed))
 
 
 def _angles(angle: ArrayLike) -> FloatArray:

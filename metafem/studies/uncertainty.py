@@ -25,7 +25,7 @@ from metafem.prediction import default_loads
 from metafem.progress import doing, each
 from metafem.studies.dataset import Variables, dataset
 from metafem.studies.draws import generator_of, seed_of
-from metafem.studies.slope import Slope
+from metafem.studies.slope import range_note, slope, slope_loads
 from metafem.surface import Surface
 
 if TYPE_CHECKING:
@@ -136,13 +136,13 @@ def uncertainty(
         "Hertz(), or leave the modulus out",
         key="parameters.composite_modulus",
     )
-    notes, slope = [information("no slope: all summits have one height, and no load_range is given")], None
+    fitted, note = None, information("no slope: all summits have one height, and no load_range is given")
+    modulus, last = surface.material.composite_modulus, float(loads.max())
     if load_range is not None or np.ptp(surface.height) > 0.0:
-        slope = Slope.of(surface, load_range, used)
-        notes = [slope.note]
-    modulus, ends = surface.material.composite_modulus, [] if slope is None else slope.load_range
-    area = tabulated(surface, used, sd, max([*loads.tolist(), *(modulus * end for end in ends)]))
-    quantities = partial(_quantities, surface, sd, area, slope, loads, force)
+        fitted = slope_loads(surface, load_range, used)
+        last, note = max(last, modulus * fitted[-1]), range_note(fitted)
+    area = tabulated(surface, used, sd, last)
+    quantities = partial(_quantities, surface, sd, area, fitted, loads, force)
 
     groups, label = connected_components(correlation != 0.0)
     exchanged = label == np.arange(groups)[:, None]
@@ -165,7 +165,8 @@ def uncertainty(
     variables.pop("nominal_rescaled_load", None)  # the coordinate holds these values
     coordinates = {"rescaled_load": loads / modulus, "parameter": labels}
     origin = {"model": repr(used), "seed": str(seed), "draws": runs * points}
-    return dataset("uncertainty", variables, coordinates, notes, **origin, load_range=ends)
+    ends = [] if fitted is None else fitted[[0, -1]].tolist()
+    return dataset("uncertainty", variables, coordinates, [note], **origin, load_range=ends)
 
 
 def _loads(surface: Surface, model: Model, load: ArrayLike | None) -> tuple[FloatArray, FloatArray | None]:
@@ -251,12 +252,15 @@ def _quantities(
     surface: Surface,
     sd: Mapping[str, FloatArray],
     area: Callable[[FloatArray, FloatArray], FloatArray],
-    slope: Slope | None,
+    fitted: FloatArray | None,
     load: FloatArray,
     force: FloatArray | None,
     normal: FloatArray,
 ) -> dict[str, FloatArray]:
-    """Return the quantities (..., k) by name for normal numbers (..., p); the slope has k = 1."""
+    """Return the quantities (..., k) by name for normal numbers (..., p); the slope has k = 1.
+
+    fitted: (j,), the loads P/E* of the slope, if there is one.
+    """
     errors: dict[str, FloatArray] = defaultdict(lambda: np.zeros(1))
     errors |= {name: normal[..., [i]] * value for i, (name, value) in enumerate(sd.items())}
     material, friction = surface.material, surface.friction
@@ -273,9 +277,9 @@ def _quantities(
             found["rescaled_load"] = rescaled
             found["rescaled_friction"] = (force + errors["friction_force"]) / stress
             found["deviation"] = found["rescaled_friction"] - found["area"]
-    if slope is not None:
-        fitted = slope.fitted(area(slope.load * material.composite_modulus / modulus, factor))
-        found["slope"] = fitted[..., None]
+    if fitted is not None:
+        moved = area(fitted * material.composite_modulus / modulus, factor)
+        found["slope"] = slope(fitted, moved)[..., None]
     # a quantity that depends on no random parameter has the same value at all points
     shape = normal.shape[:-1]
     return {name: np.broadcast_to(value, (*shape, value.shape[-1])) for name, value in found.items()}

@@ -8,7 +8,7 @@ import xarray as xr
 
 import metafem as mf
 from metafem.studies import summary
-from metafem.studies.slope import Slope
+from metafem.studies.slope import slope_loads
 from tests.refusals import faults
 
 MATERIAL, FRICTION = mf.Material(1.36), mf.Friction(0.404, 0.85)
@@ -63,8 +63,8 @@ REFUSALS = {
         ),
     ],
     "ranges": [
-        (lambda: Slope.of(FLAT, None, mf.Independent()), "load_range", "height"),
-        (lambda: Slope.of(FLAT, (0.3, 0.1), mf.Independent()), "load_range", "0.1"),
+        (lambda: slope_loads(FLAT, None, mf.Independent()), "load_range", "height"),
+        (lambda: slope_loads(FLAT, (0.3, 0.1), mf.Independent()), "load_range", "0.1"),
         (lambda: summary(xr.Dataset()), "summary", ""),
     ],
     "parameters": [
