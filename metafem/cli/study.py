@@ -14,7 +14,6 @@ from metafem.cli.options import Decorator, Name, Quantity, command, force_option
 from metafem.cli.output import Printed, show
 from metafem.cli.progress import loaded, progress
 from metafem.errors import refuse_if
-from metafem.progress import message
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -30,12 +29,7 @@ INPUTS = {
     "load": ("N", "2mN"),
     "shear_strength": ("MPa", "0.006MPa"),
     "area_ratio": ("1", "0.01"),
-    "friction_force": ("N", "2mN"),
 }
-
-# If a value of the design and the calibrated value differ by more than this, both are printed [standard
-# deviations].
-APART = 2.0
 
 # Default standard deviations of the heights, as in Fig. S3: 0 to 3 um in steps of 0.1 um [mm].
 LEVELS = [i * 1e-4 for i in range(31)]
@@ -48,38 +42,32 @@ def deviation_option(inputs: Mapping[str, Any]) -> Decorator:
 
 
 def _option(name: str, kind: Any, words: str, **settings: Any) -> Decorator:
-    return click.option(name, type=kind, help=words, show_default="default" in settings, **settings)
+    return click.option(*name.split(), type=kind, help=words, show_default="default" in settings, **settings)
 
 
-# Types of options: numbers of at least 0, 1 and 2, and an angle.
+# Types of options: numbers of at least 0, 1 and 2, angles, lengths and a list of lengths.
 FROM_0, FROM_1, FROM_2 = (click.IntRange(least) for least in range(3))
-ANGLE = Quantity("rad", "0.05deg")
+ANGLE, LENGTH = Quantity("rad", "0.05deg"), Quantity("mm", "2um")
+LENGTHS = Quantity("mm", "3um", listed=True)
 
-# Help texts of more than a line.
-FITTED = (
-    "Loads between which the slope is fitted, P/E* or P, such as 0.05mm^2 0.2mm^2. Default: 25 to 100 % of "
-    "the load at which the plane reaches the lowest asperity."
-)
+FITTED = "Loads between which the slope is fitted, P/E* or P, such as 0.05mm^2 0.2mm^2."
 CALIBRATED = "Errors and correlations of a metafem calibrate -o FILE.toml; --sd adds other inputs."
-PAIRS = "Measured pairs with the columns load_N and friction_force_N. Default: the predicted law."
-HEIGHTS = "SD of the heights, such as 0.9um,3um. Default: 0 to 3 um in steps of 0.1 um."
 
 # Options of the studies, each with its type, help text and settings; each study lists those that it has.
 OPTIONS: dict[str, Decorator] = {
-    "height_sd": _option("--height-sd", Quantity("mm", "3um", listed=True), HEIGHTS, metavar="LENGTHS"),
+    "height_sd": _option("--height-sd", LENGTHS, "SD of the heights, such as 0.9um,3um."),
     "tilt": _option("--angle", ANGLE, "Largest tilt about either axis.", default="0"),
-    "radius_sd": _option("--radius-sd", Quantity("mm", "2um"), "SD of the radii.", default="0"),
-    "position_sd": _option("--position-sd", Quantity("mm", "5um"), "SD of x and y of sites.", default="0"),
+    "radius_sd": _option("--radius-sd", LENGTH, "SD of the radii.", default="0"),
+    "position_sd": _option("--position-sd", LENGTH, "SD of x and y of sites.", default="0"),
     "misfit": _option("--misfit", bool, "Compare each law with the target; takes longer.", is_flag=True),
     "angle": _option("--angle", ANGLE, "Largest angle, reached in 1,000 steps.", default="0.1deg"),
     "shuffles": _option("--shuffles", FROM_0, "Number of random placements to compare with.", default=20),
     "placements": _option("--placements", FROM_1, "Number of random placements.", default=1000),
     "sd": deviation_option(INPUTS),
     "calibration": _option("--calibration", Name(), CALIBRATED, metavar="FILE.toml"),
-    "measured": _option("--measured", Name(), PAIRS, metavar="TABLE.csv"),
     "load_range": _option("--load-range", Quantity("load"), FITTED, nargs=2, metavar="FROM TO"),
     "draws": _option("--draws", FROM_2, "Number of draws.", default=10_000),
-    "seed": _option("--seed", FROM_0, "Seed of the random numbers.", default=0),
+    "seed": _option("--seed rng", FROM_0, "Seed of the random numbers.", default=0),
     "workers": _option("--workers", FROM_1, "Number of processes; no number depends on it.", default=1),
 }
 
@@ -107,14 +95,12 @@ def of_design(*names: str, short_help: str) -> Callable[[Callable[..., Dataset]]
         name = compute.__name__
 
         def run(folder: Path, force: bool, as_json: bool, workers: int = 1, **given: Any) -> None:
-            if given.get("calibration") is not None:  # report a wrong file before the study runs
-                mf.files.read_parameters(given["calibration"])
-            path = mf.files.study_path(folder, name, force)
             from joblib import parallel_config
 
+            path = mf.files.study_path(folder, name, force)
             with progress(), parallel_config(n_jobs=workers):
                 design = loaded(folder)
-                dataset = compute(design, **_arguments(design, given))
+                dataset = compute(design, **(_of_law(design, **given) if "load_range" in given else given))
                 mf.files.write_study(dataset, path, force=force)
             show_study(as_json, {"file": str(path), **mf.files.study_data(dataset)}, dataset, path)
 
@@ -123,6 +109,17 @@ def of_design(*names: str, short_help: str) -> Callable[[Callable[..., Dataset]]
         study.add_command(command(*parts, name=name, short_help=short_help)(run))
 
     return add
+
+
+def _of_law(
+    design: Design, model: str | None, contact: str | None, load_range: Any, **others: Any
+) -> dict[str, Any]:
+    """Return the options with the model that --model and --contact state, and rescaled loads."""
+    used = mf.files.chosen_model(design.law.model, model, contact, design.surface.block)
+    mf.files.refuse_missing_block(used, design.surface, "design the folder again with a section [block]")
+    if load_range is not None:
+        load_range = mf.files.rescaled_range(load_range, design.surface.material)
+    return {"model": used, "load_range": load_range, **others}
 
 
 def show_study(
@@ -138,20 +135,6 @@ def show_study(
     show(False, {}, tables=tables, lines=answers, notes=found.notes, files=[path])
 
 
-def _arguments(design: Design, given: dict[str, Any]) -> dict[str, Any]:
-    """Return the options with the model that --model and --contact state, and rescaled loads."""
-    if "seed" in given:
-        given["rng"] = given.pop("seed")
-    if "load_range" not in given:
-        return given
-    chosen = given["model"], given.pop("contact"), design.surface.block
-    model = mf.files.chosen_model(design.law.model, *chosen)
-    mf.files.refuse_missing_block(model, design.surface, "design the folder again with a section [block]")
-    if given["load_range"] is not None:
-        given["load_range"] = mf.files.rescaled_range(given["load_range"], design.surface.material)
-    return given | {"model": model}
-
-
 @of_design(
     *("height_sd", "tilt", "radius_sd", "position_sd", "misfit", "load_range", "draws", "seed", "workers"),
     short_help="How accurate the heights must be.",
@@ -162,7 +145,8 @@ def manufacturing(design: Design, height_sd: list[float] | None, misfit: bool, *
     Each height has an independent Gaussian error. A line is fitted to each law over a range of loads. The
     mean and the scatter (standard deviation) of its slope over the random surfaces are printed, and with
     --misfit the misfit from the target that 95 % of the surfaces do not exceed. Other errors may be added.
-    The result is the file DIR/manufacturing.nc.
+    The heights have standard deviations of 0 to 3 um in steps of 0.1 um unless --height-sd states others. The
+    result is the file DIR/manufacturing.nc.
 
     Example: metafem study manufacturing linear --height-sd 0.9um,3um
     """
@@ -185,22 +169,17 @@ def misalignment(design: Design, **options: Any) -> Dataset:
 
 
 @of_design(
-    *("sd", "calibration", "measured", "load_range", "draws", "seed"),
+    *("sd", "calibration", "load_range", "draws", "seed"),
     short_help="Error bars of the law, and which input matters most.",
 )
-def uncertainty(
-    design: Design, sd: tuple[str, ...], calibration: Path | None, measured: Path | None, **options: Any
-) -> Dataset:
+def uncertainty(design: Design, sd: tuple[str, ...], calibration: Path | None, **options: Any) -> Dataset:
     """Study the error bars of the law for Gaussian errors of its inputs, and the share of each input.
 
     The shares are Sobol indices: the fraction of the variance that an input causes on its own, and the
-    fraction that it causes together with other inputs. With measured loads and friction forces, the study
-    concerns their difference from the predicted law. The result is the file DIR/uncertainty.nc.
+    fraction that it causes together with other inputs. The result is the file DIR/uncertainty.nc.
 
     Example: metafem study uncertainty linear --sd composite_modulus=0.04MPa --sd radius=2um
     """
-    if measured is not None:
-        options["load"] = mf.files.measured_pairs(measured)
     deviations: Any = given_deviations(sd, INPUTS)
     if calibration is not None:
         deviations = with_calibration(calibration, deviations, design.surface)
@@ -261,12 +240,6 @@ def with_calibration(
     refuse_if(twice, f"--sd {twice} and --calibration both give the error of {twice}; keep one")
     designed = nominal_values(surface)
     used = [i for i, name in enumerate(found.parameters) if name in designed]
-    names = [found.parameters[i] for i in used]
-    for name, sd, value in zip(names, found.sd[used], found.value[used], strict=True):
-        if abs(value - designed[name]) > APART * sd:
-            message(
-                f"{name} of the design is {designed[name]:.4g}, and that of the calibration {value:.4g} ± "
-                f"{sd:.2g}; the study has the value of the design with the error of the calibration"
-            )
     others = np.diag(np.square([*deviations.values()]))
-    return (*names, *deviations), block_diag(found.covariance[np.ix_(used, used)], others)
+    names = (*(found.parameters[i] for i in used), *deviations)
+    return names, block_diag(found.covariance[np.ix_(used, used)], others)

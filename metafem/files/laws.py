@@ -206,15 +206,6 @@ def samples_of(source: str | Path | Table) -> Keys:
     return {"rescaled_friction" if key == "area" else key: column for key, column in values.items()}
 
 
-def measured_pairs(path: str | Path | Table) -> tuple[list[float], list[float]]:
-    """Return loads and friction forces [N] of a measured law, sorted by load."""
-    table = read_table(path)
-    samples = samples_of(table)
-    words = f"{table.name} must hold forces; name its columns load_N,friction_force_N"
-    refuse_if(not samples.keys() >= {"load", "friction_force"}, words)
-    return samples["load"].tolist(), samples["friction_force"].tolist()
-
-
 def read_sites(path: str | Path | Table) -> tuple[FloatArray, IntArray]:
     """Return the positions [mm], (n, 2), and numbers, (n,), of the sites of a design, seen from above.
 

@@ -40,14 +40,12 @@ WORDS = {
     "radius": "the radius R",
     "composite_modulus": "the composite modulus E*",
     "load": "the load P",
-    "friction_force": "the friction force F",
     "shear_strength": "the shear strength σ",
     "area_ratio": "the area ratio B",
 }
 
 # Quantities that a study may contain, the most informative first, in words.
 QUANTITIES = {
-    "deviation": "the difference between measured and predicted friction",
     "friction_force": "the friction force",
     "area": "the real contact area",
 }
@@ -202,15 +200,14 @@ def _uncertainty(study: Dataset) -> Summary:
         columns["of the slope [%]"] = texts(".1f", 100.0 * study["slope_total"].values)
         columns["its error [%]"] = texts(".1f", 100.0 * study["slope_total_error"].values)
     most = int(total.argmax())
+    error_bar = study[f"{quantity}_sd"].values / study[f"{quantity}_mean"].values
     answer = (
         f"T{names[most][1:]} matters most: its error accounts for {100.0 * first[most]:.0f} % "
-        f"of the variance of {QUANTITIES[quantity]}"
+        f"of the variance of {QUANTITIES[quantity]}, whose error bar is {percent(float(error_bar[-1]))} (SD) "
+        "at the largest load."
     )
-    if quantity != "deviation":
-        mean, sd = study[f"{quantity}_mean"].values, study[f"{quantity}_sd"].values
-        answer += f", whose error bar is {percent(float((sd / mean)[-1]))} (SD) at the largest load"
     title = f"Share of each input in the variance of {QUANTITIES[quantity]}, over all loads"
-    return Summary.of(study, title, columns, f"{answer}.")
+    return Summary.of(study, title, columns, answer)
 
 
 def main_quantity(study: Dataset) -> str:

@@ -69,11 +69,10 @@ def uncertainty(
 ) -> xr.Dataset:
     """Return the error bars of the law due to Gaussian errors of its parameters, and each parameter's share.
 
-    For a prediction, ``A0 = F/(sigma B)`` is computed at the load P/E* with random values of R, E* and P, and
-    ``F = sigma B A0`` also with random values of sigma and B. For measured pairs, P/E* and F/(sigma B) are
-    computed with random values of P, F, E*, sigma and B. The ``deviation`` of the pairs from the prediction,
-    F/(sigma B) - A0(P/E*), also depends on R. Source: Aymard et al., Science 383, 200 (2024),
-    doi:10.1126/science.adk4234, supplementary text "Uncertainties", error bars of Figs. 3 to 5.
+    A0 is computed at the load P/E* with random values of R, E* and P, and ``F = sigma B A0`` also with random
+    values of sigma and B; `metafem.calibration.compare` has the error bars of measured laws.
+    Source: Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234, supplementary text
+    "Uncertainties", error bars of Figs. 3 to 5.
 
     Parameters
     ----------
@@ -81,16 +80,14 @@ def uncertainty(
         The surface with the mean values of R, E*, sigma and B.
     parameters : mapping of str to float, or (sequence of str, array_like (p, p))
         Standard deviations of ``radius`` [mm] (all radii change by the same factor), ``composite_modulus``
-        [MPa], ``load`` [N], ``shear_strength`` [MPa] and ``area_ratio`` [-], and of ``friction_force`` [N]
-        for measured pairs; those of load and force may be arrays (k,). Or the names of parameters and their
-        covariance matrix, in these units.
+        [MPa], ``load`` [N], a number or one for each load, ``shear_strength`` [MPa] and ``area_ratio`` [-].
+        Or the names of parameters and their covariance matrix, in these units.
     draws : int
         Number of evaluations, at least 2, rounded up to 16 sets of Sobol points; default: 10,000.
     model : Model, optional
         Default: `Independent()`.
-    load : array_like, (k,) or (2, k), optional
-        Normal loads P [N], or the loads and the friction forces [N] of measured pairs, positive. Default: the
-        100 loads of `friction_law`.
+    load : array_like, (k,), optional
+        Normal loads P [N], positive. Default: the 100 loads of `friction_law`.
     load_range : (float, float), optional
         Rescaled loads P/E* between which a line is fitted [mm^2]. Default: 25 to 100 % of the load at which
         the plane reaches the lowest summit.
@@ -101,9 +98,8 @@ def uncertainty(
     -------
     xarray.Dataset
         ``area_mean`` and ``area_sd`` [mm^2] over ``rescaled_load`` [mm^2], the error bars of the law, and
-        ``friction_force_...`` [N] with a Friction; measured pairs have ``rescaled_load_...``,
-        ``rescaled_friction_...`` and ``deviation_...`` [mm^2] instead. ``slope_mean`` and ``slope_sd`` [-]
-        are those over the nominal P/E*. ``NAME_first_order`` and ``NAME_total`` over ``parameter`` are the
+        ``friction_force_...`` [N] with a Friction. ``slope_mean`` and ``slope_sd`` [-] are those over the
+        nominal P/E*. ``NAME_first_order`` and ``NAME_total`` over ``parameter`` are the
         Sobol indices: the share of the variance that a parameter explains by itself, and the share that
         remains if all others are known (`scipy.stats.sobol_indices`). Correlated parameters share one entry.
         Each estimate has its standard sampling error ``..._error``.
@@ -126,9 +122,11 @@ def uncertainty(
     """
     used = checked_model(Independent() if model is None else model)
     number, seed = check.integer("draws", draws, at_least=2), seed_of(rng)
-    loads, force = _loads(surface, used, load)
-    means = nominal_values(surface) | {"load": loads} | ({} if force is None else {"friction_force": force})
-    sd, correlation = _inputs(parameters, means)
+    if load is None:
+        loads = surface.material.composite_modulus * default_loads(surface, used)
+    else:
+        loads = check.array("load", load, shape=(None,), positive=True)
+    sd, correlation = _inputs(parameters, nominal_values(surface) | {"load": loads})
     law = contact_of(used)
     refuse_if(
         "composite_modulus" in sd and law.scales_with_stress,
@@ -142,7 +140,7 @@ def uncertainty(
         fitted = slope_loads(surface, load_range, used)
         last, note = max(last, modulus * fitted[-1]), range_note(fitted)
     area = tabulated(surface, used, sd, last)
-    quantities = partial(_quantities, surface, sd, area, fitted, loads, force)
+    quantities = partial(_quantities, surface, sd, area, fitted, loads)
 
     groups, label = connected_components(correlation != 0.0)
     exchanged = label == np.arange(groups)[:, None]
@@ -162,23 +160,10 @@ def uncertainty(
             variables[f"{name}_{statistic}"] = over, value[..., part]
             variables[f"{name}_{statistic}_error"] = over, error[..., part]
     labels = [" + ".join(np.array(list(sd))[group]) for group in exchanged]
-    variables.pop("nominal_rescaled_load", None)  # the coordinate holds these values
     coordinates = {"rescaled_load": loads / modulus, "parameter": labels}
     origin = {"model": repr(used), "seed": str(seed), "draws": runs * points}
     ends = [] if fitted is None else fitted[[0, -1]].tolist()
     return dataset("uncertainty", variables, coordinates, [note], **origin, load_range=ends)
-
-
-def _loads(surface: Surface, model: Model, load: ArrayLike | None) -> tuple[FloatArray, FloatArray | None]:
-    """Return the loads (k,) [N], and the friction forces (k,) [N] of measured pairs."""
-    if load is None:
-        return surface.material.composite_modulus * default_loads(surface, model), None
-    if check.depth(load) < 2:
-        return check.array("load", load, shape=(None,), positive=True), None
-    refuse_if(surface.friction is None, "of measured pairs needs a surface with a Friction", key="load")
-    pair = check.array("load", load, shape=(2, None))
-    loads, force = (check.array("load", row, shape=(None,), positive=True) for row in pair)
-    return loads, force
 
 
 def nominal_values(surface: Surface) -> dict[str, Any]:
@@ -200,7 +185,7 @@ def _inputs(parameters: Parameters, mean: Mapping[str, Any]) -> tuple[dict[str, 
         deviation = np.sqrt(np.diagonal(matrix))
         given = dict(zip(names, deviation, strict=True))
         correlation = matrix / np.outer(*[np.where(deviation > 0.0, deviation, 1.0)] * 2)
-    known = f"{', '.join(mean)}; strength and ratio need a Friction, and friction_force measured pairs"
+    known = f"{', '.join(mean)}; those of friction need a Friction"
     found = {}
     for name, value in given.items():
         label = f"parameters.{name}"
@@ -254,7 +239,6 @@ def _quantities(
     area: Callable[[FloatArray, FloatArray], FloatArray],
     fitted: FloatArray | None,
     load: FloatArray,
-    force: FloatArray | None,
     normal: FloatArray,
 ) -> dict[str, FloatArray]:
     """Return the quantities (..., k) by name for normal numbers (..., p); the slope has k = 1.
@@ -266,17 +250,11 @@ def _quantities(
     material, friction = surface.material, surface.friction
     modulus = material.composite_modulus + errors["composite_modulus"]
     factor = 1.0 + errors["radius"] / surface.radius.mean()
-    rescaled = (load + errors["load"]) / modulus
-    found = {"area": area(rescaled, factor)}
+    found = {"area": area((load + errors["load"]) / modulus, factor)}
     if friction is not None:
         strength = friction.shear_strength + errors["shear_strength"]
         stress = strength * (friction.area_ratio + errors["area_ratio"])
-        if force is None:
-            found["friction_force"] = stress * found["area"]
-        else:
-            found["rescaled_load"] = rescaled
-            found["rescaled_friction"] = (force + errors["friction_force"]) / stress
-            found["deviation"] = found["rescaled_friction"] - found["area"]
+        found["friction_force"] = stress * found["area"]
     if fitted is not None:
         moved = area(fitted * material.composite_modulus / modulus, factor)
         found["slope"] = slope(fitted, moved)[..., None]

@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 
 import metafem as mf
-from metafem.files import demo_text, stored_studies
+from metafem.files import demo_text
 
 
 @pytest.mark.usefixtures("plain_reports")
@@ -63,20 +63,6 @@ def test_a_study_takes_model_and_loads(run, demo):
     assert data["model"].startswith("Interacting(")
     assert data["load_range"] == pytest.approx([0.2 / 1.36, 0.5 / 1.36])
     assert mf.load("linear").law.model == mf.Independent()
-
-
-@pytest.mark.slow
-def test_measured_pairs_are_compared_with_the_law(run, demo):
-    demo("linear")
-    Path("measured.csv").write_text("load_mN,friction_force_N\n50,0.11\n300,0.49\n", "utf-8")
-    deviations = ("--sd", "composite_modulus=0.04MPa", "--sd", "friction_force=2mN")
-    options = ("--measured", "measured.csv", *deviations, "--draws", 100)
-    told = run("study", "uncertainty", "linear", *options).told
-    assert "of the difference between measured and predicted friction" in told
-    studies = stored_studies("linear")
-    assert studies["uncertainty"].rescaled_friction_mean.values == pytest.approx([0.3615, 1.610], rel=0.005)
-    Path("measured.csv").write_text("rescaled_load_mm2,rescaled_friction_mm2\n0.1,0.9\n", "utf-8")
-    assert "must hold forces" in run("study", "uncertainty", "linear", *options, "--force").refusal
 
 
 def test_a_surface_of_one_height_needs_a_range_of_loads(run, demo):

@@ -268,7 +268,6 @@ TABLES = {
         ("x_mm,y_mm,depth_mm\n", "t.csv", "heights.csv"), ("site,x_mm,y_mm\n1.5,1,1\n", "site", "'1.5'"),
         ("site,x_mm,y_mm\n1,1,1\n1,2,2\n", "line 3: site", "1 is"), (large(TABLE), "t.csv", "64 MiB"),
     ],
-    files.measured_pairs: [("load_N,area_mm2\n1,2\n", "t.csv", "load_N,friction_force_N")],
     partial(columns_of, kind="sampled"): [
         ("load_N,area_mm2\n0,2\n", "line 2: load_N", "0"),
         ("load_N,area_mm2,area_sd_mm2,relative_error\n1,2,1,1\n", "relative_error", "area_sd"),

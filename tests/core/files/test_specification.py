@@ -211,8 +211,6 @@ def test_tables_of_a_target_are_read_with_their_units_and_errors(tmp_path):
             np.testing.assert_allclose(found.relative_error, error, rtol=1e-12, err_msg=table)
         if weight is not None:
             np.testing.assert_allclose(found.weight, weight, rtol=1e-12, err_msg=table)
-    (tmp_path / "a.csv").write_text("load_mN,friction_force_N\n200,.3\n100,.1\n", "utf-8")
-    assert files.measured_pairs(tmp_path / "a.csv") == ([0.1, 0.2], [0.1, 0.3])
 
 
 def test_tables_are_kept_beside_the_specification(tmp_path):

@@ -47,14 +47,7 @@ REFUSALS = {
     ],
     "uncertainty": [
         (uncertainty(load=[0.1, -0.1]), "load[1]", "-0.1"),
-        (uncertainty(load=[[0.1], [-0.1]]), "load", "-0.1"),
-        (
-            uncertainty(load=[0.1], parameters={"friction_force": 0.1}),
-            "parameters.friction_force",
-            "measured",
-        ),
         (uncertainty(BARE, parameters={"shear_strength": 0.01}), "parameters.shear_strength", "Friction"),
-        (uncertainty(BARE, load=[[0.1], [0.1]]), "load", "Friction"),
         (uncertainty(model="layer"), "model", "layer"),
         (
             uncertainty(parameters={"composite_modulus": 0.05}, model=PLASTIC, load=[0.01]),

@@ -59,25 +59,6 @@ def test_small_errors_propagate_linearly(surface):
     assert not found.slope_total.sel(parameter="load").any()
 
 
-def test_measured_pairs_have_errors_in_both_directions(surface):
-    force = np.array([0.15, 0.3, 0.5])
-    sd = {**SD, "friction_force": 0.001 + 0.01 * force}
-    found = mf.studies.uncertainty(surface, sd, load=[LOAD, force], draws=40_000)
-    np.testing.assert_allclose(found.rescaled_load, LOAD / 1.36)
-    # products and quotients of independent Gaussian variables to the first order; the second is below 1 %
-    load = LOAD / 1.36 * np.hypot(0.005 / LOAD, 0.04 / 1.36)
-    ratio = [sd["friction_force"] / force, np.full(3, 0.006 / 0.404), np.full(3, 0.01 / 0.85)]
-    friction = force / (0.404 * 0.85) * np.sqrt(np.square(ratio).sum(axis=0))
-    np.testing.assert_allclose(found.rescaled_load_sd, load, rtol=0.01)
-    np.testing.assert_allclose(found.rescaled_friction_sd, friction, rtol=0.01)
-    np.testing.assert_allclose(found.nominal_deviation, found.nominal_rescaled_friction - found.nominal_area)
-    both = np.hypot(found.rescaled_friction_sd, found.area_sd)
-    np.testing.assert_allclose(found.deviation_sd, both, rtol=0.01)
-    np.testing.assert_allclose(found.deviation_first_order.sum("parameter"), 1.0, atol=0.01)
-    assert list(found.parameter.values) == [*SD, "friction_force"]
-    assert "friction_force_sd" not in found
-
-
 def test_correlated_parameters_are_one_entry(surface):
     names, covariance = ["radius", "load", "composite_modulus"], np.diag([0.005**2, 0.005**2, 0.04**2])
     alone = mf.studies.uncertainty(surface, (names, covariance), load=LOAD)
