@@ -31,9 +31,6 @@ INPUTS = {
     "area_ratio": ("1", "0.01"),
 }
 
-# Default standard deviations of the heights, as in Fig. S3: 0 to 3 um in steps of 0.1 um [mm].
-LEVELS = [i * 1e-4 for i in range(31)]
-
 
 def deviation_option(inputs: Mapping[str, Any]) -> Decorator:
     """Return the option --sd, which states the standard deviations of inputs."""
@@ -48,14 +45,14 @@ def _option(name: str, kind: Any, words: str, **settings: Any) -> Decorator:
 # Types of options: numbers of at least 0, 1 and 2, angles, lengths and a list of lengths.
 FROM_0, FROM_1, FROM_2 = (click.IntRange(least) for least in range(3))
 ANGLE, LENGTH = Quantity("rad", "0.05deg"), Quantity("mm", "2um")
-LENGTHS = Quantity("mm", "3um", listed=True)
+LENGTHS, LEVELS = Quantity("mm", "3um", listed=True), "0,0.5um,1um,1.5um,2um,2.5um,3um"
 
 FITTED = "Loads between which the slope is fitted, P/E* or P, such as 0.05mm^2 0.2mm^2."
 CALIBRATED = "Errors and correlations of a metafem calibrate -o FILE.toml; --sd adds other inputs."
 
 # Options of the studies, each with its type, help text and settings; each study lists those that it has.
 OPTIONS: dict[str, Decorator] = {
-    "height_sd": _option("--height-sd", LENGTHS, "SD of the heights, such as 0.9um,3um."),
+    "height_sd": _option("--height-sd", LENGTHS, "SD of the heights, such as 0.9um,3um.", default=LEVELS),
     "tilt": _option("--angle", ANGLE, "Largest tilt about either axis.", default="0"),
     "radius_sd": _option("--radius-sd", LENGTH, "SD of the radii.", default="0"),
     "position_sd": _option("--position-sd", LENGTH, "SD of x and y of sites.", default="0"),
@@ -139,20 +136,19 @@ def show_study(
     *("height_sd", "tilt", "radius_sd", "position_sd", "misfit", "load_range", "draws", "seed", "workers"),
     short_help="How accurate the heights must be.",
 )
-def manufacturing(design: Design, height_sd: list[float] | None, misfit: bool, **options: Any) -> Dataset:
+def manufacturing(design: Design, height_sd: list[float], misfit: bool, **options: Any) -> Dataset:
     """Study the law of surfaces whose heights have random errors.
 
     Each height has an independent Gaussian error. A line is fitted to each law over a range of loads. The
     mean and the scatter (standard deviation) of its slope over the random surfaces are printed, and with
     --misfit the misfit from the target that 95 % of the surfaces do not exceed. Other errors may be added.
-    The heights have standard deviations of 0 to 3 um in steps of 0.1 um unless --height-sd states others. The
-    result is the file DIR/manufacturing.nc.
+    The result is the file DIR/manufacturing.nc.
 
     Example: metafem study manufacturing linear --height-sd 0.9um,3um
     """
     others = mf.Tolerances(**{name: options.pop(name) for name in ("angle", "radius_sd", "position_sd")})
     part = design if misfit else design.surface
-    return mf.studies.manufacturing(part, height_sd or LEVELS, others=others, **options)
+    return mf.studies.manufacturing(part, height_sd, others=others, **options)
 
 
 @of_design("angle", "shuffles", "load_range", "seed", "workers", short_help="How level the plane must be.")
@@ -235,10 +231,9 @@ def with_calibration(
 
     from metafem.studies.uncertainty import nominal_values
 
-    found = mf.files.read_parameters(path)
+    found, designed = mf.files.read_parameters(path), nominal_values(surface)
     twice = ", ".join(name for name in found.parameters if name in deviations)
     refuse_if(twice, f"--sd {twice} and --calibration both give the error of {twice}; keep one")
-    designed = nominal_values(surface)
     used = [i for i, name in enumerate(found.parameters) if name in designed]
     others = np.diag(np.square([*deviations.values()]))
     names = (*(found.parameters[i] for i in used), *deviations)
