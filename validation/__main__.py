@@ -61,7 +61,7 @@ def _first_minute():
         area,
         "k^",
         ms=4,
-        label="the caps coupled by finite elements of the block",
+        label="finite elements of the block",
     )
     ax.legend(frameon=False, loc="upper left")
     return figure

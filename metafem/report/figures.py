@@ -48,7 +48,7 @@ def beside_text(draw: Callable[..., None]) -> Callable[..., Figure]:
 
 def law_figure(design: Design) -> Figure:
     """Draw target and achieved law, and below them the relative difference that defines the misfit."""
-    figure = new_figure(5.6, 4.7, (0.7, 0.8, 0.6, 0.6))
+    figure = new_figure(5.6, 4.7, (0.85, 0.8, 0.6, 0.6))
     ax, below = figure.subplots(2, 1, sharex=True, height_ratios=[3, 1], gridspec_kw={"hspace": 0.08})
     design.plot(ax)
     _draw_difference(design, below)

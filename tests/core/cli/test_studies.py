@@ -20,7 +20,7 @@ def test_study_prints_its_table_and_keeps_its_file(run):
     assert "half-space" in result.told
     assert "…" not in result.stdout  # on the other stream kernels may be compiled
     assert "--force" in run("study", "interaction", "small").refusal
-    data = run("study", "interaction", "small", "--force", "--json").data
+    data = run("study", "interaction", "small", "--placements", 20, "--force", "--json").data
     with xr.open_dataset("small/interaction.nc", engine="h5netcdf") as kept:
         assert kept.area_change.values.tolist() == data["data"]["area_change"]["values"]
         assert kept.sinking.attrs["units"] == "mm"
