@@ -6,7 +6,7 @@ import sys
 CLUSTER = """
 import joblib
 from distributed import Client, LocalCluster
-from tests.core.studies.test_batches import study
+from tests.core.studies.test_draws import study
 
 if __name__ == "__main__":
     with LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster):

@@ -34,12 +34,6 @@ def test_default_grid_brings_every_asperity_into_contact(rough):
     assert last.separation > 0.0
 
 
-def test_rescaling_and_friction_force(rough):
-    law = mf.friction_law(rough, load=[0.2])
-    assert law.rescaled_load[0] == pytest.approx(0.2 / 1.36, rel=1e-12)
-    assert law.friction_force[0] == pytest.approx(0.358 * 0.85 * law.area[0], rel=1e-12)
-
-
 def test_fit_is_the_regression_with_its_interval(rough):
     law = mf.friction_law(rough, load=np.linspace(0.1, 0.6, 26))
     fit = law.fit((0.1, 0.4))
@@ -52,12 +46,6 @@ def test_fit_is_the_regression_with_its_interval(rough):
     assert fit.intercept - fit.intercept_interval[0] == pytest.approx(
         student * line.intercept_stderr, rel=1e-9
     )
-
-
-def test_plot_draws_the_law(rough):
-    law = mf.friction_law(rough)
-    (line,) = law.plot().get_lines()
-    np.testing.assert_array_equal(line.get_xdata()[1:], law.rescaled_load)
 
 
 @pytest.mark.parametrize("model", [mf.Independent(), mf.Interacting(3, mf.BondedLayer())])
@@ -146,3 +134,42 @@ def test_units_are_suspected_of_moduli_and_loads_that_rubber_does_not_have():
         warned = [str(note) for note in mf.friction_law(surface, load=load).notes if "check" in str(note)]
         assert len(warned) == len(words)
         assert all(part in note for part, note in zip(words, warned, strict=True))
+
+
+@pytest.fixture
+def law(template):
+    return mf.friction_law(template, load=[0.1, 0.2, 0.3])
+
+
+def test_a_table_holds_every_quantity_with_its_unit(law):
+    table = law.to_dataframe()
+    expected = {
+        "load_N": law.load,
+        "area_mm2": law.area,
+        "separation_mm": law.separation,
+        "rescaled_load_mm2": law.rescaled_load,
+        "rescaled_friction_mm2": law.area,
+        "friction_force_N": law.friction_force,
+        "friction_coefficient": law.friction_coefficient,
+        "approach_mm": law.approach,
+        "stiffness_N_per_mm": law.stiffness,
+        "residual": law.residual,
+    }
+    assert list(table) == list(expected)
+    for name, values in expected.items():
+        np.testing.assert_array_equal(table[name], values)
+    assert table.attrs["model"] == "Independent()"
+    assert table.attrs["status"].startswith("converged")
+
+
+def test_a_data_set_has_units_and_is_written(law, tmp_path):
+    import xarray as xr
+
+    data = law.to_xarray()
+    assert dict(data.sizes) == {"rescaled_load": 3}
+    np.testing.assert_array_equal(data.friction_force, law.friction_force)
+    units = {name: data[name].attrs["units"] for name in ("rescaled_load", "load", "area", "stiffness")}
+    assert units == {"rescaled_load": "mm2", "load": "N", "area": "mm2", "stiffness": "N/mm"}
+    data.to_netcdf(tmp_path / "law.nc", engine="h5netcdf")
+    with xr.open_dataset(tmp_path / "law.nc", engine="h5netcdf") as again:
+        assert again.identical(data)

@@ -1,8 +1,9 @@
-"""The tables and answers of studies."""
+"""The tables, answers and units of studies."""
 
 import numpy as np
 
 import metafem as mf
+from metafem.prediction.base_law import described
 from metafem.studies import summary
 from metafem.studies.summary import shown
 
@@ -53,3 +54,19 @@ def test_numbers_and_notes_of_a_summary(template):
         np.testing.assert_allclose([float(cell) for cell in row[6:]], numbers, rtol=1e-4, atol=0.0051)
     assert {len(row) for row in table.rows} == {len(table.columns)}
     assert len(table.notes) == 1
+
+
+def test_every_variable_is_described(surface):
+    sd = {"radius": 0.005, "shear_strength": 0.006}
+    for study in (
+        mf.studies.manufacturing(surface, [0.001], draws=16),
+        mf.studies.misalignment(surface, [0.0005, 0.001], shuffles=2),
+        mf.studies.uncertainty(surface, sd, draws=16, load=[0.1]),
+    ):
+        for name, variable in study.variables.items():
+            if variable.dtype.kind == "f":
+                assert variable.attrs["units"] in {"1", "mm", "mm2", "rad", "N"}, name
+                assert variable.attrs["long_name"], name
+    units = {"friction_force_sd": "N", "friction_force_total_error": "1", "nominal_area": "mm2"}
+    assert {name: described(name)["units"] for name in units} == units
+    assert described("anything_else") == {}

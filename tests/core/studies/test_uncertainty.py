@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import metafem as mf
+from metafem.studies.uncertainty import LOADS, tabulated
 
 SD = {"radius": 0.005, "composite_modulus": 0.04, "load": 0.005, "shear_strength": 0.006, "area_ratio": 0.01}
 LOAD = np.array([0.05, 0.12, 0.2])
@@ -80,3 +81,35 @@ def test_flat_surfaces_and_strengths_do_not_change_the_slope(surface):
     assert float(found.slope_sd) == 0.0
     assert (found.friction_force_sd > 0.0).all()
     assert found.friction_force_total.values == pytest.approx(1.0, abs=0.05)
+
+
+def response_of(surface, model, radius_sd):
+    """The response up to P/E* = 0.3 mm^2."""
+    sd = {"radius": np.array([radius_sd * 0.526])}
+    return tabulated(surface, model, sd, 0.3 * 1.36 * np.sqrt(1.0 - 5.0 * radius_sd))
+
+
+@pytest.mark.parametrize(
+    # the largest errors occur at the entry of a contact between two loads of the table
+    ("model", "largest", "usual"),
+    [(mf.Independent(), 1e-4, 1e-7), (mf.Interacting(substrate=mf.BondedLayer()), 5e-3, 1e-6)],
+)
+def test_the_area_is_that_of_the_model(surface, model, largest, usual):
+    response = response_of(surface, model, 0.01)
+    load = np.linspace(0.01, 0.28, 40)
+    for factor in (0.975, 1.0, 1.015):
+        area = model.areas(surface, load, surface.height[None], factor * surface.radius[None])[0]
+        error = np.abs(response(load, np.full(40, factor)) / area - 1.0)
+        assert error.max() <= largest
+        assert np.median(error) <= usual
+
+
+def test_there_is_no_area_without_load(surface):
+    response = response_of(surface, mf.Independent(), 0.0)
+    np.testing.assert_array_equal(response(np.array([-0.1, 0.0]), np.ones(2)), 0.0)
+
+
+def test_a_load_without_solution_is_named(surface, monkeypatch):
+    monkeypatch.setattr(mf.Interacting, "areas", lambda *given: np.full((1, LOADS), np.nan))
+    with pytest.raises(mf.NotConverged, match="no solution at the rescaled load"):
+        response_of(surface, mf.Interacting(), 0.01)
