@@ -29,9 +29,6 @@ if TYPE_CHECKING:
 
     from metafem.studies import Summary
 
-# Largest number of summits in the table; heights.csv lists all.
-MOST_LISTED = 200
-
 # Largest number of asperities for which coupled laws are computed; they take a second or two.
 MOST_COMPARED = 1500
 
@@ -95,7 +92,6 @@ def page(
         fits=words.fit_table(design),
         parameters=words.parameter_rows(design),
         inputs=_inputs(design),
-        summits=_summits(design),
         model_error=words.error_words(design.law.model_error),
         gists=_gists(design, sliding, parts.get("models")),
         **parts,
@@ -152,22 +148,6 @@ def _gists(design: Design, sliding: Onset | None, models: Summary | None) -> dic
         "heights": f"{heights.min():.1f} – {heights.max():.1f} µm on {sites}.",
         "interaction": f"Change of A0: {', '.join(changes)}." if changes else "",
     }
-
-
-def _summits(design: Design) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
-    """Return headings and rows of the summits, or of the first 200 summits if there are more."""
-    surface = design.surface
-    columns = ("site", "x [mm]", "y [mm]", "height [µm]", "radius [µm]")
-    rows = [
-        (
-            str(design.sites[i]),
-            *(f"{coordinate:.4f}" for coordinate in surface.position[i]),
-            f"{surface.height[i] * MICROMETRES:.2f}",
-            f"{surface.radius[i] * MICROMETRES:.6g}",
-        )
-        for i in range(min(surface.count, MOST_LISTED))
-    ]
-    return columns, rows
 
 
 def _inputs(design: Design) -> list[Row]:

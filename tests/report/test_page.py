@@ -22,7 +22,6 @@ def test_a_page_of_thousands_of_summits_is_small():
     template = mf.Surface.square_lattice(0.12, (40, 40), radius=0.526, material=mf.Material(1.36))
     text = page(mf.design(mf.LinearLaw(6.87), template))
     assert len(text) < 1.5e6  # the 2.8 MB of marks and rows grew with the number of summits
-    assert "The first 200 of 1600 summits; heights.csv lists all of them" in text
 
 
 def test_a_crowded_surface_is_warned_of(template):

@@ -74,12 +74,6 @@ def test_the_page_states_the_numbers_of_the_design():
     ratio = 0.0009 * np.linalg.norm(gradient, axis=1) / law.model.curve(surface, target).area
     assert scattered == f"{100.0 * rms(ratio):.2g} %"
     assert f"{heights.min():.1f} – {heights.max():.1f} µm on {surface.count} of 16 sites" in text
-    start = rows.index(["site", "x [mm]", "y [mm]", "height [µm]", "radius [µm]"]) + 1
-    assert rows[start : start + surface.count] == [
-        [str(site), f"{x:.4f}", f"{y:.4f}", f"{height:.2f}", "526"]
-        for site, (x, y), height in zip(design.sites, surface.position, heights, strict=True)
-    ]
-    assert f"All {surface.count} summits" in text
     (branch, fit), *_ = design.fits
     columns, (row, *_) = fit_table(design)
     assert all(list(pair) in rows for pair in zip(columns, row, strict=True))
@@ -169,12 +163,11 @@ def test_other_inputs_are_stated():
         (other,
          [["summit radius R", "300 – 800", "µm"],
           [tools_row, "RadiusRange(low=0.2, high=0.8, step=0.01)", ""],
-          ["site", "x [mm]", "y [mm]", "height [µm]", "radius [µm]"]]),
+          ]),
         (given, [[tools_row, "(Tool(radius=0.3, cap=Sphere()), Tool(radius=0.5, cap=Sphere()))", ""]]),
     ):  # fmt: skip
         found = rows_of(words_of(changed))
         assert all(row in found for row in rows)
-    assert [row[3:] for row in rows_of(words_of(other)) if row[3:4] == ["160.00"]] == [["160.00", "800"]]
 
 
 def test_slopes_of_friction_coefficients_are_stated_in_newtons():
