@@ -15,6 +15,7 @@ from metafem.drawing import ACHIEVED, LARGEST_DOT, MARGINS, QUIET, TARGET, finis
 from metafem.inversion import Design
 from metafem.inversion.result import draw_target, few
 from metafem.prediction import Onset, equilibrium
+from metafem.studies.summary import SHOWN_LOADS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -25,9 +26,6 @@ if TYPE_CHECKING:
 
 # Width and height of a figure that stands beside a table or words [inch].
 BESIDE_TEXT = 5.2, 2.7
-
-# The three loads of the contact views, as fractions of the largest load of the law.
-VIEWED_LOADS = (0.1, 0.4, 1.0)
 
 # Diameter of the rings that mark open summits, and smallest drawn diameter of contacts, over the distance
 # between summits. Smaller circles would be invisible.
@@ -132,10 +130,10 @@ def height_figure(design: Design) -> Figure:
 def contact_figure(design: Design) -> Figure:
     """Draw top views at three loads: contacts as discs to scale, summits that are not in contact as rings."""
     figure = new_figure(9.6, 3.7, (0.7, 0.1, 0.6, 0.6))
-    axes = figure.subplots(1, len(VIEWED_LOADS), sharex=True, sharey=True, gridspec_kw={"wspace": 0.05})
+    axes = figure.subplots(1, len(SHOWN_LOADS), sharex=True, sharey=True, gridspec_kw={"wspace": 0.05})
     position = design.surface.position
     distance = drawing.spacing(position)
-    for ax, fraction in zip(axes, VIEWED_LOADS, strict=True):
+    for ax, fraction in zip(axes, SHOWN_LOADS, strict=True):
         state = equilibrium(design.surface, design.law.model, load=fraction * float(design.law.load[-1]))
         closed = state.asperity_area > 0.0
         diameter = 2.0 * np.sqrt(state.asperity_area[closed] / np.pi)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
@@ -20,20 +19,13 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
 # Largest number of rows of a table; if there are more levels or angles, some are left out.
-MOST_ROWS = 12
+MOST_ROWS = 10
 
 # Loads with a column of their own, as fractions of the largest load.
 SHOWN_LOADS = (0.1, 0.4, 1.0)
 
 # Meaning of the last columns of the interaction table.
 RANDOM = "asperities assigned to the sites at random, at every fifth load"
-
-# Words for a study of one tolerance: errors up to a value, errors at a value, the value, its unit in mm or
-# rad, and its kind.
-SENTENCES = {
-    "height_sd": ("errors of the heights of up to", "At", "{:.3g} µm (SD)", MICROMETRES),
-    "angle": ("tilts within", "Within", "±{:.3g}°", math.degrees(1.0)),
-}
 
 # Words for the inputs; each begins with an article.
 WORDS = {
@@ -110,7 +102,8 @@ def _changes(study: Dataset) -> Summary:
 def _manufacturing(study: Dataset) -> Summary:
     """Return the table of the slopes of surfaces whose heights have errors."""
     study, nominal = study.sortby("height_sd"), float(study["nominal_slope"])
-    answer = _answer(study, study["height_sd"].values, study["slope_sd"].values / nominal)
+    errors, words = MICROMETRES * study["height_sd"].values, "errors of the heights of up to {:.3g} µm (SD)"
+    answer = _answer(study, errors, study["slope_sd"].values / nominal, words, "At {:.3g} µm (SD)")
     study = study.isel(height_sd=shown(study.sizes["height_sd"]))
     mean, scatter, error = (study[f"slope_{name}"].values / nominal for name in ("mean", "sd", "sd_error"))
     low, *_, high = study["slope_quantile"].transpose("quantile", ...).values / nominal - 1.0
@@ -150,25 +143,23 @@ def _misalignment(study: Dataset) -> Summary:
         median = f", and by {middle} in the median of {shuffled} random assignments of the heights to sites"
     # without a tilt there is no scatter
     angle, values = (np.append(0.0, every[name].values) for name in ("angle", "slope_sd"))
-    answer = _answer(made, angle, values / nominal, median)
+    up_to, at = "tilts within ±{:.3g}°", "Within ±{:.3g}°"
+    answer = _answer(made, np.degrees(angle), values / nominal, up_to, at, median)
     title = f"Slope of the law under tilts; {nominal:.4f} without a tilt"
     return Summary.of(study, title, columns, answer)
 
 
-def _answer(study: Dataset, errors: FloatArray, scatter: FloatArray, more: str = "") -> str:
+def _answer(
+    study: Dataset, errors: FloatArray, scatter: FloatArray, up_to: str, at: str, more: str = ""
+) -> str:
     """Return sentences on the errors that cause the allowed scatter, and on the effect of the largest.
 
-    errors, scatter: (k,), increasing errors of the study and the relative scatter of the slope. The error
-    that causes the allowed scatter, the misfit up to which a design counts as reached, is interpolated.
+    errors, scatter: (k,), increasing errors as they are printed, and the relative scatter of the slope. The
+    error that causes the allowed scatter, the misfit up to which a design counts as reached, is interpolated.
+    up_to, at: words for errors up to a value, and for one error.
     """
-    (name,) = map(str, study["slope_mean"].dims)
-    kinds, at, form, unit = SENTENCES[name]
-    last, allowed = study.isel({name: -1}), f"{percent(REACHED)} (SD)"
+    last = study.isel(dict.fromkeys(study["slope_mean"].dims, -1))
     mean, sd = (float(last[f"slope_{moment}"] / last["nominal_slope"]) for moment in ("mean", "sd"))
-    there = (
-        f"{at} {form.format(unit * errors[-1])} the slope scatters by {percent(sd)}{more}. "
-        f"The mean slope changes there by {percent(round(mean - 1.0, 6), '+.2g')}."
-    )
     beyond = int(np.append(np.flatnonzero(scatter > REACHED), len(scatter))[0])
     even, sign, limit = "With", "less", float(errors[-1])
     if beyond == 0:
@@ -176,14 +167,16 @@ def _answer(study: Dataset, errors: FloatArray, scatter: FloatArray, more: str =
     elif beyond < len(scatter):
         pair = slice(beyond - 1, beyond + 1)
         limit = float(np.interp(REACHED, scatter[pair], errors[pair]))
-    return f"{even} {kinds} {form.format(unit * limit)} the slope scatters by {sign} than {allowed}. {there}"
+    return (
+        f"{even} {up_to.format(limit)} the slope scatters by {sign} than {percent(REACHED)} (SD). "
+        f"{at.format(errors[-1])} the slope scatters by {percent(sd)}{more}. "
+        f"The mean slope changes there by {percent(round(mean - 1.0, 6), '+.2g')}."
+    )
 
 
 def shown(count: int) -> list[int]:
-    """Return the rows to print: every n-th, counted back from the last row, with n = 1, 2, 5, 10, 20, ..."""
-    steps = (digit * 10**power for power in itertools.count() for digit in (1, 2, 5))
-    step = next(step for step in steps if count <= MOST_ROWS * step)
-    return list(range(count))[::-step][::-1]
+    """Return the rows to print: every n-th, counted back from the last row."""
+    return list(range(count))[:: -math.ceil(count / MOST_ROWS)][::-1]
 
 
 def _uncertainty(study: Dataset) -> Summary:
