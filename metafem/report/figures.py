@@ -67,8 +67,7 @@ def _draw_difference(design: Design, ax: Axes) -> None:
     ax.spines[["top", "right"]].set_visible(False)
     ax.set_ylabel("difference [%]")
     if np.abs(difference).max() < 1e-9:
-        ax.set_ylim(-1.0, 1.0)
-        ax.annotate("all points are met to 1e-9", (0.02, 0.75), xycoords="axes fraction", color=QUIET)
+        ax.set_ylim(-1.0, 1.0)  # not the rounding errors of exact points
 
 
 def _force_axes(design: Design, ax: Axes) -> None:
@@ -83,18 +82,13 @@ def _force_axes(design: Design, ax: Axes) -> None:
 
 @beside_text
 def coefficient_figure(ax: Axes, design: Design, friction: Friction) -> None:
-    """Draw the friction coefficient F/P against the load [N], with the target."""
+    """Draw the friction coefficient F/P against the load [N], with the target unless it is a density's."""
     law, target = design.law, design.target_law
     ratio = friction.stress / law.material.composite_modulus
     ax.plot(law.load, law.friction_coefficient, color=ACHIEVED, lw=1.8, label="achieved")
     load = target.load * law.material.composite_modulus
     if design.density is None:
         draw_target(design, ax, load, ratio * target.law(design.target_area) / target.load)
-    else:
-        for i, (branch, _) in enumerate(design.fits):
-            ends = law.material.composite_modulus * np.array(branch.load_range)
-            label = None if i else "target slope dF/dP"
-            ax.plot(ends, np.full(2, ratio * branch.slope), color=TARGET, label=label)
     ax.set(xlabel="load  P [N]", ylabel="friction coefficient  μ = F/P", xlim=(0.0, None), ylim=(0.0, None))
 
 
