@@ -9,10 +9,9 @@ import numpy as np
 
 from metafem import _validate as check
 from metafem import drawing
-from metafem._validate import FloatArray, IntArray
+from metafem._validate import FloatArray
 from metafem._values import MICROMETRES, Value
-from metafem.errors import refuse_if
-from metafem.material import Material
+from metafem.errors import InvalidInput
 from metafem.models import Model
 from metafem.prediction.state import ContactState, equilibrium
 from metafem.surface import Surface
@@ -31,8 +30,6 @@ class Onset(Value):
         Displacements at which the m contacts start to slide, increasing [mm].
     friction_force : ndarray, (m,)
         Friction force at these displacements [N]; the last one is that of full sliding.
-    asperity : ndarray, (m,)
-        Indices of the asperities in the order in which they start to slide.
     stiffness : float
         Tangential stiffness before the first contact slides [N/mm].
     state : ContactState
@@ -47,31 +44,25 @@ class Onset(Value):
     ...     [0.1, 0.12], (1, 2), radius=0.526, material=material, friction=friction
     ... )
     >>> found = mf.onset(surface, load=0.02)
-    >>> found.friction_force.round(4), found.asperity
-    (array([0.0367, 0.0431]), array([0, 1]))
+    >>> found.friction_force.round(4)
+    array([0.0367, 0.0431])
     >>> found
     <Onset: load 0.02 N, 2 contacts, full sliding at 0.09454 mm and 0.04314 N, stiffness 0.5083 N/mm>
     """
 
     displacement: FloatArray
     friction_force: FloatArray
-    asperity: IntArray
     stiffness: float
     state: ContactState
 
     def __post_init__(self) -> None:
-        for values in (self.displacement, self.friction_force, self.asperity):
+        for values in (self.displacement, self.friction_force):
             values.flags.writeable = False
 
     def __repr__(self) -> str:
         count = f"{len(self.displacement)} contacts"
         end = f"full sliding at {self.displacement[-1]:.4g} mm and {self.friction_force[-1]:.4g} N"
         return f"<Onset: load {self.state.load:.4g} N, {count}, {end}, stiffness {self.stiffness:.4g} N/mm>"
-
-    @property
-    def sliding_displacement(self) -> float:
-        """Displacement from which all contacts slide [mm]."""
-        return float(self.displacement[-1])
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw the friction force against the displacement, and mark where contacts start to slide."""
@@ -82,12 +73,6 @@ class Onset(Value):
         ax.set(xlabel="tangential displacement  x [µm]", ylabel="friction force  F [N]")
         ax.set(xlim=(0.0, None), ylim=(0.0, None))
         return ax
-
-
-def shear_modulus(material: Material) -> float:
-    """Return ``G* = G/(2 - nu) = E* (1 - nu)/(2 (2 - nu))`` of a block against a rigid plane [MPa]."""
-    ratio = material.poisson_ratio
-    return material.composite_modulus * (1.0 - ratio) / (2.0 * (2.0 - ratio))
 
 
 def onset(surface: Surface, model: Model | None = None, *, load: float) -> Onset:
@@ -130,25 +115,22 @@ def onset(surface: Surface, model: Model | None = None, *, load: float) -> Onset
     ...     0.1, (2, 2), radius=0.526, material=mf.Material(1.36), friction=mf.Friction(0.404)
     ... )
     >>> found = onset(surface, load=0.2)
-    >>> round(found.sliding_displacement, 4), found.friction_force[-1].round(4)
-    (0.1707, np.float64(0.3019))
+    >>> found.displacement[-1].round(4), found.friction_force[-1].round(4)
+    (np.float64(0.1707), np.float64(0.3019))
     """
     check.instance("surface", surface, Surface, "a metafem.Surface")
-    friction = surface.friction
-    refuse_if(
-        friction is None,
-        "onset needs the surface's friction; create the surface with "
-        "friction=metafem.Friction(shear_strength, area_ratio)",
-    )
-    assert friction is not None
+    friction, ratio = surface.friction, surface.material.poisson_ratio
+    if friction is None:
+        words = "onset needs the surface's friction; create the surface with"
+        raise InvalidInput(f"{words} friction=metafem.Friction(shear_strength, area_ratio)")
     state = equilibrium(surface, model, load=check.number("load", load, above=0.0))
-    closed = np.flatnonzero(state.asperity_area > 0.0)
-    area = state.asperity_area[closed]
-    stiffness = 8.0 * shear_modulus(surface.material) * np.sqrt(area / np.pi)
+    area = state.asperity_area[state.asperity_area > 0.0]
+    modulus = surface.material.composite_modulus * (1.0 - ratio) / (2.0 * (2.0 - ratio))
+    stiffness = 8.0 * modulus * np.sqrt(area / np.pi)
     force = friction.stress * area
     order = np.argsort(force / stiffness, kind="stable")
     displacement = (force / stiffness)[order]
     # contacts that slide, and the stiffness of those that stick
     stuck = stiffness.sum() - np.cumsum(stiffness[order])
     carried = np.cumsum(force[order]) + displacement * np.maximum(stuck, 0.0)
-    return Onset(displacement, carried, closed[order], float(stiffness.sum()), state)
+    return Onset(displacement, carried, float(stiffness.sum()), state)

@@ -161,7 +161,7 @@ def test_what_explains_a_law_is_a_table():
 def test_the_onset_of_sliding_is_stated(design):
     onset = mf.onset(design.surface, load=0.02)
     words = report.words.onset_words(onset)
-    ends = 1e3 * onset.displacement[0], 1e3 * onset.sliding_displacement
+    ends = 1e3 * onset.displacement[0], 1e3 * onset.displacement[-1]
     for number in (0.02, *ends, onset.friction_force[-1], onset.stiffness):
         assert f"{number:.3g}" in words
     (ax,) = onset_figure(onset).axes

@@ -95,7 +95,7 @@ def test_the_page_states_the_numbers_of_the_design():
     assert "<code>Independent()</code>" in text
     assert f"residual of the equilibria: {law.residual.max():.1e}" in unescape(text)
     onset = mf.onset(surface, load=float(law.load[-1]))
-    for number in (onset.sliding_displacement * 1e3, onset.friction_force[-1], onset.stiffness):
+    for number in (onset.displacement[-1] * 1e3, onset.friction_force[-1], onset.stiffness):
         assert f"{number:.3g}" in text[text.index("onset of sliding</h2>") :]
     assert design.verdict[:40] in text
 
