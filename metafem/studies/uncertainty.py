@@ -99,10 +99,10 @@ def uncertainty(
     xarray.Dataset
         ``area_mean`` and ``area_sd`` [mm^2] over ``rescaled_load`` [mm^2], the error bars of the law, and
         ``friction_force_...`` [N] with a Friction. ``slope_mean`` and ``slope_sd`` [-] are those over the
-        nominal P/E*. ``NAME_first_order`` and ``NAME_total`` over ``parameter`` are the
-        Sobol indices: the share of the variance that a parameter explains by itself, and the share that
-        remains if all others are known (`scipy.stats.sobol_indices`). Correlated parameters share one entry.
-        Each estimate has its standard sampling error ``..._error``.
+        nominal P/E*. ``NAME_first_order`` and ``NAME_total`` over ``parameter`` are the Sobol indices: the
+        share of the variance that a parameter explains by itself, and the share that remains if all others
+        are known (`scipy.stats.sobol_indices`). Correlated parameters share one entry. Each estimate has its
+        standard sampling error ``..._error``.
 
     Raises
     ------
@@ -142,26 +142,10 @@ def uncertainty(
     area = tabulated(surface, used, sd, last)
     quantities = partial(_quantities, surface, sd, area, fitted, loads)
 
-    groups, label = connected_components(correlation != 0.0)
-    exchanged = label == np.arange(groups)[:, None]
-    runs = SETS * (2 + groups)  # evaluations of the law at each point
-    points = max(LEAST, 2 ** math.ceil(math.log2(number / runs)))
-    sets = [
-        _sampled(quantities, correlation, exchanged, generator_of(seed, k), points)
-        for k in each("set of points", range(SETS))
-    ]
-    variables: Variables = {}
-    for name, nominal in quantities(np.zeros(len(sd))).items():
-        # the slope has a single value
-        axes, part = ((), 0) if name == "slope" else (("rescaled_load",), slice(None))
-        variables[f"nominal_{name}"] = axes, nominal[part]
-        for statistic, (value, error) in _estimates([values[name] for values in sets]).items():
-            over = axes if statistic in ("mean", "sd") else ("parameter", *axes)
-            variables[f"{name}_{statistic}"] = over, value[..., part]
-            variables[f"{name}_{statistic}_error"] = over, error[..., part]
-    labels = [" + ".join(np.array(list(sd))[group]) for group in exchanged]
+    variables, groups, count = _estimated(quantities, correlation, number, seed)
+    labels = [" + ".join(np.array(list(sd))[group]) for group in groups]
     coordinates = {"rescaled_load": loads / modulus, "parameter": labels}
-    origin = {"model": repr(used), "seed": str(seed), "draws": runs * points}
+    origin = {"model": repr(used), "seed": str(seed), "draws": count}
     ends = [] if fitted is None else fitted[[0, -1]].tolist()
     return dataset("uncertainty", variables, coordinates, [note], **origin, load_range=ends)
 
@@ -263,10 +247,37 @@ def _quantities(
     return {name: np.broadcast_to(value, (*shape, value.shape[-1])) for name, value in found.items()}
 
 
+def _estimated(
+    quantities: Callable[[FloatArray], dict[str, FloatArray]],
+    correlation: FloatArray,
+    draws: int,
+    seed: int,
+) -> tuple[Variables, NDArray[np.bool_], int]:
+    """Return the variables of all quantities, the groups of parameters (g, p), and the number of draws."""
+    count, label = connected_components(correlation != 0.0)
+    groups = label == np.arange(count)[:, None]
+    runs = SETS * (2 + count)  # evaluations of the law at each point
+    points = max(LEAST, 2 ** math.ceil(math.log2(draws / runs)))
+    sets = [
+        _sampled(quantities, correlation, groups, generator_of(seed, k), points)
+        for k in each("set of points", range(SETS))
+    ]
+    variables: Variables = {}
+    for name, nominal in quantities(np.zeros(len(correlation))).items():
+        # the slope has a single value
+        axes, part = ((), 0) if name == "slope" else (("rescaled_load",), slice(None))
+        variables[f"nominal_{name}"] = axes, nominal[part]
+        for statistic, (value, error) in _estimates([values[name] for values in sets]).items():
+            over = axes if statistic in ("mean", "sd") else ("parameter", *axes)
+            variables[f"{name}_{statistic}"] = over, value[..., part]
+            variables[f"{name}_{statistic}_error"] = over, error[..., part]
+    return variables, groups, runs * points
+
+
 def _sampled(
     quantities: Callable[[FloatArray], dict[str, FloatArray]],
     correlation: FloatArray,
-    exchanged: NDArray[np.bool_],
+    groups: NDArray[np.bool_],
     random: np.random.Generator,
     points: int,
 ) -> dict[str, dict[str, FloatArray]]:
@@ -277,7 +288,7 @@ def _sampled(
     both = block_diag(correlation, correlation)
     normal = qmc.MultivariateNormalQMC(np.zeros(len(both)), both, rng=random).random(points)
     first, second = np.split(normal, 2, axis=1)
-    mixed = np.where(exchanged[:, None], second, first)
+    mixed = np.where(groups[:, None], second, first)
     at = {"f_A": quantities(first), "f_B": quantities(second), "f_AB": quantities(mixed)}
     return {name: {key: np.moveaxis(of[name], -1, -2) for key, of in at.items()} for name in at["f_A"]}
 
