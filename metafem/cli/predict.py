@@ -23,22 +23,23 @@ from metafem.cli.options import (
     quantities,
     refuse_files,
 )
-from metafem.cli.output import in_columns, notes_data, show
+from metafem.cli.output import Printed, in_columns, notes_data, show
 from metafem.cli.progress import loaded, progress
 from metafem.errors import refuse_if
 from metafem.progress import doing
 
 if TYPE_CHECKING:
+    from metafem.prediction import FrictionLaw
     from metafem.surface import Surface
+
+# Dimensions of a block, which are options and arguments of `Block`.
+SIDES = ("width", "length", "thickness")
 
 # Columns of a law that are printed.
 SHOWN = (
     *("load_N", "area_mm2", "separation_mm", "stiffness_N_per_mm", "friction_force_N"),
     "friction_coefficient",
 )
-
-# Number of loads of the default grid that are printed.
-PRINTED = 10
 
 # Options for a table of heights: unit, example and help text.
 SCENE = {
@@ -48,7 +49,9 @@ SCENE = {
     "shear_strength": ("MPa", "0.404 MPa", "σ for a table of heights, such as {}, for friction forces."),
     "area_ratio": ("1", "0.85", "B: sheared area over initial area, with --shear-strength; default: 1."),
     "radius": ("mm", "526 um", "Radius of all summits, such as {}, for a table without radii."),
-    "thickness": ("mm", "7.2 mm", "Thickness of a table's block, such as {}, for --model layer."),
+    "thickness": ("mm", "7.2 mm", "Thickness of the block of a table of heights, such as {}."),
+    "width": ("mm", "20 mm", "Width of that block along x, such as {}; for --model block."),
+    "length": ("mm", "20 mm", "Length of that block along y, such as {}; for --model block."),
 }
 
 
@@ -84,8 +87,8 @@ def predict(
 
     SOURCE is a result folder of `metafem design`, or a CSV file with the columns x_mm, y_mm, height_um and
     radius_um (or in other units). A table needs --composite-modulus or --young-modulus. With the model layer
-    it also needs --thickness. With --shear-strength, friction forces are also printed. The study fidelity
-    compares all models of a folder.
+    it also needs --thickness, and with the model block --thickness, --width and --length. With
+    --shear-strength, friction forces are also printed. `metafem study fidelity` compares all models.
     """
     given = {name: value for name, value in scene.items() if value is not None}
     refuse_files(force, output)
@@ -101,16 +104,14 @@ def predict(
             advice = f"{source} is a specification; run metafem design {source} -o DIR, then predict DIR"
             refuse_if(source.suffix.lower() == ".toml", advice)
             surface, used = _surface(source, given, columns_of(column)), mf.Independent()
-            remedy = "a table holds none; add --thickness for the model layer"
-            if model == "layer" and "thickness" in given:
-                used, model = mf.Interacting(substrate=mf.BondedLayer(given["thickness"])), None
-        used = mf.files.chosen_model(used, model, contact, surface.block)
-        mf.files.refuse_missing_block(used, surface, remedy)
-        law = mf.friction_law(surface, used, load=load or None)
+            remedy = "a table holds none; add --thickness, and --width and --length for the model block"
+        if model == "layer" and surface.block is None and "thickness" in given:
+            used, model = mf.Interacting(substrate=mf.BondedLayer(given["thickness"])), None
+        chosen = mf.files.chosen_model(used, model, contact, surface.block)
+        mf.files.refuse_missing_block(chosen, surface, remedy)
+        law = mf.friction_law(surface, chosen, load=load or None)
     if output is not None:
         mf.files.write_text(output, mf.files.law_table(law), force=force)
-    columns = {name: values.tolist() for name, values in law.columns().items() if name in SHOWN}
-    step = 1 if load else max(1, len(law.load) // PRINTED)
     show(
         as_json,
         {
@@ -120,15 +121,22 @@ def predict(
             **mf.files.plain_data(law.columns()),
             "notes": notes_data(law.notes),
         },
-        tables=[in_columns(columns, range(step - 1, len(law.load), step))],
+        tables=[_table(law, whole=bool(load))],
         lines=[f"model {law.model.name}, {law.status.value}", mf.report.error_words(law.model_error)],
         notes=law.notes,
         files=[output],
     )
 
 
+def _table(law: FrictionLaw, whole: bool) -> Printed:
+    """Return the table of a law at all loads if the user stated them, otherwise at about ten."""
+    step = 1 if whole else max(1, len(law.load) // 10)
+    columns = {name: values.tolist() for name, values in law.columns().items() if name in SHOWN}
+    return in_columns(columns, range(step - 1, len(law.load), step))
+
+
 def _surface(source: Path, given: Mapping[str, float], columns: Mapping[str, str]) -> Surface:
-    """Return the surface in a table of heights; the options state its material and friction."""
+    """Return the surface in a table of heights; the options state its material, friction and block."""
     table = mf.files.read_table(source, columns)
     refuse_if(
         ("composite_modulus" in given) == ("young_modulus" in given),
@@ -137,7 +145,13 @@ def _surface(source: Path, given: Mapping[str, float], columns: Mapping[str, str
     )
     refuse_if(
         "area_ratio" in given and "shear_strength" not in given,
-        "--area-ratio needs --shear-strength: the friction force depends on both",
+        "--area-ratio needs --shear-strength: the friction force depends on both; add for example "
+        '--shear-strength "0.404 MPa"',
+    )
+    sides = {name: given[name] for name in SIDES if name in given}
+    refuse_if(
+        sides and len(sides) < len(SIDES) and list(sides) != ["thickness"],
+        "a block needs all of --width, --length and --thickness; the model layer needs the thickness alone",
     )
     ratio, strength = given.get("poisson_ratio", 0.5), given.get("shear_strength")
     if "young_modulus" in given:
@@ -145,4 +159,5 @@ def _surface(source: Path, given: Mapping[str, float], columns: Mapping[str, str
     else:
         material = mf.Material(given["composite_modulus"], ratio)
     friction = None if strength is None else mf.Friction(strength, given.get("area_ratio", 1.0))
-    return mf.files.read_surface(table, material, given.get("radius"), friction)
+    block = mf.Block(**sides) if len(sides) == len(SIDES) else None
+    return mf.files.read_surface(table, material, given.get("radius"), friction, block)

@@ -143,9 +143,10 @@ def test_doctor_finds_no_fault_in_this_installation(run):
 def test_a_table_is_predicted_on_a_layer_of_a_thickness(run, demo):
     demo("linear")
     folder = run("predict", "linear", "--model", "layer", "--load", "0.2 N", "--json").data
-    layer = ("--model", "layer", "--thickness", "7.2 mm", "--load", "0.2 N", "--json")
-    table = run("predict", "linear/heights.csv", *MATERIAL, *layer).data
-    assert table["area_mm2"] == pytest.approx(folder["area_mm2"], rel=1e-11)
+    for sides in ((), ("--width", "20 mm", "--length", "20 mm")):
+        layer = ("--model", "layer", "--thickness", "7.2 mm", *sides, "--load", "0.2 N", "--json")
+        table = run("predict", "linear/heights.csv", *MATERIAL, *layer).data
+        assert table["area_mm2"] == pytest.approx(folder["area_mm2"], rel=1e-11)
 
 
 @pytest.mark.slow
