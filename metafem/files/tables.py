@@ -240,12 +240,11 @@ class Columns:
         """Return the error for a table that lacks the columns `names`."""
         table, unread = entries.table, entries.unread or entries.table.header
         lacks = f"lacks {', '.join(map(self.title, names))}: it " if names else ""
+        has = f"{table.name} {lacks}has the columns {printable(', '.join(table.header), 120)}"
         wanted = self.wanted or f"{','.join(map(self.title, self.needed[0].split(',')))} (or in other units)"
         option = f'--column {(*names, "load")[0]}="{printable(unread[0], 40)}"'
-        return InvalidInput(
-            f"{table.name} {lacks}has the columns {printable(', '.join(table.header), 120)}; name its columns "
-            f"{wanted}, or say which they are, such as {option}{hint}"
-        )
+        words = f"name its columns {wanted}, or say which they are, such as {option}{hint}"
+        return InvalidInput(f"{has}; {words}")
 
     def title(self, name: str) -> str:
         """Return the title of a column: its name with the unit that errors propose, if it has one."""

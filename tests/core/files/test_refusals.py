@@ -10,7 +10,7 @@ from jsonschema import Draft7Validator
 
 import metafem as mf
 from metafem import files
-from metafem.files.disk import SPECIFICATION, TABLE, read_record
+from metafem.files.disk import SPECIFICATION, TABLE
 from metafem.files.laws import columns_of
 from metafem.files.records import from_record, to_record
 from metafem.files.specification.forms import whole_schema
@@ -199,10 +199,9 @@ BORDERS = {
         (of_value(files.parsed, " " * (SPECIFICATION + 1)), "spec.toml", "0.25 MiB"),
         (of_file(mf.read_spec, large(SPECIFICATION)), "t.csv", "0.25 MiB"),
         (pipe, "pipe", "a device or a pipe"), (mf.read_spec, "read", "a folder"),
-        (of_value(mf.read_spec, "a\0"), r"a\x00", "name"),
+        (of_value(mf.read_spec, "a\0"), r"a\x00", "no such file"),
         (lambda folder: mf.read_spec(folder / "none"), "none", "no such file"),
-        (of_file(read_record, '{"a": NaN}'), "t.csv", "NaN"),
-        (of_file(read_record, "[" * 100_000), "t.csv", "deeply"),
+        (design_json("[" * 100_000), "design.json", "recursion"), (design_json("{"), "design.json", "line 1"),
     ],
     "names": [
         (of_value(contact_named, "jkrr 4"), "jkrr", "jkr?"),
@@ -215,6 +214,8 @@ BORDERS = {
         (design_json("[]"), "design.json", "metafem design 1"),
         (of_file(mf.load, "", "design.json"), "design.json", "a file"),
         (design_json('{"format": "metafem design 1", "design": 3}'), "design.json", "no design"),
+        (of_file(lambda path: files.stored_hardness(path.parent), '{"format": "metafem design 1", "hardness": -1}',
+        "design.json"), "hardness", "-1"),
         (lambda folder: mf.save("design", folder / "out"), "design", "'design'"),
         (lambda folder: files.study_path(folder, "interaction", False), "design.json", "no such file"),
         (lambda folder: files.refuse_figure(folder / "a.pdf", False), "a.pdf", ".svg or .png"),
