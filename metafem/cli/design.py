@@ -84,9 +84,9 @@ def design(
             result = specification.design(chosen)
         except Infeasible as error:
             raise _refusal(error, output, force) from None
-        with mf.files.staged(output, force, folder=True) as fresh:
-            text = mf.report.page(result, specification.hardness)
-            part = mf.files.write_all(result, fresh, specification, {"report.html": text})
+        pages = {"report.html": mf.report.page(result, specification.hardness)}
+        mf.save(result, output, specification=specification, pages=pages, force=force)
+        part = mf.files.planned(result.surface, result.template, specification.part)
     notes = mf.report.all_notes(result, specification.hardness) + mf.files.part_notes(part)
     data = {"folder": str(output), **_data(result), "part": part and part.record()}
     show(

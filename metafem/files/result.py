@@ -26,7 +26,6 @@ from metafem.files.disk import (
     write_text,
 )
 from metafem.files.part import (
-    Part,
     PartOptions,
     drilling_program,
     mould_table,
@@ -101,42 +100,26 @@ def save(
     True
     """
     check.instance("design", design, Design, "a metafem.Design")
-    with staged(folder, force, folder=True) as fresh:
-        write_all(design, fresh, specification, pages, part)
-
-
-@doing("writing the files")
-def write_all(
-    design: Design,
-    folder: Path,
-    specification: Specification | None = None,
-    pages: Mapping[str, str] = NO_PAGES,
-    part: PartOptions | None = None,
-) -> Part | None:
-    """Write all files of a design into an existing folder; return the part, or None without a block."""
     options = part or (PartOptions() if specification is None else specification.part)
-    made = planned(design.surface, design.template, options)
-    record = {
-        "format": FORMAT,
-        "versions": versions(),
-        "hardness": None if specification is None else specification.hardness,
-        "part": made and made.record(),
-        "design": to_record(design),
-    }
-    texts = {
-        "design.json": json.dumps(record, indent=1, allow_nan=False) + "\n",
-        **result_tables(design, options),
-        **pages,
-    }
-    if made is not None:
-        made.write(folder)
-        texts |= drilling_program(design, made.surface, options)
-    for name, text in texts.items():
-        (folder / name).write_text(text, "utf-8")
-    for name, content in ({} if specification is None else specification.files).items():
-        (folder / name).write_bytes(content)
-    write_surface(design, folder / "surface.vtu")
-    return made
+    with doing("writing the files"), staged(folder, force, folder=True) as fresh:
+        made = planned(design.surface, design.template, options)
+        record = {
+            "format": FORMAT,
+            "versions": versions(),
+            "hardness": None if specification is None else specification.hardness,
+            "part": made and made.record(),
+            "design": to_record(design),
+        }
+        text = json.dumps(record, indent=1, allow_nan=False) + "\n"
+        texts = {"design.json": text, **result_tables(design, options), **pages}
+        if made is not None:
+            made.write(fresh)
+            texts |= drilling_program(design, made.surface, options)
+        for name, text in texts.items():
+            (fresh / name).write_text(text, "utf-8")
+        for name, content in ({} if specification is None else specification.files).items():
+            (fresh / name).write_bytes(content)
+        write_surface(design, fresh / "surface.vtu")
 
 
 def result_tables(design: Design, part: PartOptions) -> dict[str, str]:
