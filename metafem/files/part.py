@@ -102,6 +102,7 @@ class Part:
     """A part whose caps can be made, with the options of its files."""
 
     surface: Surface  # its asperities, followed by its alignment asperities
+    asperities: int  # number of asperities without those for alignment
     block: Block
     options: PartOptions
 
@@ -150,7 +151,7 @@ def planned(surface: Surface, template: Surface, options: PartOptions) -> Part |
         words = f"needs {triangles:.2g} triangles; at most {MOST:,} are written; choose a larger one"
         given = f"{options.chord_error * MICROMETRES:g} um"
         refuse_if(triangles > MOST, words, key="part.chord_error", value=given)
-    return Part(whole, surface.block, options)
+    return Part(whole, surface.count, surface.block, options)
 
 
 def part_notes(part: Part | None) -> tuple[Note, ...]:
@@ -256,7 +257,7 @@ def mould_table(design: Design, part: Surface) -> str:
     columns = {
         "number": range(1, part.count + 1),
         "kind": ["asperity"] * design.sites.size + ["alignment"] * more,
-        "site": [*design.sites, *[""] * more],
+        "site": [*(design.sites + 1), *[""] * more],
         **{name: map(number_text, values) for name, values in lengths.items()},
         **caps_column(part),
     }

@@ -160,7 +160,7 @@ def _summits(design: Design) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     columns = ("site", "x [mm]", "y [mm]", "height [µm]", "radius [µm]")
     rows = [
         (
-            str(design.sites[i]),
+            str(design.sites[i] + 1),
             *(f"{coordinate:.4f}" for coordinate in surface.position[i]),
             f"{surface.height[i] * MICROMETRES:.2f}",
             f"{surface.radius[i] * MICROMETRES:.6g}",
@@ -193,10 +193,10 @@ def _inputs(design: Design) -> list[Row]:
         "offset h_0": limits.offset,
         "height step": limits.height_step,
         "height error": limits.height_sd,
-        **{f"given height of site {site}": height for site, height in design.pinned.items()},
+        **{f"given height of site {site + 1}": height for site, height in design.pinned.items()},
     }
     rows += [(name, f"{value * MICROMETRES:g}", "µm") for name, value in lengths.items() if value is not None]
-    empty = [str(site) for site, height in design.pinned.items() if height is None]
+    empty = [str(site + 1) for site, height in design.pinned.items() if height is None]
     if empty:
         rows.append(("sites that stay empty by the specification", ", ".join(empty), ""))
     try:

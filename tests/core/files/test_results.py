@@ -92,7 +92,7 @@ def test_heights_law_and_mould_have_their_columns(folder):
     surface, law = design.surface, design.law
     heights = columns((folder / "heights.csv").read_text("utf-8"))
     assert list(heights) == ["site", "x_mm", "y_mm", "height_mm", "radius_mm"]
-    expected = [design.sites, *surface.position.T, surface.height, surface.radius]
+    expected = [design.sites + 1, *surface.position.T, surface.height, surface.radius]
     np.testing.assert_allclose(list(heights.values()), expected, rtol=1e-12)
     found = columns((folder / "law.csv").read_text("utf-8"))
     names = ("load", "area", "separation", "rescaled_load", "rescaled_friction", "friction_force")
@@ -106,7 +106,7 @@ def test_heights_law_and_mould_have_their_columns(folder):
     n = surface.count
     assert holes["number"].tolist() == list(range(1, n + 5))
     assert holes["kind"] == ["asperity"] * n + ["alignment"] * 4
-    assert holes["site"] == [*map(str, design.sites), *[""] * 4]
+    assert holes["site"] == [*map(str, design.sites + 1), *[""] * 4]
     np.testing.assert_allclose(holes["x_mm"], -whole.position[:, 0], atol=5e-6)  # seen from the open face
     np.testing.assert_allclose(holes["y_mm"], whole.position[:, 1], atol=5e-6)
     np.testing.assert_allclose(holes["depth_mm"], [*surface.height, *[0.4] * 4], atol=5e-6)
@@ -194,7 +194,7 @@ def test_caps_cells_and_errors_have_columns_where_they_differ():
     made = files.made_table(SimpleNamespace(surface=one, site=np.array([1]), **sd), np.array([7, 5]))
     assert made.splitlines() == [
         "site,x_mm,y_mm,height_mm,radius_mm,sd_position_mm,sd_height_mm,sd_radius_mm",
-        "5,1.0,2.0,0.1,0.5,0.001,0.002,0.003",
+        "6,1.0,2.0,0.1,0.5,0.001,0.002,0.003",
     ]
 
 
@@ -217,7 +217,7 @@ def test_the_field_file_holds_the_contacts_at_the_largest_load(folder, tmp_path)
     np.testing.assert_array_equal(mesh.points, np.column_stack([surface.position, surface.height]))
     data = mesh.point_data
     assert list(data) == ["site", "height", "radius", "load", "area", "contact_radius"]
-    for name, expected in (("site", design.sites), ("height", surface.height), ("radius", surface.radius)):
+    for name, expected in (("site", design.sites + 1), ("height", surface.height), ("radius", surface.radius)):
         np.testing.assert_array_equal(data[name], expected)
     np.testing.assert_allclose(data["load"].sum(), load, rtol=1e-12)
     np.testing.assert_allclose(data["area"].sum(), design.law.area[-1], rtol=1e-12)
