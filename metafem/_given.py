@@ -6,8 +6,8 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
-# Unit of each argument and column of a table that has a unit. A name has one meaning in the whole package; with
-# ``_sd`` at its end it is the standard deviation.
+# Unit of each argument and column of a table that has a unit. A name has one meaning in the whole package;
+# NAME_sd is its standard deviation.
 UNITS: Mapping[str, str] = {
     name: unit
     for unit, names in {

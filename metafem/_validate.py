@@ -113,12 +113,13 @@ def array(name: str, value: Any, *, shape: tuple[int | None, ...], positive: boo
         raise InvalidInput(words, key=name)
     refuse_if(not result.size, "is empty", key=name)
     refuse_entries(name, result, ~np.isfinite(result), "must be finite")
-    least, most = bounds(name, positive)
+    if positive:
+        refuse_entries(name, result, result <= 0.0, "must be greater than 0")
+    (least, most), size = bounds(name, positive), np.abs(result)
     # nothing is divided by entries that may be 0
-    beyond = (np.abs(result) > most) | (positive & (result > 0.0) & (result < least))
+    beyond = (size > most) | (size < least) if positive else size > most
     if beyond.any():
         refuse_entries(name, result, beyond, _magnitude(name, least, most))
-    refuse_entries(name, result, positive & (result <= 0.0), "must be greater than 0")
     result.flags.writeable = False
     return result
 
@@ -136,7 +137,8 @@ def loads(name: str, value: Any, *, negative: bool = False) -> FloatArray:
     below = result.min() < 0.0 and not negative
     refuse_if(below, f"holds {with_unit(name, result.min())}; loads cannot be negative", key=name)
     tiny = (result != 0.0) & (np.abs(result) < SMALLEST)
-    refuse_entries(name, result, tiny, _magnitude(name, SMALLEST, LARGEST))
+    if tiny.any():
+        refuse_entries(name, result, tiny, _magnitude(name, SMALLEST, LARGEST))
     return result
 
 

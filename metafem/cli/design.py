@@ -24,9 +24,6 @@ if TYPE_CHECKING:
 # Name of the schema's file, to which the specifications of the demonstrations refer.
 SCHEMA_FILE = "metafem.schema.json"
 
-# Members of a key's description that `metafem spec --json` prints.
-SHOWN = ("section", "kind", "name", "example", "meaning", "optional", "default")
-
 
 @command(
     click.argument("name", type=click.Choice(DEMOS)),
@@ -158,20 +155,17 @@ def _tables(result: Design) -> list[Printed]:
 @command(
     click.option(
         "--schema",
+        "--json",
         "as_schema",
         is_flag=True,
         help="Print the JSON schema instead, by which editors complete keys and mark errors. A specification "
         "names it in a comment before the first section: `#:schema ./metafem.schema.json`.",
     ),
-    json_option,
     short_help="Print every key of a specification, with examples.",
 )
-def spec(as_schema: bool, as_json: bool) -> None:
+def spec(as_schema: bool) -> None:
     """Print every section and key of a specification with its meaning and an example."""
-    if as_json:
-        show(True, [{name: getattr(key, name) for name in SHOWN} for key in mf.files.all_keys()])
-    else:
-        click.echo(mf.files.schema_text() if as_schema else mf.files.manual(), nl=False)
+    click.echo(mf.files.schema_text() if as_schema else mf.files.manual(), nl=False)
 
 
 @command(click.argument("folder", type=Name()), json_option)

@@ -17,10 +17,8 @@ from metafem.files.specification.models import MODELS
 Decorator = Callable[[Any], Any]
 
 # How the option --contact states each contact law.
-CONTACTS = (
-    *("hertz", "elastic", "jkr ADHESION_ENERGY [CAP]", "kogut-etsion HARDNESS"),
-    *("jackson-green YIELD_STRENGTH", "tabulated FILE"),
-)
+CONTACTS = """hertz, elastic, jkr ADHESION_ENERGY [CAP], kogut-etsion HARDNESS, jackson-green YIELD_STRENGTH,
+tabulated FILE"""
 
 # Type of an option that names a file or folder.
 Name = partial(click.Path, path_type=Path)
@@ -92,14 +90,12 @@ def option_name(name: str) -> str:
 
 def model_options(default: str) -> list[Decorator]:
     """Return the options --model and --contact; `default` describes their default."""
-    model = (
-        "Model of the law, from single contacts to resolved ones; automatic is the fastest that is accurate "
-    )
-    contact = f"Law of one contact, a kind and its values: {', '.join(CONTACTS)}. For example --contact "
-    contact += f'"jkr 9 mJ/m^2 elastic". Default: {default.replace("independent", "hertz")}.'
+    model = "Model of the law; automatic is the fastest that is accurate enough."
+    contact = f'Law of one contact, a kind and its values: {CONTACTS}; such as "jkr 9 mJ/m^2 elastic".'
+    usual = default.replace("independent", "hertz")
     return [
-        click.option("--model", type=click.Choice(tuple(MODELS)), help=f"{model}enough. Default: {default}."),
-        click.option("--contact", metavar="LAW", help=contact),
+        click.option("--model", type=click.Choice(tuple(MODELS)), help=f"{model} Default: {default}."),
+        click.option("--contact", metavar="LAW", help=f"{contact} Default: {usual}."),
     ]
 
 

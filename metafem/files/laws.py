@@ -218,8 +218,9 @@ def measured_pairs(path: str | Path | Table) -> tuple[list[float], list[float]]:
 def read_sites(path: str | Path | Table) -> tuple[FloatArray, IntArray]:
     """Return the positions [mm], (n, 2), and numbers, (n,), of the sites of a design, seen from above.
 
-    The table has the columns x and y, with their units, and optionally the column site, from 1; the numbers are
-    returned from 0. Without the column, the sites are those of the lines. The table of a mould is refused because it is mirrored.
+    The table has the columns x and y, with their units, and optionally the column site, from 1; the numbers
+    are returned from 0. Without this column the sites are numbered by their lines. The table of a mould is
+    refused because it is mirrored.
     """
     table = read_table(path)
     mould = any(title.startswith("depth_") for title in table.header)

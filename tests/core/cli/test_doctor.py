@@ -13,6 +13,10 @@ def folder(tmp_path, monkeypatch):
     return tmp_path / "caches"
 
 
+def test_an_installation_has_no_fault(run):
+    assert all(finding["well"] for finding in run("doctor", "--json").data)
+
+
 def test_a_cache_that_cannot_be_written_is_reported(run, tmp_path, monkeypatch):
     (tmp_path / "file").touch()
     monkeypatch.setenv(_caches.VARIABLE, str(tmp_path / "file"))

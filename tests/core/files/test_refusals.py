@@ -71,8 +71,8 @@ quantity = files.quantity
 length = partial(of_value, quantity, "limits.max_height", unit="mm")
 
 
-def design_json(content):
-    return of_file(lambda path: mf.load(path.parent), content, "design.json")
+def design_json(content, read=mf.load):
+    return of_file(lambda path: read(path.parent), content, "design.json")
 
 
 def calibration(path, **options):
@@ -214,8 +214,7 @@ BORDERS = {
         (design_json("[]"), "design.json", "metafem design 1"),
         (of_file(mf.load, "", "design.json"), "design.json", "a file"),
         (design_json('{"format": "metafem design 1", "design": 3}'), "design.json", "no design"),
-        (of_file(lambda path: files.stored_hardness(path.parent), '{"format": "metafem design 1", "hardness": -1}',
-        "design.json"), "hardness", "-1"),
+        (design_json('{"format": "metafem design 1", "hardness": -1}', files.stored_hardness), "hardness", "-1"),
         (lambda folder: mf.save("design", folder / "out"), "design", "'design'"),
         (lambda folder: files.study_path(folder, "interaction", False), "design.json", "no such file"),
         (lambda folder: files.refuse_figure(folder / "a.pdf", False), "a.pdf", ".svg or .png"),
