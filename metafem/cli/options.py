@@ -45,19 +45,17 @@ class Quantity(click.ParamType):  # type: ignore[type-arg]
         label = max(param.opts, key=len)
         parts = [part.strip() for part in value.split(",")] if self.listed else [value]
         ctx.meta.setdefault(TEXTS, {}).setdefault(param.name, (label, []))[1].extend(parts)
-        found = [self.read(label, part) for part in parts]
-        return found if self.listed else found[0]
-
-    def read(self, label: str, text: str) -> Any:
-        """Return the number of one text; a load may be a rescaled load or a force."""
         try:
-            if self.unit == "load":
-                return mf.files.given_load(text)
-            if text.strip() == "0":  # in any unit
-                return 0.0
-            return mf.files.converted(text, self.unit, self.example or None)
+            found = [self._number(part) for part in parts]
         except InvalidInput as error:
             raise Ended("InvalidInput", str(error.at(label))) from None
+        return found if self.listed else found[0]
+
+    def _number(self, text: str) -> Any:
+        """Return the number of one text; a load may be a rescaled load or a force, and 0 has any unit."""
+        if self.unit == "load":
+            return mf.files.given_load(text)
+        return 0.0 if text.strip() == "0" else mf.files.converted(text, self.unit, self.example or None)
 
 
 def command(*options: Decorator, **settings: Any) -> Decorator:

@@ -87,8 +87,6 @@ def converted(given: Any, unit: str, example: str | None = None) -> float:
     if match is None:
         raise InvalidInput("does not begin with a number", **valid)
     number, name = match["number"], match["unit"]
-    if not name and unit == "%":
-        valid["example"] = f'"{number} %" or "{100.0 * float(number):.6g} %"'
     refuse_if(not name and unit != "1", "needs a unit", **valid)
     try:
         return float(Fraction(number) * factor(name, unit))

@@ -188,7 +188,7 @@ BORDERS = {
         (length("1,5 mm"), "limits.max_height", "decimals with a point"),
         (length("1e999 mm"), "limits.max_height", "1e999"),
         (length("9**9**9 mm"), "limits.max_height", "9**9**9"),
-        (of_value(quantity, "--misfit", "3", "%"), "--misfit", '"300 %"'),
+        (of_value(quantity, "--misfit", "3", "%"), "--misfit", '"5 %"'),
         (of_value(quantity, "area_ratio", "85 %", "1"), "area_ratio", "85 %"),
     ],
     "texts": [
