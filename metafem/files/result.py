@@ -54,7 +54,6 @@ def save(
     folder: str | Path,
     *,
     specification: Specification | None = None,
-    part: PartOptions | None = None,
     pages: Mapping[str, str] = NO_PAGES,
     force: bool = False,
 ) -> None:
@@ -72,9 +71,7 @@ def save(
     folder : str or Path
         A new or empty folder; its parent folder must exist.
     specification : Specification, optional
-        The specification of the design; default: None.
-    part : PartOptions, optional
-        Options of the files of the part. Default: the options in the specification.
+        The specification of the design, with the options of the files of the part; default: None.
     pages : mapping of str to str, optional
         Names and texts of further files, for example ``{"report.html": metafem.report.page(design)}``;
         default: none.
@@ -100,13 +97,15 @@ def save(
     True
     """
     check.instance("design", design, Design, "a metafem.Design")
-    options = part or (PartOptions() if specification is None else specification.part)
+    options, hardness, given = PartOptions(), None, dict[str, bytes]()
+    if specification is not None:
+        options, hardness, given = specification.part, specification.hardness, {**specification.files}
     with doing("writing the files"), staged(folder, force, folder=True) as fresh:
         made = planned(design.surface, design.template, options)
         record = {
             "format": FORMAT,
             "versions": versions(),
-            "hardness": None if specification is None else specification.hardness,
+            "hardness": hardness,
             "part": made and made.record(),
             "design": to_record(design),
         }
@@ -115,9 +114,8 @@ def save(
         if made is not None:
             made.write(fresh)
             texts |= drilling_program(design, made.surface, options)
-        for name, text in texts.items():
-            (fresh / name).write_text(text, "utf-8")
-        for name, content in ({} if specification is None else specification.files).items():
+        given |= {name: text.encode("utf-8") for name, text in texts.items()}
+        for name, content in given.items():
             (fresh / name).write_bytes(content)
         write_surface(design, fresh / "surface.vtu")
 
