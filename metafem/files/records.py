@@ -42,11 +42,7 @@ LATE: Mapping[str, str] = {"Block3D": "metafem.fe"}
 ARRAYS = ("float64", "int64")
 # A number must be finite and of the annotated type; any other member must be an instance of its class.
 STRICT = ConfigDict(
-    strict=True,
-    extra="forbid",
-    allow_inf_nan=False,
-    arbitrary_types_allowed=True,
-    protected_namespaces=(),
+    strict=True, extra="forbid", allow_inf_nan=False, arbitrary_types_allowed=True, protected_namespaces=()
 )
 
 
