@@ -113,14 +113,12 @@ def refuse_figure(path: Path, force: bool) -> None:
 
 def write_figure(path: Path, figure: Figure, title: str, *, force: bool = False) -> None:
     """Write a figure; the extension of the file determines its format."""
-    from metafem import drawing
+    from metafem.drawing import RESOLUTION
 
     refuse_figure(path, force)
-    if path.suffix.lower() == ".svg":
-        write_text(path, drawing.svg(figure, title) + "\n", force=force)
-        return
     with staged(path, force) as fresh:
-        figure.savefig(fresh, format="png", dpi=drawing.RESOLUTION)
+        known = {"Title": title}
+        figure.savefig(fresh, format=path.suffix[1:].lower(), dpi=RESOLUTION, metadata=known)
 
 
 def read_bytes(path: str | Path, most: int, missing: str = "no such file") -> bytes:

@@ -83,16 +83,6 @@ def mould_mesh(part: Mesh, surface: Surface, block: Block) -> Mesh:
     return mirrored(vertices) * (1.0, 1.0, -1.0), part[1][:, ::-1]
 
 
-def triangle_count(surface: Surface, chord_error: float) -> int:
-    """Return the number of triangles of a part, which is also that of its mould, without meshing it.
-
-    A triangulated plane with V vertices and n holes has ``V + 2 n - 2`` triangles.
-    """
-    rings = ring_count(surface.height, surface.radius, chord_error, surface.cap)
-    plane = 4 + 6 * rings.sum() + 2 * len(rings) - 2
-    return int(6 * (rings**2).sum() + plane + len(_BOX))
-
-
 def _closed(faces: IntArray, count: int) -> bool:
     """Return whether two faces share each edge and traverse it in opposite directions."""
     start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +16,7 @@ from metafem._validate import FloatArray
 from metafem._values import MICROMETRES
 from metafem.caps import SPHERE, Caps
 from metafem.errors import InvalidInput, refuse_if
-from metafem.files.mesh import block_mesh, mirrored, mould_mesh, triangle_count
+from metafem.files.mesh import block_mesh, mirrored, mould_mesh
 from metafem.files.summits import caps_column, csv
 from metafem.inversion import Design
 from metafem.notes import Note, information
@@ -30,15 +30,10 @@ FILES = ("block.stl", "mould.stl")
 # 0.2 um, a quarter of the 0.9 um accuracy of the paper's moulds (doi:10.1126/science.adk4234).
 FINE = 4e-4
 
-# Largest number of triangles of a solid if no chord error is stated: 100 MB of STL, which common viewers and
-# CAM programs can open. A cap has about pi h / (chord error) triangles, for any radius.
-MOST_BY_DEFAULT = 2_000_000
-
-# Largest number of triangles of a solid in all cases: 500 MB of STL and a gigabyte of memory.
-MOST = 10_000_000
-
-# Factor by which the default chord error is increased until the solid has few enough triangles.
-COARSER = 1.1
+# Number of triangles of a solid that the default chord error aims at: 100 MB of STL, which common viewers and
+# CAM programs can open. Largest number that a stated one may need: 500 MB, a gigabyte of memory. A cap has
+# about pi h / (chord error) triangles, for any radius.
+USUAL, MOST = 2e6, 1e7
 
 # Least distance of the rims of two caps, and from the edge, in units of the last place of a coordinate in
 # single precision, which STL has: one for each of the two coordinates of both points.
@@ -71,7 +66,7 @@ class PartOptions:
         Largest depth of the faces of the mesh below the true caps [mm]. It acts like an error of the height:
         at a given separation, the contact area of an asperity changes by at most ``pi R`` times the chord
         error. Most of this change equals that of a common shift of all caps, which does not affect A0(P).
-        Default: 4e-4 of the smallest radius, or more if a solid would have over two million triangles.
+        Default: 4e-4 of the smallest radius, or more if a solid would have over about two million triangles.
     feed, spindle, dwell, safe_height : float
         Feed of the plunge [mm/min], speed of the spindle [1/min], dwell at the bottom of each hole [s], and
         height of the tool above the mould between two holes [mm], in ``mould.gcode``.
@@ -104,22 +99,11 @@ class Part:
     surface: Surface  # its asperities, followed by its alignment asperities
     asperities: int  # number of asperities without those for alignment
     block: Block
-    options: PartOptions
-
-    @cached_property
-    def chord_error(self) -> float:
-        """The chord error that is stated, or one with which the solids have few enough triangles [mm]."""
-        if self.options.chord_error is not None:
-            return self.options.chord_error
-        found = FINE * float(self.surface.radius.min())
-        while triangle_count(self.surface, found) > MOST_BY_DEFAULT and found < self.surface.radius.max():
-            found *= COARSER
-        return found
+    chord_error: float  # [mm]
 
     def record(self) -> dict[str, Any]:
-        """Return chord error, number of triangles and names of the files, for JSON."""
-        triangles = triangle_count(self.surface, self.chord_error)
-        return {"chord_error_mm": self.chord_error, "triangles": triangles, "files": [*FILES]}
+        """Return chord error and names of the files, for JSON."""
+        return {"chord_error_mm": self.chord_error, "files": [*FILES]}
 
     @doing("writing the part")
     def write(self, folder: Path) -> None:
@@ -146,12 +130,12 @@ def planned(surface: Surface, template: Surface, options: PartOptions) -> Part |
     if surface.block is None:
         return None
     refuse_impossible(whole, surface.block, surface.count)
-    if options.chord_error is not None:
-        triangles = triangle_count(whole, options.chord_error)
-        words = f"needs {triangles:.2g} triangles; at most {MOST:,} are written; choose a larger one"
-        given = f"{options.chord_error * MICROMETRES:g} um"
-        refuse_if(triangles > MOST, words, key="part.chord_error", value=given)
-    return Part(whole, surface.count, surface.block, options)
+    sides = math.pi * float(whole.height.sum())  # triangles times chord error
+    chord_error = options.chord_error or max(FINE * float(whole.radius.min()), sides / USUAL)
+    words = f"needs about {sides / chord_error:.2g} triangles; choose a larger one, for at most {MOST:,.0f}"
+    given = f"{chord_error * MICROMETRES:g} um"
+    refuse_if(sides / chord_error > MOST, words, key="part.chord_error", value=given)
+    return Part(whole, surface.count, surface.block, chord_error)
 
 
 def part_notes(part: Part | None) -> tuple[Note, ...]:

@@ -325,6 +325,6 @@ def test_figures_are_written_and_replaced_by_force(tmp_path):
             files.write_figure(tmp_path / name, figure, "A title", force=force)
             with pytest.raises(mf.InvalidInput, match=f"{name} exists"):
                 files.refuse_figure(tmp_path / name, False)
-    assert (tmp_path / "a.svg").read_text("utf-8").startswith("<svg")
+    assert "<svg" in (tmp_path / "a.svg").read_text("utf-8")
     with Image.open(tmp_path / "a.png") as image:
         assert image.size == (400, 200)  # 200 pixels per inch
