@@ -81,9 +81,13 @@ def test_a_missed_target_exits_with_one(run):
 
 def test_predict_reads_a_folder_and_a_table(run, demo):
     demo("linear")
-    folder = run("predict", "linear", "--load", "0.2 N", "--json").data
-    table = run("predict", "linear/heights.csv", *MATERIAL, "--load", "200 mN", "--json").data
-    assert folder["area_mm2"] == pytest.approx(table["area_mm2"], rel=1e-11)
+    layer, thick = ("--model", "layer"), ("--thickness", "7.2 mm")
+    block = (*thick, "--width", "20 mm", "--length", "20 mm")
+    for model, more in (((), ()), (layer, thick), (layer, block)):
+        folder = run("predict", "linear", *model, "--load", "0.2 N", "--json").data
+        given = (*MATERIAL, *model, *more, "--load", "200 mN", "--json")
+        table = run("predict", "linear/heights.csv", *given).data
+        assert folder["area_mm2"] == pytest.approx(table["area_mm2"], rel=1e-11)
     assert "friction_force_N" in folder
     assert "area [mm²]" in run("predict", "linear").output
     assert run("predict", "linear", "-o", "law.csv").exit_code == 0
@@ -122,15 +126,6 @@ def test_report_is_written_anew_and_the_same(run, demo):
     path.unlink()
     assert run("report", "operating-points").exit_code == 0
     assert path.read_bytes() == before
-
-
-def test_a_table_is_predicted_on_a_layer_of_a_thickness(run, demo):
-    demo("linear")
-    folder = run("predict", "linear", "--model", "layer", "--load", "0.2 N", "--json").data
-    for sides in ((), ("--width", "20 mm", "--length", "20 mm")):
-        layer = ("--model", "layer", "--thickness", "7.2 mm", *sides, "--load", "0.2 N", "--json")
-        table = run("predict", "linear/heights.csv", *MATERIAL, *layer).data
-        assert table["area_mm2"] == pytest.approx(folder["area_mm2"], rel=1e-11)
 
 
 @pytest.mark.slow
