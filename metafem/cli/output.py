@@ -46,10 +46,12 @@ def show(
         click.echo(line)
     for table in tables:
         print_table(console, *table)
-    for line in (*lines, *(f"wrote {path}" for path in files if path is not None)):
+    for line in lines:
         click.echo(line)
     for note in dict.fromkeys(notes):
         click.secho(f"{'warning' if note.warns else 'note'}: {note}", fg="yellow" if note.warns else None)
+    for path in filter(None, files):
+        click.echo(f"wrote {path}")
 
 
 def print_table(
