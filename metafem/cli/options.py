@@ -97,19 +97,13 @@ def model_options(default: str) -> list[Decorator]:
     ]
 
 
-json_option = click.option(
-    "--json",
-    "as_json",
-    is_flag=True,
-    help="Print only data, as JSON; an error is an object with type and message.",
-)
+json_option = click.option("--json", "as_json", is_flag=True, help="Print data alone, also errors, as JSON.")
 force_option = click.option("--force", is_flag=True, help="Replace existing files.")
 column_option = click.option(
     "--column",
     multiple=True,
     metavar="NAME=TITLE",
-    help='Column of a table with another title, such as load="Kraft [N]", or load_N=Kraft if the table does '
-    "not state the unit; may be repeated.",
+    help='Column with another title, load="Kraft [N]", or load_N=Kraft without a unit; may be repeated.',
 )
 
 
@@ -126,8 +120,7 @@ def columns_of(given: tuple[str, ...]) -> dict[str, str]:
 
 def refuse_files(force: bool, *files: Path | None, figure: Path | None = None) -> None:
     """Raise InvalidInput before a long run if one of the files that it writes would be refused."""
-    for path in files:
-        if path is not None:
-            mf.files.refuse_existing(path, force)
+    for path in filter(None, files):
+        mf.files.refuse_existing(path, force)
     if figure is not None:
         mf.files.refuse_figure(figure, force)
