@@ -6,24 +6,25 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
-# Unit of each argument that has a unit. An argument name has the same meaning in the whole package.
+# Unit of each argument and column of a table that has a unit. A name has one meaning in the whole package;
+# NAME_sd is its standard deviation.
 UNITS: Mapping[str, str] = {
     name: unit
     for unit, names in {
         "mm": (
             *("position", "height", "radius", "pitch", "width", "length", "thickness", "max_height"),
-            *("min_height", "offset", "height_step", "height_sd", "low", "high", "radii", "step"),
+            *("min_height", "offset", "height_step", "low", "high", "radii", "step", "x", "y", "rho", "f"),
             *("separation", "approach", "cell", "contact_radius", "block_radius", "cell_radius"),
             *("alignment_height", "chord_error", "indentation", "r", "tools", "radius_range"),
             *("displacement", "boundary", "centre", "site_position", "frame"),
-            *("radius_sd", "position_sd", "pixel_size", "blur", "pinned"),
+            *("sd_position", "sd_height", "sd_radius", "pixel_size", "blur", "pinned"),
         ),
         "mm^2": (
             *("rescaled_load", "rescaled_friction", "crossover_load", "crossover_loads", "load_range"),
-            *("area", "area_sd", "asperity_area", "asperity_area_sd"),
-            *("area_before", "area_sheared", "smallest_area"),
+            *("area", "asperity_area", "area_before", "area_sheared", "smallest_area"),
+            *("area_error", "sheared_area", "sheared_area_error"),
         ),
-        "N": ("load", "load_min", "friction_force", "load_sd", "friction_force_sd"),
+        "N": ("load", "load_min", "friction_force"),
         "N/mm": ("adhesion_energy",),
         "MPa": ("composite_modulus", "young_modulus", "shear_strength", "hardness", "yield_strength"),
         "rad": ("angle", "angle_x", "angle_y", "tilt", "rotation", "rotation_range"),
@@ -37,7 +38,7 @@ BY_SITE = ("pinned",)
 
 def unit_of(name: str) -> str:
     """Return the unit of an argument, such as "mm" for ``radius[3]``, or "1" if it has none."""
-    return UNITS.get(name.rpartition(".")[2].partition("[")[0], "1")
+    return UNITS.get(name.rpartition(".")[2].partition("[")[0].removesuffix("_sd"), "1")
 
 
 def with_unit(name: str, value: float) -> str:

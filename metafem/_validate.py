@@ -44,25 +44,33 @@ def number(
     at_most: float | None = None,
 ) -> float:
     """Return `value` as a finite float within the bounds, in the unit of the argument `name`."""
-    try:
-        result = float(_one(plain(name, value)))
-    except InvalidInput:
-        raise
-    except (TypeError, ValueError, OverflowError, Warning):
-        raise InvalidInput("is not a number in double precision", key=name, value=shown(value)) from None
+    if not isinstance(value, float):
+        found = _floats(name, value, "a number in double precision")
+        refuse_if(found.ndim, f"is not a number in double precision: {shown(value)}", key=name)
+        value = found
+    result = float(value)
     refuse_if(not math.isfinite(result), "must be finite", key=name, value=str(result))
-    limits: Any = (
+    for wrong, must, bound in (
         (above is not None and not result > above, "greater than", above),
         (at_least is not None and result < at_least, "at least", at_least),
         (at_most is not None and result > at_most, "at most", at_most),
-    )
-    for wrong, must, bound in limits:
-        if wrong:
+    ):
+        if wrong and bound is not None:
             raise InvalidInput(f"must be {must} {with_unit(name, bound)}", key=name, value=result)
     least, most = bounds(name, above == 0.0)
     if result and not least <= abs(result) <= most:
-        raise _beyond(name, result, least, most)
+        raise InvalidInput(_magnitude(name, least, most), key=name, value=result)
     return result
+
+
+def _floats(name: str, value: Any, what: str) -> FloatArray:
+    """Return `value` as a new array of floats; errors say that it is not `what`."""
+    try:
+        return np.array(plain(name, value), dtype=np.float64, order="C")
+    except InvalidInput:
+        raise
+    except (TypeError, ValueError, OverflowError, Warning):
+        raise InvalidInput(f"is not {what}: {shown(value, 80)}", key=name) from None
 
 
 def bounds(name: str, positive: bool) -> tuple[float, float]:
@@ -82,16 +90,9 @@ def member(owner: Any, name: str, *, optional: bool = False, **bounds: float) ->
         object.__setattr__(owner, name, number(name, value, **bounds))
 
 
-def _one(value: Any) -> Any:
-    if np.ndim(value):
-        raise TypeError
-    return value
-
-
-def _beyond(name: str, value: float, least: float, most: float) -> InvalidInput:
+def _magnitude(name: str, least: float, most: float) -> str:
     limits = f"at most {most:.0e}" if least == 0.0 else f"0, or {least:.0e} to {most:.0e}"
-    words = f"is outside the range of double precision; it must be {limits} {unit_of(name)} in magnitude"
-    return InvalidInput(words, key=name, value=value)
+    return f"is outside the range of double precision; it must be {limits} {unit_of(name)} in magnitude"
 
 
 def integer(name: str, value: Any, *, at_least: int) -> int:
@@ -104,42 +105,23 @@ def integer(name: str, value: Any, *, at_least: int) -> int:
 
 def array(name: str, value: Any, *, shape: tuple[int | None, ...], positive: bool = False) -> FloatArray:
     """Return `value` as a new, read-only, finite float array; None in `shape` means any length > 0."""
-    try:
-        result = np.array(plain(name, value), dtype=np.float64, order="C")
-    except InvalidInput:
-        raise
-    except (TypeError, ValueError, OverflowError, Warning):
-        raise InvalidInput(f"is not an array of numbers: {shown(value, 80)}", key=name) from None
-    _refuse_shape(name, result.shape, shape)
-    bad = np.argwhere(~np.isfinite(result))
-    if bad.size:
-        first = tuple(bad[0].tolist())
-        raise InvalidInput(f"= {result[first]} must be finite", key=f"{name}{list(first)}")
-    least, most = bounds(name, positive)
+    result = _floats(name, value, "an array of numbers")
+    alike = len(result.shape) == len(shape)
+    if not alike or any(n not in (None, m) for n, m in zip(shape, result.shape, strict=True)):
+        required = ", ".join("n" if length is None else str(length) for length in shape)
+        words = f"has shape {result.shape}; it must have shape ({required}{',' * (len(shape) == 1)})"
+        raise InvalidInput(words, key=name)
+    refuse_if(not result.size, "is empty", key=name)
+    refuse_entries(name, result, ~np.isfinite(result), "must be finite")
+    if positive:
+        refuse_entries(name, result, result <= 0.0, "must be greater than 0")
+    (least, most), size = bounds(name, positive), np.abs(result)
     # nothing is divided by entries that may be 0
-    beyond = np.argwhere((np.abs(result) > most) | (positive & (result > 0.0) & (result < least)))
-    if beyond.size:
-        first = tuple(beyond[0].tolist())
-        raise _beyond(f"{name}{list(first)}", result[first], least, most)
-    if positive and result.min() <= 0.0:
-        i = int(result.argmin())
-        raise InvalidInput("must be greater than 0", key=f"{name}[{i}]", value=result[i])
+    beyond = (size > most) | (size < least) if positive else size > most
+    if beyond.any():
+        refuse_entries(name, result, beyond, _magnitude(name, least, most))
     result.flags.writeable = False
     return result
-
-
-def _refuse_shape(name: str, found: tuple[int, ...], shape: tuple[int | None, ...]) -> None:
-    alike = len(found) == len(shape)
-    if alike and all(length in (None, have) for length, have in zip(shape, found, strict=True)):
-        if 0 in found:
-            raise InvalidInput("is empty", key=name)
-    elif alike and len(shape) == 1:
-        many = f"{found[0]} number{'s' * (found[0] != 1)}"
-        raise InvalidInput(f"has {many}; it must have {shape[0]}", key=name)
-    else:
-        required = ", ".join("n" if length is None else str(length) for length in shape)
-        required += "," * (len(shape) == 1)
-        raise InvalidInput(f"has shape {found}; it must have shape ({required})", key=name)
 
 
 def lists(name: str, value: Any, length: int | None) -> FloatArray:
@@ -154,9 +136,9 @@ def loads(name: str, value: Any, *, negative: bool = False) -> FloatArray:
     result = array(name, value, shape=(None,))
     below = result.min() < 0.0 and not negative
     refuse_if(below, f"holds {with_unit(name, result.min())}; loads cannot be negative", key=name)
-    tiny = np.flatnonzero((result != 0.0) & (np.abs(result) < SMALLEST))
-    if tiny.size:
-        raise _beyond(f"{name}[{tiny[0]}]", result[tiny[0]], SMALLEST, LARGEST)
+    tiny = (result != 0.0) & (np.abs(result) < SMALLEST)
+    if tiny.any():
+        refuse_entries(name, result, tiny, _magnitude(name, SMALLEST, LARGEST))
     return result
 
 
@@ -180,17 +162,13 @@ def depth(value: Any) -> int:
     return int(getattr(value, "ndim", 0))
 
 
-def increasing(name: str, value: FloatArray, *, first: int = 0) -> FloatArray:
-    """Return `value` if its entries are positive and strictly increasing; errors index from `first`."""
-    refuse_if(value[0] <= 0.0, "must be greater than 0", key=f"{name}[{first}]", value=value[0])
-    least, most = bounds(name, positive=True)
-    if value[0] < least:
-        raise _beyond(f"{name}[{first}]", value[0], least, most)
-    bad = np.flatnonzero(np.diff(value) <= 0.0)
-    if bad.size:
-        i = int(bad[0])
-        words = "does not exceed the one before it; the values must increase"
-        raise InvalidInput(words, key=f"{name}[{i + first + 1}]", value=value[i + 1])
+def increasing(name: str, value: FloatArray, *, zero: bool = False) -> FloatArray:
+    """Return `value` if its entries are positive, but for a first `zero`, and strictly increasing."""
+    (least, most), first = bounds(name, positive=True), np.arange(len(value)) == zero
+    refuse_entries(name, value, first & (value <= 0.0), "must be greater than 0")
+    refuse_entries(name, value, first & (value < least), _magnitude(name, least, most))
+    words = "does not exceed the one before it; the values must increase"
+    refuse_entries(name, value, np.diff(value, prepend=-np.inf) <= 0.0, words)
     return value
 
 

@@ -67,11 +67,7 @@ def three_digits(value: float) -> str:
     >>> three_digits(0.97123), three_digits(1514.6), three_digits(2e-7)
     ('0.971', '1,510', '2e-07')
     """
-    return _written_out(value, 3)
-
-
-def _written_out(value: float, digits: int) -> str:
-    return f"{float(f'{value:.{digits}g}'):,.9g}"
+    return f"{float(f'{value:.3g}'):,.9g}"
 
 
 def percent(fraction: float, form: str = ".2g") -> str:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
-from dataclasses import dataclass, field
 from typing import TypeVar
 
 __all__ = ["listening"]
@@ -16,26 +15,12 @@ Item = TypeVar("Item")
 OnStep = Callable[[str, float | None], None]
 
 
-@dataclass(eq=False)
-class _Listener:
-    """The functions that report steps and messages, and the running steps, outermost first.
+# A running step: its name and, in a series, the completed fraction, or None if the series may end early.
+Step = tuple[str] | tuple[str, float | None]
 
-    A step of a series has a completed fraction of it, which is None if the series may end early.
-    """
-
-    on_step: OnStep
-    on_message: Callable[[str], None] | None
-    steps: list[tuple[str, *tuple[float | None, ...]]] = field(default_factory=list)
-
-    def at(self, depth: int, *step: tuple[str, *tuple[float | None, ...]]) -> None:
-        """Replace the steps at `depth` and deeper, then report the running steps."""
-        self.steps[depth:] = step
-        if self.steps:
-            done = next((step[1] for step in self.steps if len(step) > 1), None)
-            self.on_step(", ".join(step[0] for step in self.steps), done)
-
-
-_LISTENER: ContextVar[_Listener | None] = ContextVar("metafem progress", default=None)
+# Functions that report steps and messages, and the running steps, outermost first; None if nothing listens.
+_LISTENER: ContextVar[tuple[OnStep, Callable[[str], None] | None, list[Step]] | None]
+_LISTENER = ContextVar("metafem progress", default=None)
 
 
 @contextmanager
@@ -64,26 +49,37 @@ def listening(on_step: OnStep, on_message: Callable[[str], None] | None = None) 
     >>> steps[0], steps[-1]
     ('inverting the law', 'computing the law of the heights')
     """
-    token = _LISTENER.set(_Listener(on_step, on_message))
+    token = _LISTENER.set((on_step, on_message, []))
     try:
         yield
     finally:
         _LISTENER.reset(token)
 
 
+def _report(depth: int, *step: Step) -> None:
+    """Replace the steps at `depth` and deeper, then report the running steps, if something listens."""
+    if (listener := _LISTENER.get()) is not None:
+        on_step, _, steps = listener
+        steps[depth:] = step
+        if steps:
+            done = next((step[1] for step in steps if len(step) > 1), None)
+            on_step(", ".join(step[0] for step in steps), done)
+
+
+def _depth() -> int:
+    listener = _LISTENER.get()
+    return 0 if listener is None else len(listener[2])
+
+
 @contextmanager
 def doing(name: str) -> Iterator[None]:
     """Report a step that lasts as long as the ``with`` block."""
-    listener = _LISTENER.get()
-    if listener is None:
-        yield
-        return
-    depth = len(listener.steps)
-    listener.at(depth, (name,))
+    depth = _depth()
+    _report(depth, (name,))
     try:
         yield
     finally:
-        listener.at(depth)
+        _report(depth)
 
 
 def each(name: str, items: Sequence[Item], *, at_most: bool = False) -> Iterator[Item]:
@@ -91,25 +87,22 @@ def each(name: str, items: Sequence[Item], *, at_most: bool = False) -> Iterator
 
     With `at_most`, the loop may end early.
     """
-    listener = _LISTENER.get()
-    if listener is None:
-        yield from items
-        return
-    depth = len(listener.steps)
+    depth = _depth()
     try:
         for number, item in enumerate(items):
             words = f"{name} {number + 1} of {'at most ' if at_most else ''}{len(items)}"
-            listener.at(depth, (words, None if at_most else number / len(items)))
+            _report(depth, (words, None if at_most else number / len(items)))
             yield item
     finally:
         # do not report here: if the loop ends early, Python prints and ignores exceptions raised by a
         # listener
-        del listener.steps[depth:]
-    listener.at(depth)
+        if (listener := _LISTENER.get()) is not None:
+            del listener[2][depth:]
+    _report(depth)
 
 
 def message(text: str) -> None:
     """Report a message that should stay on the screen after the step ends."""
     listener = _LISTENER.get()
-    if listener is not None and listener.on_message is not None:
-        listener.on_message(text)
+    if listener is not None and listener[1] is not None:
+        listener[1](text)

@@ -191,6 +191,6 @@ def _asperities(sites: IntArray, numbers: IntArray | None) -> IntArray:
     if numbers is None:
         return sites
     place = {number: i for i, number in enumerate(numbers.tolist())}
-    wrong = listed(str(site) for site in sites.tolist() if site not in place)
+    wrong = listed(str(site + 1) for site in sites.tolist() if site not in place)
     refuse_if(wrong, f"the contacts have site {wrong}, which the design leaves empty or does not have")
     return np.array([place[site] for site in sites.tolist()], dtype=np.int64)

@@ -24,9 +24,6 @@ if TYPE_CHECKING:
 # Name of the schema's file, to which the specifications of the demonstrations refer.
 SCHEMA_FILE = "metafem.schema.json"
 
-# Members of a key's description that `metafem spec --json` prints.
-SHOWN = ("section", "kind", "name", "example", "meaning", "optional", "default")
-
 
 @command(
     click.argument("name", type=click.Choice(DEMOS)),
@@ -43,13 +40,12 @@ def demo(name: str, **options: Any) -> None:
     """
     path, folder, text = Path(f"{name}.toml"), Path(name), mf.files.demo_text(name)
     mf.files.refuse_existing(folder, options["force"], folder=True)
-    same = path.is_file() and path.read_bytes() == text.encode("utf-8")
     remedy = f"run it by `metafem design {path} -o FOLDER`, or rename it"
-    refuse_if(path.exists() and not same, f"{path} exists and differs from the demo's; {remedy}")
-    if not same:
-        mf.files.write_text(path, text)
-    if not Path(SCHEMA_FILE).exists():
-        mf.files.write_text(SCHEMA_FILE, mf.files.schema_text())
+    other = path.exists() and path.read_bytes() != text.encode("utf-8")
+    refuse_if(other, f"{path} exists and differs from the demo's; {remedy}")
+    for file, content in ((path, text), (Path(SCHEMA_FILE), mf.files.schema_text())):
+        if not file.exists():
+            mf.files.write_text(file, content)
     click.get_current_context().invoke(design, spec=path, output=folder, **options)
 
 
@@ -84,14 +80,13 @@ def design(
             result = specification.design(chosen)
         except Infeasible as error:
             raise _refusal(error, output, force) from None
-        with mf.files.staged(output, force, folder=True) as fresh:
-            text = mf.report.page(result, specification.hardness)
-            part = mf.files.write_all(result, fresh, specification, {"report.html": text})
+        pages = {"report.html": mf.report.page(result, specification.hardness)}
+        mf.save(result, output, specification=specification, pages=pages, force=force)
+    part = mf.files.planned(result.surface, result.template, specification.part)
     notes = mf.report.all_notes(result, specification.hardness) + mf.files.part_notes(part)
-    data = {"folder": str(output), **_data(result), "part": part and part.record()}
     show(
         as_json,
-        {**data, "notes": notes_data(notes)},
+        {"folder": str(output), **_data(result), "part": part and part.record(), "notes": notes_data(notes)},
         head=[result.target.title, result.verdict],
         tables=_tables(result),
         notes=notes,
@@ -106,22 +101,29 @@ def _refusal(error: Infeasible, folder: Path, force: bool) -> Ended:
     words, nearest = str(error), error.nearest
     if nearest is None or nearest.law is None:
         return Ended("Infeasible", words, **({"nearest": {"target": nearest.title}} if nearest else {}))
-    load, friction = (values.tolist() for values in nearest.law)
-    data = {"target": nearest.title, "rescaled_load": load, "rescaled_friction": friction}
     path = Path(f"{folder.absolute()}-nearest.csv")
     if path.exists() and not force:
         words += f"; the nearest law is not written, because {path.name} exists (--force replaces it)"
-    else:
-        rows = "".join(f"{x!r},{y!r}\n" for x, y in zip(load, friction, strict=True))
-        head = "# The nearest law that was found, by metafem.\nrescaled_load_mm2,rescaled_friction_mm2\n"
-        mf.files.write_text(path, head + rows, force=force)
-        words += f'; the nearest law is in {path.name}, for a sampled target with file = "{path.name}"'
-        data["file"] = str(path)
-    return Ended("Infeasible", words, nearest=data)
+        return Ended("Infeasible", words, nearest={"target": nearest.title})
+    rows = "".join(f"{x!r},{y!r}\n" for x, y in zip(*(each.tolist() for each in nearest.law), strict=True))
+    head = "# The nearest law that was found, by metafem.\nrescaled_load_mm2,rescaled_friction_mm2\n"
+    mf.files.write_text(path, head + rows, force=force)
+    words += f'; the nearest law is in {path.name}, for a sampled target with file = "{path.name}"'
+    return Ended("Infeasible", words, nearest={"target": nearest.title, "file": str(path)})
 
 
 def _data(result: Design) -> dict[str, Any]:
     """Return the numbers of a design, for JSON."""
+    slopes = [
+        {
+            "target": branch.slope,
+            "fitted": fit.slope,
+            "intercept_mm2": fit.intercept,
+            "friction_coefficient": fit.friction_coefficient,
+            "intercept_N": fit.intercept_force,
+        }
+        for branch, fit in result.fits
+    ]
     return {
         "target": result.target.title,
         "status": result.status.name.lower(),
@@ -131,16 +133,7 @@ def _data(result: Design) -> dict[str, Any]:
         "model": mf.report.model_data(result.law.model),
         "model_error": mf.report.error_data(result.law.model_error),
         "parameters": mf.files.plain_data(result.parameters),
-        "slopes": [
-            {
-                "target": branch.slope,
-                "fitted": fit.slope,
-                "intercept_mm2": fit.intercept,
-                "friction_coefficient": fit.friction_coefficient,
-                "intercept_N": fit.intercept_force,
-            }
-            for branch, fit in result.fits
-        ],
+        "slopes": slopes,
     }
 
 
@@ -162,20 +155,17 @@ def _tables(result: Design) -> list[Printed]:
 @command(
     click.option(
         "--schema",
+        "--json",
         "as_schema",
         is_flag=True,
         help="Print the JSON schema instead, by which editors complete keys and mark errors. A specification "
         "names it in a comment before the first section: `#:schema ./metafem.schema.json`.",
     ),
-    json_option,
     short_help="Print every key of a specification, with examples.",
 )
-def spec(as_schema: bool, as_json: bool) -> None:
+def spec(as_schema: bool) -> None:
     """Print every section and key of a specification with its meaning and an example."""
-    if as_json:
-        show(True, [{name: getattr(key, name) for name in SHOWN} for key in mf.files.all_keys()])
-    else:
-        click.echo(mf.files.schema_text() if as_schema else mf.files.manual(), nl=False)
+    click.echo(mf.files.schema_text() if as_schema else mf.files.manual(), nl=False)
 
 
 @command(click.argument("folder", type=Name()), json_option)

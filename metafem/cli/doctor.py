@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import tempfile
-from collections.abc import Callable
 from pathlib import Path
 
 import click
@@ -14,17 +13,7 @@ from metafem import _caches
 from metafem.cli.group import NOT_ACHIEVED
 from metafem.cli.options import command, json_option
 from metafem.cli.output import show
-
-# A check: what it is, what it found, and whether this is well.
-Finding = tuple[str, str, bool]
-
-
-def _checked(what: str, check: Callable[[], tuple[str, bool]]) -> Finding:
-    """Return the result of a check, which is a fault if the check raises an exception of any type."""
-    try:
-        return what, *check()
-    except Exception as error:
-        return what, f"{type(error).__name__}: {error}", False
+from metafem.errors import refuse_if
 
 
 def _kept() -> list[Path]:
@@ -32,32 +21,45 @@ def _kept() -> list[Path]:
     return [*_caches.kept_kernels(), *_caches.kept_blocks()]
 
 
-def _cache() -> tuple[str, bool]:
-    """Return the folder and size of the caches, or an error text, and whether the folder is writable."""
+def _installed() -> str:
+    from metafem.files.result import versions
+
+    found = ", ".join(f"{name} {version}" for name, version in versions().items())
+    return f"{found}, imported from {Path(mf.__file__).parent}"
+
+
+def _cache() -> str:
     folder = _caches.cache_folder()
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        tempfile.TemporaryFile(dir=folder).close()
-    except OSError as error:
-        return f"{error}; kernels are compiled again each time; set {_caches.VARIABLE} to a folder", False
-    return f"{folder}; {_caches.size(_kept()) / 1e6:.1f} MB", True
+    folder.mkdir(parents=True, exist_ok=True)
+    tempfile.TemporaryFile(dir=folder).close()
+    return f"{folder}; {_caches.size(_kept()) / 1e6:.1f} MB"
 
 
-def _contact() -> tuple[str, bool]:
+def _contact() -> str:
     surface = mf.Surface([[0.0, 0.0]], [0.1], 0.5, mf.Material(1.0))
     area = float(mf.friction_law(surface, load=[0.01]).area[0])
     error = abs(area / (math.pi * 0.5 * float(mf.Hertz().indentation_at_load(0.01, 0.5))) - 1.0)
-    return f"relative error {error:.1e}", error < 1e-12
+    refuse_if(error > 1e-12, f"relative error {error:.1e}")
+    return f"relative error {error:.1e}"
 
 
-def _folder() -> tuple[str, bool]:
+def _folder() -> str:
     block = mf.Block(8.0, 8.0, 2.0)
     template = mf.Surface.square_lattice(0.12, (4, 4), radius=0.5, material=mf.Material(1.0), block=block)
     design = mf.design(mf.LinearLaw(7.0), template)
     with tempfile.TemporaryDirectory() as parent:
         mf.save(design, f"{parent}/result", pages={"report.html": mf.report.page(design)})
-        same = mf.load(f"{parent}/result") == design
-    return "equal to the bit" if same else "changed", same
+        refuse_if(mf.load(f"{parent}/result") != design, "changed")
+    return "equal to the bit"
+
+
+# The checks: each returns what it found, or raises an exception of any type.
+CHECKS = {
+    "versions": _installed,
+    f"cache ({_caches.VARIABLE} names another folder)": _cache,
+    "compiled kernels against Hertz's closed form": _contact,
+    "design, part and report, written and read": _folder,
+}
 
 
 @command(
@@ -71,19 +73,14 @@ def doctor(clear_cache: bool, as_json: bool) -> None:
         folder, freed, left = _caches.cache_folder(), _caches.remove(_kept()), _caches.size(_kept())
         data = {"folder": str(folder), "freed_bytes": freed, "left_bytes": left}
         show(as_json, data, lines=[f"removed {freed / 1e6:.1f} MB from {folder}, left {left / 1e6:.1f} MB"])
-        well = left == 0
-    else:
-        from metafem.files.result import versions
-
-        findings: list[Finding] = [
-            ("metafem", f"imported from {Path(mf.__file__).parent}", True),
-            *((name, found, found != "not installed") for name, found in versions().items()),
-            _checked("cache", _cache),
-            _checked("compiled kernels against Hertz's closed form", _contact),
-            _checked("design, part and report, written and read", _folder),
-        ]
-        well = all(good for *_, good in findings)
-        lines = [f"{'ok  ' if good else 'FAIL'} {what}: {found}" for what, found, good in findings]
-        show(as_json, [{"what": a, "found": b, "well": good} for a, b, good in findings], lines=lines)
-    if not well:
+        return
+    findings = []
+    for what, check in CHECKS.items():
+        try:
+            findings.append({"what": what, "found": check(), "well": True})
+        except Exception as error:
+            findings.append({"what": what, "found": f"{type(error).__name__}: {error}", "well": False})
+    lines = ["{} {what}: {found}".format("ok  " if each["well"] else "FAIL", **each) for each in findings]
+    show(as_json, findings, lines=lines)
+    if not all(each["well"] for each in findings):
         click.get_current_context().exit(NOT_ACHIEVED)

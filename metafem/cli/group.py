@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 import sys
-from collections.abc import Mapping
 from importlib import import_module
 from typing import Any
 
@@ -70,17 +69,15 @@ def in_options(error: InvalidInput, ctx: click.Context) -> InvalidInput:
 class Commands(click.Group):
     """The group of all commands; an error ends a command with a message and an exit code."""
 
-    modules: Mapping[str, str] = MODULES
-
     def list_commands(self, ctx: click.Context) -> list[str]:
         """Return the names of all commands, in the order in which they are used."""
-        return list(self.modules)
+        return list(MODULES)
 
     def get_command(self, ctx: click.Context, name: str) -> click.Command | None:
         """Return a command, after the import of its module."""
-        if name not in self.modules:
+        if name not in MODULES:
             return None
-        found: click.Command = getattr(import_module(f"metafem.cli.{self.modules[name]}"), name)
+        found: click.Command = getattr(import_module(f"metafem.cli.{MODULES[name]}"), name)
         return found
 
     def main(self, args: Any = None, *rest: Any, **extra: Any) -> Any:

@@ -176,9 +176,11 @@ def _figure(found: dict[str, Any]) -> tuple[Any, str]:
     name = tracked.name
     areas, placed = found["areas"][name], tracked.placed[name]
     what = "contact" if tracked.match is None else "site"
-    number = tracked.table[what][: len(placed.position)].tolist()
+    number = tracked.table[what][: len(placed.position)] + (what == "site")
     title = f"{name}: numbers are those of the column {what}"
-    return found_figure(mf.files.Images([found["files"][name]])[0], areas, placed, number, title), name
+    return found_figure(
+        mf.files.Images([found["files"][name]])[0], areas, placed, number.tolist(), title
+    ), name
 
 
 def _rows(table: Any) -> list[dict[str, Any]]:

@@ -17,10 +17,8 @@ from metafem.files.specification.models import MODELS
 Decorator = Callable[[Any], Any]
 
 # How the option --contact states each contact law.
-CONTACTS = (
-    *("hertz", "elastic", "jkr ADHESION_ENERGY [CAP]", "kogut-etsion HARDNESS"),
-    *("jackson-green YIELD_STRENGTH", "tabulated FILE"),
-)
+CONTACTS = """hertz, elastic, jkr ADHESION_ENERGY [CAP], kogut-etsion HARDNESS, jackson-green YIELD_STRENGTH,
+tabulated FILE"""
 
 # Type of an option that names a file or folder.
 Name = partial(click.Path, path_type=Path)
@@ -47,19 +45,17 @@ class Quantity(click.ParamType):  # type: ignore[type-arg]
         label = max(param.opts, key=len)
         parts = [part.strip() for part in value.split(",")] if self.listed else [value]
         ctx.meta.setdefault(TEXTS, {}).setdefault(param.name, (label, []))[1].extend(parts)
-        found = [self.read(label, part) for part in parts]
-        return found if self.listed else found[0]
-
-    def read(self, label: str, text: str) -> Any:
-        """Return the number of one text; a load may be a rescaled load or a force."""
         try:
-            if self.unit == "load":
-                return mf.files.given_load(text)
-            if text.strip() == "0":  # in any unit
-                return 0.0
-            return mf.files.converted(text, self.unit, self.example or None)
+            found = [self._number(part) for part in parts]
         except InvalidInput as error:
             raise Ended("InvalidInput", str(error.at(label))) from None
+        return found if self.listed else found[0]
+
+    def _number(self, text: str) -> Any:
+        """Return the number of one text; a load may be a rescaled load or a force, and 0 has any unit."""
+        if self.unit == "load":
+            return mf.files.given_load(text)
+        return 0.0 if text.strip() == "0" else mf.files.converted(text, self.unit, self.example or None)
 
 
 def command(*options: Decorator, **settings: Any) -> Decorator:
@@ -92,30 +88,22 @@ def option_name(name: str) -> str:
 
 def model_options(default: str) -> list[Decorator]:
     """Return the options --model and --contact; `default` describes their default."""
-    model = (
-        "Model of the law, from single contacts to resolved ones; automatic is the fastest that is accurate "
-    )
-    contact = f"Law of one contact, a kind and its values: {', '.join(CONTACTS)}. For example --contact "
-    contact += f'"jkr 9 mJ/m^2 elastic". Default: {default.replace("independent", "hertz")}.'
+    model = "Model of the law; automatic is the fastest that is accurate enough."
+    contact = f'Law of one contact, a kind and its values: {CONTACTS}; such as "jkr 9 mJ/m^2 elastic".'
+    usual = default.replace("independent", "hertz")
     return [
-        click.option("--model", type=click.Choice(tuple(MODELS)), help=f"{model}enough. Default: {default}."),
-        click.option("--contact", metavar="LAW", help=contact),
+        click.option("--model", type=click.Choice(tuple(MODELS)), help=f"{model} Default: {default}."),
+        click.option("--contact", metavar="LAW", help=f"{contact} Default: {usual}."),
     ]
 
 
-json_option = click.option(
-    "--json",
-    "as_json",
-    is_flag=True,
-    help="Print only data, as JSON; an error is an object with type and message.",
-)
+json_option = click.option("--json", "as_json", is_flag=True, help="Print data alone, also errors, as JSON.")
 force_option = click.option("--force", is_flag=True, help="Replace existing files.")
 column_option = click.option(
     "--column",
     multiple=True,
     metavar="NAME=TITLE",
-    help='Column of a table with another title, such as load="Kraft [N]", or load_N=Kraft if the table does '
-    "not state the unit; may be repeated.",
+    help='Column with another title, load="Kraft [N]", or load_N=Kraft without a unit; may be repeated.',
 )
 
 
@@ -132,8 +120,7 @@ def columns_of(given: tuple[str, ...]) -> dict[str, str]:
 
 def refuse_files(force: bool, *files: Path | None, figure: Path | None = None) -> None:
     """Raise InvalidInput before a long run if one of the files that it writes would be refused."""
-    for path in files:
-        if path is not None:
-            mf.files.refuse_existing(path, force)
+    for path in filter(None, files):
+        mf.files.refuse_existing(path, force)
     if figure is not None:
         mf.files.refuse_figure(figure, force)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 # A table that is printed: column titles, rows and a title.
 Printed = tuple[Sequence[str], Sequence[Sequence[str]], str | None]
 
-# Least number of characters per line if the output is not a terminal, so that tables are not wrapped.
+# Number of characters per line if the output is not a terminal, so that tables are not wrapped.
 WIDE = 160
 
 # Units at the end of the names of columns, as the titles of a table show them.
@@ -40,23 +41,17 @@ def show(
         return
     from rich.console import Console
 
-    console = Console()
-    if not console.is_terminal:
-        console = Console(width=max(WIDE, console.width))
-    say(console, *head)
+    console = Console(width=None if sys.stdout.isatty() else WIDE)
+    for line in head:
+        click.echo(line)
     for table in tables:
         print_table(console, *table)
-    say(console, *lines)
-    for note in dict.fromkeys(notes):
-        word, style = ("warning", "yellow") if note.warns else ("note", None)
-        console.print(f"{word}: {note}", style=style, highlight=False, markup=False)
-    say(console, *(f"wrote {path}" for path in files if path is not None))
-
-
-def say(console: Console, *lines: str) -> None:
-    """Print lines unchanged, without markup, highlighting or wrapping."""
     for line in lines:
-        console.print(line, highlight=False, markup=False, soft_wrap=True)
+        click.echo(line)
+    for note in dict.fromkeys(notes):
+        click.secho(f"{'warning' if note.warns else 'note'}: {note}", fg="yellow" if note.warns else None)
+    for path in filter(None, files):
+        click.echo(f"wrote {path}")
 
 
 def print_table(

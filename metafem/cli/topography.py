@@ -118,8 +118,8 @@ def _data(design: Design, made: MadeSurface, law: FrictionLaw) -> dict[str, Any]
         {
             "measured": made.surface.count,
             "designed": made.design.count,
-            "site": design.sites[made.site],
-            "missing": design.sites[made.missing],
+            "site": design.sites[made.site] + 1,
+            "missing": design.sites[made.missing] + 1,
             "height_mm": made.surface.height,
             "radius_mm": made.surface.radius,
             "sd_height_mm": made.height_sd,

@@ -463,13 +463,13 @@ class TabulatedContact(Value, LawByIndentation):
         given = {"indentation": indentation, "load": load, "area": area}
         count = np.size(check.array("indentation", indentation, shape=(None,)))
         table = np.array([check.array(name, row, shape=(count,)) for name, row in given.items()])
-        zero = int(not table[:, 0].any())
-        table = table[:, zero:]
+        zero = not table[:, 0].any()
+        for name, row in zip(given, table, strict=True):
+            check.increasing(name, row, zero=zero)
+        table = table[:, int(zero) :]
         # the slope of the cubic at a point needs three points
         words = f"has {table.shape[1]} positive points; a table needs at least 3"
         refuse_if(table.shape[1] < 3, words, key="indentation")
-        for name, row in zip(given, table, strict=True):
-            check.increasing(name, row, first=zero)
         table.flags.writeable = False
         object.__setattr__(self, "table", table)
         object.__setattr__(self, "material", material)

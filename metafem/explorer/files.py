@@ -19,7 +19,7 @@ from metafem.errors import InvalidInput, MetafemError
 from metafem.explorer.answer import Answer, specification_of
 from metafem.explorer.control import Control, Panel
 from metafem.explorer.history import State
-from metafem.files import result_tables, staged, write_all
+from metafem.files import result_tables, save
 from metafem.inversion import Design
 from metafem.report import page
 from metafem.report.figures import law_figure
@@ -100,9 +100,8 @@ def made_files(answer: Answer) -> dict[str, bytes]:
     assert specification is not None
     with TemporaryDirectory() as parent:
         folder = Path(parent, "surface")
-        with staged(folder, folder=True) as fresh:
-            report = page(design, specification.hardness)
-            write_all(design, fresh, specification, {"report.html": report})
+        report = page(design, specification.hardness)
+        save(design, folder, specification=specification, pages={"report.html": report})
         return {path.name: path.read_bytes() for path in sorted(folder.iterdir())}
 
 

@@ -55,8 +55,8 @@ def with_sites(
     kept = {site: height for site, height in asked.pinned.items() if site not in changed}
     heights = dict(sorted({**kept, **pinned}.items()))
     values = {
-        "empty": sorted((asked.empty - changed).union(empty)),
-        "pinned": list(heights),
+        "empty": [site + 1 for site in sorted((asked.empty - changed).union(empty))],
+        "pinned": [site + 1 for site in heights],
         "heights": list(heights.values()),
     }
     return Document(text).with_values({f"sites.{name}": value or None for name, value in values.items()})
@@ -124,7 +124,7 @@ def _checked(given: Any, count: int) -> tuple[str, Sequence[int], str]:
 
 
 def _numbers(given: Any) -> list[int]:
-    return [each for each in given if type(each) is int] if isinstance(given, list) else []
+    return [each - 1 for each in given if type(each) is int] if isinstance(given, list) else []
 
 
 # Intervals of a meridian, and decimals of its lengths over the radius. On a hemisphere, the chords lie within

@@ -33,7 +33,6 @@ from .result import stored_hardness as stored_hardness
 from .result import stored_studies as stored_studies
 from .result import study_data as study_data
 from .result import study_path as study_path
-from .result import write_all as write_all
 from .result import write_study as write_study
 from .specification.forms import KeyForm as KeyForm
 from .specification.forms import SectionForm as SectionForm

@@ -29,7 +29,9 @@ def contacts_table(table: DataFrame) -> str:
     for image in table["image"][table.duplicated(["test", "image", "contact"])][:1]:
         raise InvalidInput(f"image {printable(image)} is in one test twice; give it two names")
     # texts are quoted, because a line that begins with # would be a comment
-    lines = table.to_csv(index=False, header=False, quoting=csv.QUOTE_NONNUMERIC, lineterminator="\n")
+    lines = table.assign(site=table["site"] + 1).to_csv(
+        index=False, header=False, quoting=csv.QUOTE_NONNUMERIC, lineterminator="\n"
+    )
     return f"{HEADER}\n{lines}"
 
 
@@ -48,7 +50,7 @@ def contacts_of(table: Table) -> DataFrame:
 
     entries = COLUMNS.read(table)
     matched = any(entries.texts("site"))
-    site = entries.whole("site", 0) if matched else [pd.NA] * len(table.rows)
+    site = [number - 1 for number in entries.whole("site", 1)] if matched else [pd.NA] * len(table.rows)
     found = pd.DataFrame(
         {name: entries.texts(name) for name in ("image", "test")}
         | {"contact": entries.whole("contact", 1)}

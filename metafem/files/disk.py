@@ -1,18 +1,17 @@
-"""Files and folders: read after a look at their type and size, written completely or not at all."""
+"""Files and folders: read up to a largest size, written completely or not at all."""
 
 from __future__ import annotations
 
 import codecs
-import json
 import os
 import stat
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from metafem._given import printable, shown
+from metafem._given import printable
 from metafem.errors import InvalidInput, refuse_if
 
 if TYPE_CHECKING:
@@ -37,8 +36,8 @@ RESERVED = frozenset(
     }
 )
 
-# Text at the beginning of each figure, by which `metafem images` recognises it, and the formats of figures.
-MARK, FORMATS = "figure by metafem", (".svg", ".png")
+# Formats of figures.
+FORMATS = (".svg", ".png")
 
 
 @contextmanager
@@ -56,14 +55,13 @@ def staged(goal: str | Path, force: bool = False, *, folder: bool = False) -> It
             fresh.mkdir()
         yield fresh
         refuse_existing(goal, force, folder=folder)  # another program may have written there
-        if not folder or not target.exists():
-            fresh.replace(target)
-            return
-        target.rename(earlier)
+        if folder and target.exists():
+            target.rename(earlier)
         try:
-            fresh.rename(target)
+            fresh.replace(target)
         except BaseException:
-            earlier.rename(target)
+            if earlier.exists():
+                earlier.rename(target)
             raise
 
 
@@ -77,7 +75,7 @@ def refuse_existing(goal: str | Path, force: bool = False, *, folder: bool = Fal
     with _reported(target):
         refuse_if(not target.parent.is_dir(), f"{target.parent} is not a folder; create it first")
         try:
-            kind = os.lstat(target).st_mode
+            kind = target.stat().st_mode
         except FileNotFoundError:
             return
         found = folder and stat.S_ISDIR(kind)
@@ -115,42 +113,33 @@ def refuse_figure(path: Path, force: bool) -> None:
 
 def write_figure(path: Path, figure: Figure, title: str, *, force: bool = False) -> None:
     """Write a figure; the extension of the file determines its format."""
-    from metafem import drawing
+    from metafem.drawing import RESOLUTION
 
     refuse_figure(path, force)
-    if path.suffix.lower() == ".svg":
-        write_text(path, f"<!-- {MARK} -->\n{drawing.svg(figure, title)}\n", force=force)
-        return
-    options: dict[str, Any] = {"format": "png", "dpi": drawing.RESOLUTION, "metadata": {"Software": MARK}}
     with staged(path, force) as fresh:
-        figure.savefig(fresh, **options)
+        known = {"Title": title}
+        figure.savefig(fresh, format=path.suffix[1:].lower(), dpi=RESOLUTION, metadata=known)
 
 
-def read_bytes(path: str | Path, most: int, missing: str = "no such file", beginning: bool = False) -> bytes:
-    """Return the content of a regular file of at most `most` bytes, or only its beginning of this size."""
+def read_bytes(path: str | Path, most: int, missing: str = "no such file") -> bytes:
+    """Return the content of a regular file of at most `most` bytes."""
     name = file_label(path)
+    refuse_unreadable(path, missing)
     try:
-        kind = os.stat(path).st_mode
-        what = "a folder" if stat.S_ISDIR(kind) else "a device or a pipe"
-        refuse_if(not stat.S_ISREG(kind), f"{name}: cannot be read: it is {what}, not a file")
         with open(path, "rb") as file:
             content = file.read(most + 1)
-    except InvalidInput:
-        raise
-    except FileNotFoundError:
-        raise InvalidInput(f"{name}: {missing}") from None
     except OSError as error:
         raise InvalidInput(f"{name}: cannot be read: {error.strerror}") from None
-    except (TypeError, ValueError):  # the path has a null character or another invalid character
-        raise InvalidInput(f"{shown(path)} is not the name of a file") from None
     larger = f"{name}: is larger than {most / 2**20:g} MiB, the limit for its kind of file"
-    refuse_if(len(content) > most and not beginning, larger)
-    return content[:most]
+    refuse_if(len(content) > most, larger)
+    return content
 
 
-def refuse_unreadable(path: str | Path) -> None:
-    """Raise InvalidInput unless the path is a regular file that can be opened."""
-    read_bytes(path, 1, beginning=True)
+def refuse_unreadable(path: str | Path, missing: str = "no such file") -> None:
+    """Raise InvalidInput unless the path is a regular file."""
+    refuse_if(not os.path.exists(path), f"{file_label(path)}: {missing}")
+    words = "cannot be read: it is a folder, a device or a pipe, not a file"
+    refuse_if(not os.path.isfile(path), f"{file_label(path)}: {words}")
 
 
 def file_label(path: object) -> str:
@@ -171,34 +160,10 @@ def decoded(path: str | Path, raw: bytes) -> str:
 def text_of_table(path: str | Path, raw: bytes) -> str:
     """Return the text of a table, which spreadsheets write as UTF-8, UTF-16 or Windows-1252."""
     marked = raw.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
-    for encoding in ("utf-16",) if marked else ("utf-8-sig", "cp1252"):
-        try:
-            text = raw.decode(encoding)
-        except UnicodeDecodeError:
-            continue
-        words = f"{file_label(path)} is not a text: it holds null characters; save the table as CSV"
-        refuse_if("\0" in text, words)
-        return text
-    raise InvalidInput(f"{file_label(path)} is not a text; save the table as CSV in UTF-8")
-
-
-@contextmanager
-def damaged(path: str | Path) -> Iterator[None]:
-    """Raise InvalidInput, which calls the file damaged, if the body cannot use the content of the file."""
     try:
-        yield
-    except RecursionError:
-        raise InvalidInput(f"{file_label(path)} is damaged: it nests its values too deeply") from None
-    except (OSError, ValueError, KeyError, AttributeError) as error:
-        raise InvalidInput(f"{file_label(path)} is damaged: {printable(str(error))}") from None
-
-
-def read_record(path: str | Path, missing: str = "no such file") -> Any:
-    """Return the content of a JSON file; raise InvalidInput for any other file."""
-    text = decoded(path, read_bytes(path, RECORD, missing))
-
-    def refused(constant: str) -> float:
-        raise ValueError(f"it holds {constant}, which is not a number")
-
-    with damaged(path):
-        return json.loads(text, parse_constant=refused)
+        text = raw.decode("utf-16" if marked else "utf-8-sig")
+    except UnicodeDecodeError:
+        text = raw.decode("cp1252", errors="replace")
+    words = f"{file_label(path)} is not a text: it holds null characters; save the table as CSV"
+    refuse_if("\0" in text, words)
+    return text

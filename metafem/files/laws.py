@@ -209,8 +209,9 @@ def samples_of(source: str | Path | Table) -> Keys:
 def read_sites(path: str | Path | Table) -> tuple[FloatArray, IntArray]:
     """Return the positions [mm], (n, 2), and numbers, (n,), of the sites of a design, seen from above.
 
-    The table has the columns x and y, with their units, and optionally the column site. Without the column
-    site, the sites are numbered from 0. The table of a mould is refused because it is mirrored.
+    The table has the columns x and y, with their units, and optionally the column site, from 1; the numbers
+    are returned from 0. Without this column the sites are numbered by their lines. The table of a mould is
+    refused because it is mirrored.
     """
     table = read_table(path)
     mould = any(title.startswith("depth_") for title in table.header)
@@ -220,7 +221,7 @@ def read_sites(path: str | Path | Table) -> tuple[FloatArray, IntArray]:
     position = np.column_stack([entries.numbers("x"), entries.numbers("y")])
     if "site" not in entries.columns:
         return position, np.arange(len(position))
-    number = np.array(entries.whole("site", 0))
+    number = np.array(entries.whole("site", 1)) - 1
     twice = np.array([site in number[:row] for row, site in enumerate(number)])
     _refuse(entries, "site", twice, "is the number of another site too")
     return position, number

@@ -1,16 +1,18 @@
-"""Closed meshes of the part, a block with caps, and of its mould, a plate with cavities."""
+"""Closed meshes of the part, a block with caps, and of its mould, a plate with cavities.
+
+A mesh is a pair: vertices (n, 3) [mm], and triangles (m, 3), counterclockwise, seen from outside.
+"""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
 
 from metafem._validate import FloatArray, IntArray
 from metafem.caps import SPHERE, Cap
-from metafem.errors import MetafemError
+from metafem.errors import refuse_if
 from metafem.surface import Block, Surface
 
 # Triangles of the sides and the bottom of the block. Corners 0 to 3 are those of the top face,
@@ -24,21 +26,7 @@ _CORNERS = 8
 # Least number of rings: with one ring a cap would be a pyramid.
 _FEWEST = 2
 
-
-@dataclass(frozen=True, eq=False)
-class Mesh:
-    """Triangles that bound a solid."""
-
-    vertices: FloatArray  # (n, 3) [mm]
-    faces: IntArray  # (m, 3), counterclockwise, seen from outside
-
-    @property
-    def closed(self) -> bool:
-        """Whether two faces share each edge and traverse it in opposite directions."""
-        start, end = self.faces.ravel(), np.roll(self.faces, -1, axis=1).ravel()
-        forth = np.sort(start * len(self.vertices) + end)
-        back = np.sort(end * len(self.vertices) + start)
-        return bool((forth == back).all() and (forth[1:] > forth[:-1]).all() and (start != end).all())
+Mesh = tuple[FloatArray, IntArray]
 
 
 def mirrored(points: FloatArray) -> FloatArray:
@@ -61,14 +49,26 @@ def block_mesh(surface: Surface, block: Block, chord_error: float) -> Mesh:
     --------
     >>> import metafem as mf
     >>> surface = mf.Surface([[0, 0]], [0.1], 0.5, mf.Material(1.36))
-    >>> mesh = block_mesh(surface, mf.Block(2, 2, 1), 1e-3)
-    >>> mesh.closed, round(float(mesh.vertices[:, 2].max()), 12)
-    (True, 0.1)
+    >>> vertices, faces = block_mesh(surface, mf.Block(2, 2, 1), 1e-3)
+    >>> round(float(vertices[:, 2].max()), 12)
+    0.1
     """
-    mesh = _welded(surface, block, chord_error)
-    if not mesh.closed:
-        raise MetafemError("the mesh of the part is not closed; the part files were not written")
-    return mesh
+    x, y = 0.5 * block.width, 0.5 * block.length
+    corners = [(-x, -y), (x, -y), (x, y), (-x, y)]
+    vertices = [np.array([(*corner, z) for z in (0.0, -block.thickness) for corner in corners])]
+    faces, rims, count = [_BOX], [np.arange(4)], _CORNERS
+    rings = ring_count(surface.height, surface.radius, chord_error, surface.cap)
+    for i, number in enumerate(rings.tolist()):
+        cap = cap_vertices(surface.height[i], surface.radius[i], number, surface.cap.one(i))
+        vertices.append(cap + np.append(surface.position[i], 0.0))
+        faces.append(count + cap_faces(number))
+        count += len(cap)
+        rims.append(np.arange(count - 6 * number, count))
+    points, plane = np.vstack(vertices), np.concatenate(rims)
+    owner = np.repeat(np.arange(4 + len(rings)), [1, 1, 1, 1, *6 * rings])
+    triangles = np.vstack([*faces, plane[_plane(points[plane, :2], owner)]])
+    refuse_if(not _closed(triangles, count), "the mesh of the part is not closed; it cannot be written")
+    return points, triangles
 
 
 def mould_mesh(part: Mesh, surface: Surface, block: Block) -> Mesh:
@@ -77,44 +77,17 @@ def mould_mesh(part: Mesh, surface: Surface, block: Block) -> Mesh:
     Its open face is z = 0; seen from there, the mould is the mirror image of the part. The plate is as thick
     as the block plus the deepest cavity.
     """
-    vertices = part.vertices.copy()
+    vertices = part[0].copy()
     vertices[4:_CORNERS, 2] = block.thickness + float(surface.height.max())
     # the caps point down, and the order of corners is reversed because inside and outside are exchanged
-    return Mesh(mirrored(vertices) * (1.0, 1.0, -1.0), part.faces[:, ::-1])
+    return mirrored(vertices) * (1.0, 1.0, -1.0), part[1][:, ::-1]
 
 
-def triangle_count(height: FloatArray, radius: FloatArray, chord_error: float, cap: Cap = SPHERE) -> int:
-    """Return the number of triangles of a part, which is also that of its mould, without meshing it.
-
-    A triangulated plane with V vertices and n holes has ``V + 2 n - 2`` triangles.
-    """
-    rings = ring_count(height, radius, chord_error, cap)
-    plane = 4 + 6 * rings.sum() + 2 * len(rings) - 2
-    return int(6 * (rings**2).sum() + plane + len(_BOX))
-
-
-def _welded(surface: Surface, block: Block, chord_error: float) -> Mesh:
-    """Return one mesh of the caps, the base plane between their rims, and the block below."""
-    x, y = 0.5 * block.width, 0.5 * block.length
-    corners = np.array([(-x, -y), (x, -y), (x, y), (-x, y)])
-    vertices = [np.column_stack([corners, np.full(4, z)]) for z in (0.0, -block.thickness)]
-    faces, outline, points = [_BOX], [np.arange(4)], [1, 1, 1, 1]
-    count = _CORNERS
-    every = ring_count(surface.height, surface.radius, chord_error, surface.cap)
-    for rings in np.unique(every).tolist():
-        which = np.flatnonzero(every == rings)
-        caps = cap_vertices(surface.height[which], surface.radius[which], rings, surface.cap.at(which))
-        caps[:, :, :2] += surface.position[which, None]
-        size = caps.shape[1]
-        first = count + size * np.arange(len(which))
-        faces.append((first[:, None, None] + cap_faces(rings)).reshape(-1, 3))
-        outline.append((first[:, None] + np.arange(size - 6 * rings, size)).ravel())
-        points += [6 * rings] * len(which)
-        vertices.append(caps.reshape(-1, 3))
-        count += size * len(which)
-    result, plane = np.vstack(vertices), np.concatenate(outline)
-    faces.append(plane[_plane(result[plane, :2], np.repeat(np.arange(len(points)), points))])
-    return Mesh(result, np.vstack(faces))
+def _closed(faces: IntArray, count: int) -> bool:
+    """Return whether two faces share each edge and traverse it in opposite directions."""
+    start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    forth, back = np.sort(start * count + end), np.sort(end * count + start)
+    return bool((forth == back).all() and (forth[1:] > forth[:-1]).all())
 
 
 def _plane(points: FloatArray, owner: IntArray) -> IntArray:
@@ -141,37 +114,35 @@ def ring_count(height: FloatArray, radius: FloatArray, chord_error: float, cap: 
     return np.maximum(_FEWEST, np.ceil(cap.ring_count(height, radius, chord_error))).astype(np.int64)
 
 
-def cap_vertices(height: FloatArray, radius: FloatArray, rings: int, cap: Cap = SPHERE) -> FloatArray:
-    """Return the vertices of caps with their summits above the origin [mm], (n, m, 3).
+def cap_vertices(height: float, radius: float, rings: int, cap: Cap = SPHERE) -> FloatArray:
+    """Return the vertices of a cap with its summit above the origin [mm], (m, 3).
 
     The vertices are the summit and rings of 6, 12, 18, ... points, at equal distances along the meridian from
     the summit to the base plane z = 0. The last ``6 rings`` vertices are the rim, counterclockwise.
     """
-    size = np.arange(rings + 1) * 6
-    size[0] = 1
-    ring = np.repeat(np.arange(rings + 1), size)
-    place = np.arange(len(ring)) - np.repeat(np.cumsum(size) - size, size)
-    turn = 2.0 * math.pi * place / size[ring]
-    across, z = cap.rings(height, radius, rings)
-    return np.stack([across[:, ring] * np.cos(turn), across[:, ring] * np.sin(turn), z[:, ring]], axis=2)
+    size = np.maximum(6 * np.arange(rings + 1), 1)
+    turn = np.concatenate([2.0 * math.pi * np.arange(number) / number for number in size])
+    across, z = (
+        np.repeat(each[0], size) for each in cap.rings(np.array([height]), np.array([radius]), rings)
+    )
+    return np.column_stack([across * np.cos(turn), across * np.sin(turn), z])
 
 
 @cache
 def cap_faces(rings: int) -> IntArray:
     """Return the outward faces of a cap, (6 rings^2, 3); neighbouring rings are joined in six sectors."""
-    faces: list[tuple[int, int, int]] = []
 
-    def point(ring: int, place: int) -> int:
-        return 1 + 3 * ring * (ring - 1) + place % (6 * ring) if ring else 0
+    def point(ring: int, place: IntArray) -> IntArray:
+        return 1 + 3 * ring * (ring - 1) + place % (6 * ring) if ring else 0 * place
 
-    for ring in range(rings):
-        for sector in range(6):
-            inner, outer = sector * ring, sector * (ring + 1)
-            for j in range(ring + 1):
-                here, corner = point(ring, inner + j), point(ring + 1, outer + j + 1)
-                faces.append((here, point(ring + 1, outer + j), corner))
-                if j < ring:
-                    faces.append((here, corner, point(ring, inner + j + 1)))
-    result = np.array(faces, dtype=np.int64)
+    faces = []
+    for ring in range(1, rings + 1):
+        place = np.arange(6 * ring)
+        sector, step = np.divmod(place, ring)
+        inner, outer = point(ring - 1, place - sector), point(ring, place)
+        corner, beside = point(ring, place + 1), point(ring - 1, place - sector + 1)
+        faces.append(np.column_stack([inner, outer, corner]))
+        faces.append(np.column_stack([inner, corner, beside])[step < ring - 1])
+    result = np.vstack(faces)
     result.flags.writeable = False
     return result

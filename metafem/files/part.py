@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +16,7 @@ from metafem._validate import FloatArray
 from metafem._values import MICROMETRES
 from metafem.caps import SPHERE, Caps
 from metafem.errors import InvalidInput, refuse_if
-from metafem.files.mesh import block_mesh, mirrored, mould_mesh, triangle_count
+from metafem.files.mesh import block_mesh, mirrored, mould_mesh
 from metafem.files.summits import caps_column, csv
 from metafem.inversion import Design
 from metafem.notes import Note, information
@@ -30,15 +30,10 @@ FILES = ("block.stl", "mould.stl")
 # 0.2 um, a quarter of the 0.9 um accuracy of the paper's moulds (doi:10.1126/science.adk4234).
 FINE = 4e-4
 
-# Largest number of triangles of a solid if no chord error is stated: 100 MB of STL, which common viewers and
-# CAM programs can open. A cap has about pi h / (chord error) triangles, for any radius.
-MOST_BY_DEFAULT = 2_000_000
-
-# Largest number of triangles of a solid in all cases: 500 MB of STL and a gigabyte of memory.
-MOST = 10_000_000
-
-# Factor by which the default chord error is increased until the solid has few enough triangles.
-COARSER = 1.1
+# Number of triangles of a solid that the default chord error aims at: 100 MB of STL, which common viewers and
+# CAM programs can open. Largest number that a stated one may need: 500 MB, a gigabyte of memory. A cap has
+# about pi h / (chord error) triangles, for any radius.
+USUAL, MOST = 2e6, 1e7
 
 # Least distance of the rims of two caps, and from the edge, in units of the last place of a coordinate in
 # single precision, which STL has: one for each of the two coordinates of both points.
@@ -58,9 +53,6 @@ DECIMALS = 5
 # in aluminium or brass.
 FEED, SPINDLE, DWELL, SAFE = 20.0, 8000.0, 0.5, 5.0
 
-# Advice on alignment asperities that cannot be made.
-LEAVE_OUT = "leave out part.alignment_height: the part then has no alignment asperities"
-
 
 @dataclass(frozen=True)
 class PartOptions:
@@ -74,7 +66,7 @@ class PartOptions:
         Largest depth of the faces of the mesh below the true caps [mm]. It acts like an error of the height:
         at a given separation, the contact area of an asperity changes by at most ``pi R`` times the chord
         error. Most of this change equals that of a common shift of all caps, which does not affect A0(P).
-        Default: 4e-4 of the smallest radius, or more if a solid would have over two million triangles.
+        Default: 4e-4 of the smallest radius, or more if a solid would have over about two million triangles.
     feed, spindle, dwell, safe_height : float
         Feed of the plunge [mm/min], speed of the spindle [1/min], dwell at the bottom of each hole [s], and
         height of the tool above the mould between two holes [mm], in ``mould.gcode``.
@@ -108,34 +100,22 @@ class Part:
     asperities: int  # number of asperities without those for alignment
     block: Block
     chord_error: float  # [mm]
-    options: PartOptions
-
-    @cached_property
-    def triangles(self) -> int:
-        """Number of triangles of the part, and of its mould."""
-        return triangle_count(self.surface.height, self.surface.radius, self.chord_error, self.surface.cap)
 
     def record(self) -> dict[str, Any]:
-        """Return chord error, number of triangles and names of the files, for JSON."""
-        return {"chord_error_mm": self.chord_error, "triangles": self.triangles, "files": [*FILES]}
+        """Return chord error and names of the files, for JSON."""
+        return {"chord_error_mm": self.chord_error, "files": [*FILES]}
 
-    def size(self) -> str:
-        """Return a text with the size of the solids and their chord error."""
-        megabytes = (84 + 50 * self.triangles) / 1e6  # the head and the triangles of binary STL
-        depth = f"at most {self.chord_error * MICROMETRES:.2g} um below the caps"
-        return f"{self.triangles:,} triangles and {megabytes:.3g} MB each, {depth}"
-
+    @doing("writing the part")
     def write(self, folder: Path) -> None:
         """Write the solids into a folder as binary STL, in millimetres."""
         import meshio
 
-        message(f"{', '.join(FILES)}: {self.size()}")
-        with doing("writing the part"):
-            block = block_mesh(self.surface, self.block, self.chord_error)
-            mould = mould_mesh(block, self.surface, self.block)
-            for mesh, name in zip((block, mould), FILES, strict=True):
-                solid = meshio.Mesh(mesh.vertices, [("triangle", mesh.faces)])
-                solid.write(folder / name, file_format="stl", binary=True)
+        block = block_mesh(self.surface, self.block, self.chord_error)
+        megabytes = (84 + 50 * len(block[1])) / 1e6  # the head and the triangles of binary STL
+        depth = f"at most {self.chord_error * MICROMETRES:.2g} um below the caps"
+        message(f"{', '.join(FILES)}: {len(block[1]):,} triangles and {megabytes:.3g} MB each, {depth}")
+        for mesh, name in zip((block, mould_mesh(block, self.surface, self.block)), FILES, strict=True):
+            meshio.Mesh(mesh[0], [("triangle", mesh[1])]).write(folder / name, "stl", binary=True)
 
 
 def planned(surface: Surface, template: Surface, options: PartOptions) -> Part | None:
@@ -150,30 +130,21 @@ def planned(surface: Surface, template: Surface, options: PartOptions) -> Part |
     if surface.block is None:
         return None
     refuse_impossible(whole, surface.block, surface.count)
-    chord_error = options.chord_error or FINE * float(whole.radius.min())
-    part = Part(whole, surface.count, surface.block, chord_error, options)
-    if options.chord_error is None:
-        while part.triangles > MOST_BY_DEFAULT and part.chord_error < float(whole.radius.max()):
-            part = replace(part, chord_error=COARSER * part.chord_error)
-    words = f"needs {part.triangles:.2g} triangles; at most {MOST:,} are written; choose a larger one"
-    given = f"{part.chord_error * MICROMETRES:g} um"
-    wrong = options.chord_error is not None and part.triangles > MOST
-    refuse_if(wrong, words, key="part.chord_error", value=given)
-    return part
+    sides = math.pi * float(whole.height.sum())  # triangles times chord error
+    chord_error = options.chord_error or max(FINE * float(whole.radius.min()), sides / USUAL)
+    words = f"needs about {sides / chord_error:.2g} triangles; choose a larger one, for at most {MOST:,.0f}"
+    given = f"{chord_error * MICROMETRES:g} um"
+    refuse_if(sides / chord_error > MOST, words, key="part.chord_error", value=given)
+    return Part(whole, surface.count, surface.block, chord_error)
 
 
 def part_notes(part: Part | None) -> tuple[Note, ...]:
-    """Return notes if no part or no drilling program was written, or on an increased chord error."""
+    """Return the note that no part or no drilling program was written, if so."""
     if part is None:
         words = "no part was written: the surface has no block; add a block with width, length and thickness"
         return (information(words),)
-    notes = []
-    if not drilled(part.surface):
-        words = "mould.gcode was not written: one ball-end mill cannot make all holes of mould.csv"
-        notes.append(information(words))
-    if part.options.chord_error is None and part.chord_error > FINE * float(part.surface.radius.min()):
-        notes.append(information(f"the solids have {part.size()}; part.chord_error sets this depth"))
-    return tuple(notes)
+    words = "mould.gcode was not written: one ball-end mill cannot make all holes of mould.csv"
+    return () if drilled(part.surface) else (information(words),)
 
 
 def alignment_positions(template: Surface) -> FloatArray:
@@ -205,18 +176,17 @@ def with_alignment(surface: Surface, template: Surface, height: float | None) ->
         return surface
     tallest, most = float(surface.height.max()), surface.cap.tallest(surface.radius)
     given: dict[str, Any] = {"key": "part.alignment_height", "value": f"{height:g} mm"}
-    must = f"must exceed the tallest summit, {tallest:g} mm, so that the alignment asperities touch first"
-    refuse_if(height <= tallest, f"{must}; {LEAVE_OUT}. Or raise it", **given)
-    limit = f"exceeds {most.max():.4g} mm, the largest height of a cap of the radii in use"
-    refuse_if(height > most.max(), f"{limit}; {LEAVE_OUT}. Or lower it", **given)
+    words = f"must exceed the tallest summit, {tallest:g} mm, so that the alignment asperities touch first"
+    refuse_if(height <= tallest, words, **given)
+    words = f"exceeds {most.max():.4g} mm, the largest height of a cap of the radii in use"
+    refuse_if(height > most.max(), words, **given)
     high = np.flatnonzero(most >= height)
     used = int(high[surface.radius[high].argmin()])
-    every = [surface.cap.one(i) for i in (*range(surface.count), *[used] * 4)]
     return surface.replaced(
         position=np.vstack([surface.position, alignment_positions(template)]),
-        height=np.append(surface.height, np.full(4, height)),
-        radius=np.append(surface.radius, np.full(4, surface.radius[used])),
-        cap=Caps.of(every),
+        height=np.append(surface.height, [height] * 4),
+        radius=np.append(surface.radius, [surface.radius[used]] * 4),
+        cap=Caps.of(surface.cap.one(i) for i in (*range(surface.count), *[used] * 4)),
         friction=None,
         cell=None,  # the alignment asperities do not repeat
     )
@@ -229,38 +199,33 @@ def refuse_impossible(surface: Surface, block: Block, asperities: int) -> None:
     """
     from scipy.spatial import KDTree
 
-    def refused(rows: Any, words: str, remedy: str, key: str) -> InvalidInput:
-        """Return the error for asperities `rows`; for alignment asperities its key is alignment_height."""
-        places = (f"({x:g}, {y:g}) mm" for x, y in surface.position[rows].tolist())
-        words = f"the asperity at {' and that at '.join(places)} {words}"
-        if max(rows) < asperities:
-            return InvalidInput(f"does not suit the part: {words}; {remedy}", key=key)
-        given: Any = {"key": "part.alignment_height", "value": f"{h[-1]:g} mm"}
-        return InvalidInput(f"cannot be made: {words}; {LEAVE_OUT}. Or {remedy}", **given)
-
     h, R = surface.height, surface.radius
     most, room = surface.cap.tallest(R), 0.5 * np.array([block.width, block.length])
     apart = APART * float(np.finfo(np.float32).eps * room.max())
     base = surface.cap.foot_radius(np.clip(h, 0.0, most), R)
+
+    def refuse(rows: Any, words: str, key: str) -> None:
+        """Raise the error for asperities `rows`; for alignment asperities its key is alignment_height."""
+        places = " and ".join(f"({x:g}, {y:g}) mm" for x, y in surface.position[rows].tolist())
+        key = key if max(rows) < asperities else "part.alignment_height"
+        raise InvalidInput(f"does not suit the part: the asperities at {places} {words}", key=key)
+
     for i in np.flatnonzero((base <= 2.0 * apart) | (h > most))[:1]:
-        words = f"has a cap of radius {R[i]:g} mm and height {h[i]:g} mm"
-        remedy = f"it must be higher than 0 in single precision, and at most {most[i]:.4g} mm"
-        raise refused([i], words, remedy, "limits.max_height")
+        words = f"have a cap of radius {R[i]:g} mm and height {h[i]:g} mm"
+        limits = f"it must be higher than 0 in single precision, and at most {most[i]:.4g} mm"
+        refuse([i], f"{words}; {limits}", "limits.max_height")
     ends = np.abs(surface.position) + base[:, None] + apart
     for i in np.flatnonzero((ends >= room).any(axis=1))[:1]:
         needed = " by ".join(f"{LARGER * 2.0 * end:.3g}" for end in ends.max(axis=0))
-        words = f"leaves the block of {2 * room[0]:g} by {2 * room[1]:g} mm with its base of {base[i]:.4g} mm"
-        remedy = f"make the block at least {needed} mm, or the lattice smaller"
-        raise refused([i], words, remedy, "block.width" if ends[i, 0] >= room[0] else "block.length")
+        words = f"leave the block of {2 * room[0]:g} by {2 * room[1]:g} mm; it must be at least {needed} mm"
+        refuse([i], words, "block.width" if ends[i, 0] >= room[0] else "block.length")
     pairs = KDTree(surface.position).query_pairs(2.0 * float(base.max()) + apart, output_type="ndarray")
     distance = np.linalg.norm(np.diff(surface.position[pairs], axis=1)[:, 0], axis=1)
     for row in np.flatnonzero(distance <= base[pairs].sum(axis=1) + apart)[:1]:
-        i, j = pairs[row].tolist()
-        remedy = "increase the pitch or lower the summits"
-        if R[i] == R[j] and (cap := surface.cap.one(i)) == surface.cap.one(j):
-            top = float(cap.depth_at(0.5 * distance[row], float(R[i]))) / LARGER
-            remedy += f": with this pitch and radius they can be {top:.3g} mm high above the base plane"
-        raise refused([i, j], "overlap or touch", remedy, "limits.max_height")
+        i = max(pairs[row].tolist(), key=lambda i: base[i])
+        top = float(surface.cap.one(i).depth_at(min(0.5 * distance[row], base[i]), float(R[i]))) / LARGER
+        remedy = f"at this distance equal caps can be {top:.3g} mm high; increase the pitch or lower them"
+        refuse(pairs[row], f"overlap or touch; {remedy}", "limits.max_height")
 
 
 def mould_table(design: Design, part: Surface) -> str:
@@ -270,13 +235,13 @@ def mould_table(design: Design, part: Surface) -> str:
     ``heights.csv``. The depth of a hole below the face of the mould is the height of its summit, and the
     radius of its tool is the radius of the summit.
     """
-    asperities, alignment = design.sites.size, part.count - design.sites.size
+    more = part.count - design.sites.size
     x, y = mirrored(part.position).T
     lengths = {"x_mm": x, "y_mm": y, "depth_mm": part.height, "tool_radius_mm": part.radius}
     columns = {
         "number": range(1, part.count + 1),
-        "kind": ["asperity"] * asperities + ["alignment"] * alignment,
-        "site": [*design.sites, *[""] * alignment],
+        "kind": ["asperity"] * design.sites.size + ["alignment"] * more,
+        "site": [*(design.sites + 1), *[""] * more],
         **{name: map(number_text, values) for name, values in lengths.items()},
         **caps_column(part),
     }
@@ -289,36 +254,29 @@ def _head(design: Design, part: Surface) -> Iterator[str]:
     yield "Origin: centre of the block, in the face of the mould. Depths are measured down from the face."
     if (block := design.surface.block) is not None:
         inside = f"{block.width:g} by {block.length:g} mm inside the frame"
-        thickness = block.thickness + float(part.height.max())
-        above = f"{block.thickness:g} mm above the face"
-        yield f"Casting: {inside}, {above}; mould.stl is {thickness:g} mm thick."
+        thick = f"mould.stl is {block.thickness + float(part.height.max()):g} mm thick"
+        yield f"Casting: {inside}, {block.thickness:g} mm above the face; {thick}."
     sd = design.limits.height_sd
-    stated = (
-        f"standard deviation of the depths {MICROMETRES * sd:g} um, from limits.height_sd"
-        if sd
-        else "not stated"
-    )
-    yield f"{TOLERANCE}: {stated}; the command metafem study manufacturing replaces this line."
+    stated = f"standard deviation of the depths {MICROMETRES * (sd or 0.0):g} um, from limits.height_sd"
+    answer = f"{stated if sd else 'not stated'}; the command metafem study manufacturing replaces this line."
+    yield f"{TOLERANCE}: {answer}"
 
 
 def with_tolerance(text: str, words: str) -> str:
     """Return the text of mould.csv or mould.gcode with other words on the tolerance."""
     plain = words.replace("µ", "u").translate(str.maketrans("()", "[]"))
-    return re.sub(
-        rf"(?m)^(# |\(){TOLERANCE}: .*?(\)?)$",
-        lambda line: f"{line[1]}{TOLERANCE}: {plain}{line[2] or ''}",
-        text,
-    )
+    line = re.compile(rf"(?m)^(# |\(){TOLERANCE}: .*?(\)?)$")
+    return line.sub(lambda found: f"{found[1]}{TOLERANCE}: {plain}{found[2] or ''}", text)
 
 
-def drilling_program(design: Design, part: Surface, options: PartOptions) -> str | None:
-    """Return the text of mould.gcode, or None if the holes need more than one ball-end mill.
+def drilling_program(design: Design, part: Surface, options: PartOptions) -> dict[str, str]:
+    """Return the text of mould.gcode by its name; none if the holes need more than one ball-end mill.
 
     The tool plunges into each hole to the depth of its cap, dwells and returns to the safe height. Z is 0 at
     the face of the mould; X and Y are those of mould.csv. There is no tool change.
     """
     if not drilled(part):
-        return None
+        return {}
     tool, deepest = number_text(part.radius[0]), number_text(part.height.max())
     safe = number_text(options.safe_height)
     lines = [
@@ -331,7 +289,7 @@ def drilling_program(design: Design, part: Surface, options: PartOptions) -> str
         lines += [f"G0 X{number_text(x)} Y{number_text(y)}", f"G1 Z{number_text(-depth)} F{options.feed:g}"]
         lines += [f"G4 P{options.dwell:g}"] if options.dwell > 0.0 else []
         lines.append(f"G0 Z{safe}")
-    return "\n".join([*lines, "M5", "M30"]) + "\n"
+    return {"mould.gcode": "\n".join([*lines, "M5", "M30"]) + "\n"}
 
 
 def drilled(part: Surface) -> bool:

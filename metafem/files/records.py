@@ -8,10 +8,10 @@ from dataclasses import fields, is_dataclass
 from enum import Enum
 from functools import cache
 from importlib import import_module
-from typing import Any, cast, get_type_hints
+from typing import Any, get_type_hints
 
 import numpy as np
-from pydantic import ConfigDict, TypeAdapter, ValidationError
+from pydantic import BaseModel, ConfigDict, ValidationError, create_model
 
 from metafem import caps, contact, inversion, models, notes, prediction, substrate, surface
 from metafem._given import printable, shown
@@ -41,7 +41,9 @@ MAKERS: Mapping[str, Callable[..., Any]] = {
 LATE: Mapping[str, str] = {"Block3D": "metafem.fe"}
 ARRAYS = ("float64", "int64")
 # A number must be finite and of the annotated type; any other member must be an instance of its class.
-STRICT = ConfigDict(strict=True, allow_inf_nan=False, arbitrary_types_allowed=True)
+STRICT = ConfigDict(
+    strict=True, extra="forbid", allow_inf_nan=False, arbitrary_types_allowed=True, protected_namespaces=()
+)
 
 
 def to_record(value: Any) -> Any:
@@ -103,41 +105,34 @@ def from_record(record: Any, name: str = "record") -> Any:
 
 def _made(kind: Any, record: dict[str, Any], name: str) -> Any:
     """Return the instance of a class that a record describes; the class checks the members."""
-    title, adapters, members = kind.__name__, _members(kind), {}
-    differing = sorted(record.keys() - {"type"} ^ adapters.keys())
-    words = f"{name}, a {title}, has missing or unknown members: {printable(', '.join(differing))}"
-    refuse_if(differing, words)
-    for key, adapter in adapters.items():
-        members[key] = from_record(record[key], f"{name}.{key}")
-        try:
-            adapter.validate_python((members[key],))
-        except ValidationError as error:
-            words = error.errors()[0]["msg"].removeprefix("Input should ")
-            raise InvalidInput(f"{name}.{key} = {shown(record[key])} must {words}") from None
+    members = {key: from_record(value, f"{name}.{key}") for key, value in record.items() if key != "type"}
     try:
-        return MAKERS.get(title, kind)(**members)
+        _members(kind).model_validate(members)
+        return MAKERS.get(kind.__name__, kind)(**members)
+    except ValidationError as error:
+        place, words = str(error.errors()[0]["loc"][0]), error.errors()[0]["msg"]
+        given = f"{name}.{printable(place)} = {shown(record.get(place))}"
+        raise InvalidInput(f"{given} of a {kind.__name__}: {words}") from None
     except InvalidInput as error:
         raise InvalidInput(f"{name}: {error}") from None
 
 
 @cache
-def _members(kind: Any) -> dict[str, TypeAdapter[Any]]:
-    """Return for each member of a class an adapter, which validates a tuple that contains the member."""
-    hints, one = get_type_hints(kind), cast(Any, tuple)
+def _members(kind: Any) -> type[BaseModel]:
+    """Return the model that checks the types of the members of a class."""
+    hints = get_type_hints(kind)
     if kind is ModelError:
         hints = {"value": float | None, **hints}
     names = [field.name for field in fields(kind)] if is_dataclass(kind) else hints
-    return {name: TypeAdapter(one[hints[name]], config=STRICT) for name in names}
+    types: dict[str, Any] = {name: (hints[name], ...) for name in names}
+    return create_model(kind.__name__, __config__=STRICT, **types)
 
 
 def _array(dtype: str, values: Any, name: str) -> Any:
     try:
-        array = np.asarray(values)
-    except ValueError:  # lists of different lengths
-        array = np.array(None)
-    wrong = array.size and array.dtype.kind not in ("iuf" if dtype == "float64" else "iu")
-    refuse_if(wrong, f"{name} = {shown(values)} is not an array of {dtype}")
-    refuse_if(array.size and not np.isfinite(array).all(), f"{name} must be finite numbers")
-    array = array.astype(dtype)
+        array = np.asarray(values or np.zeros(0, dtype)).astype(dtype, casting="safe")
+    except (TypeError, ValueError):  # texts, fractions in place of integers, lists of different lengths
+        raise InvalidInput(f"{name} = {shown(values)} is not an array of {dtype}") from None
+    refuse_if(not np.isfinite(array).all(), f"{name} must be finite numbers")
     array.flags.writeable = False
     return array

@@ -6,33 +6,29 @@ import json
 import math
 import os
 import platform
-from collections.abc import Mapping
-from importlib.metadata import PackageNotFoundError, version
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from importlib.metadata import version
 from pathlib import Path
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from metafem import _validate as check
 from metafem import studies
+from metafem._given import printable
 from metafem.errors import InvalidInput, refuse_if
 from metafem.files.disk import (
     RECORD,
     STUDIES,
-    damaged,
-    decoded,
     file_label,
     read_bytes,
-    read_record,
     refuse_existing,
     staged,
     write_text,
 )
 from metafem.files.part import (
-    Part,
     PartOptions,
     drilling_program,
     mould_table,
-    part_notes,
     planned,
     with_alignment,
     with_tolerance,
@@ -50,7 +46,7 @@ if TYPE_CHECKING:
 # Value of the first member of design.json: the kind of file and its version.
 FORMAT = "metafem design 1"
 
-NO_PAGES: Mapping[str, str] = MappingProxyType({})
+NO_PAGES: Mapping[str, str] = {}
 
 
 def save(
@@ -58,7 +54,6 @@ def save(
     folder: str | Path,
     *,
     specification: Specification | None = None,
-    part: PartOptions | None = None,
     pages: Mapping[str, str] = NO_PAGES,
     force: bool = False,
 ) -> None:
@@ -76,9 +71,7 @@ def save(
     folder : str or Path
         A new or empty folder; its parent folder must exist.
     specification : Specification, optional
-        The specification of the design; default: None.
-    part : PartOptions, optional
-        Options of the files of the part. Default: the options in the specification.
+        The specification of the design, with the options of the files of the part; default: None.
     pages : mapping of str to str, optional
         Names and texts of further files, for example ``{"report.html": metafem.report.page(design)}``;
         default: none.
@@ -104,36 +97,27 @@ def save(
     True
     """
     check.instance("design", design, Design, "a metafem.Design")
-    with staged(folder, force, folder=True) as fresh:
-        write_all(design, fresh, specification, pages, part)
-
-
-@doing("writing the files")
-def write_all(
-    design: Design,
-    folder: Path,
-    specification: Specification | None = None,
-    pages: Mapping[str, str] = NO_PAGES,
-    part: PartOptions | None = None,
-) -> Part | None:
-    """Write all files of a design into an existing folder; return the part, or None without a block."""
-    options = part or (PartOptions() if specification is None else specification.part)
-    made = planned(design.surface, design.template, options)
-    texts = {
-        "design.json": json.dumps(_record(design, specification, made), indent=1, allow_nan=False) + "\n",
-        **result_tables(design, options),
-        **pages,
-    }
-    program = None if made is None else drilling_program(design, made.surface, options)
-    contents = {name: text.encode("utf-8") for name, text in texts.items()}
-    contents |= {} if program is None else {"mould.gcode": program.encode("utf-8")}
-    contents |= {} if specification is None else specification.files
-    for name, content in contents.items():
-        (folder / name).write_bytes(content)
-    if made is not None:
-        made.write(folder)
-    write_surface(design, folder / "surface.vtu")
-    return made
+    options, hardness, given = PartOptions(), None, dict[str, bytes]()
+    if specification is not None:
+        options, hardness, given = specification.part, specification.hardness, {**specification.files}
+    with doing("writing the files"), staged(folder, force, folder=True) as fresh:
+        made = planned(design.surface, design.template, options)
+        record = {
+            "format": FORMAT,
+            "versions": versions(),
+            "hardness": hardness,
+            "part": made and made.record(),
+            "design": to_record(design),
+        }
+        text = json.dumps(record, indent=1, allow_nan=False) + "\n"
+        texts = {"design.json": text, **result_tables(design, options), **pages}
+        if made is not None:
+            made.write(fresh)
+            texts |= drilling_program(design, made.surface, options)
+        given |= {name: text.encode("utf-8") for name, text in texts.items()}
+        for name, content in given.items():
+            (fresh / name).write_bytes(content)
+        write_surface(design, fresh / "surface.vtu")
 
 
 def result_tables(design: Design, part: PartOptions) -> dict[str, str]:
@@ -175,8 +159,8 @@ def load(folder: str | Path) -> Design:
     ...     load(Path(parent, "result")) == design
     True
     """
-    path, record = read_result(folder)
-    with damaged(path):
+    record = read_result(folder)
+    with damaged(Path(folder) / "design.json"):
         design = from_record(record.get("design"), "design")
         if isinstance(design, Design):
             return design
@@ -185,53 +169,36 @@ def load(folder: str | Path) -> Design:
 
 def stored_hardness(folder: str | Path) -> float | None:
     """Return the hardness [MPa] that the specification of a result folder states, or None."""
-    path, record = read_result(folder)
-    with damaged(path):
-        specification = record["specification"] or {}
-        hardness = specification.get("hardness")
-        return None if hardness is None else check.number("specification.hardness", hardness, above=0.0)
+    hardness = read_result(folder).get("hardness")
+    with damaged(Path(folder) / "design.json"):
+        return None if hardness is None else check.number("hardness", hardness, above=0.0)
 
 
-def read_result(folder: str | Path) -> tuple[Path, dict[str, Any]]:
-    """Return the path and the content of design.json in a result folder."""
-    if os.path.isfile(folder):
-        instead = f", here {file_label(Path(folder).parent)}" if Path(folder).name == "design.json" else ""
-        raise InvalidInput(f"{file_label(folder)} is a file; name a result folder of metafem{instead}")
+def read_result(folder: str | Path) -> dict[str, Any]:
+    """Return the content of design.json in a result folder."""
     path = Path(folder) / "design.json"
-    remedy = "name a result folder of metafem"
-    record = read_record(path, f"no such file; {remedy}")
+    refuse_if(os.path.isfile(folder), f"{file_label(folder)} is a file; name a result folder of metafem")
+    content = read_bytes(path, RECORD, "no such file; name a result folder of metafem")
+    with damaged(path):
+        record = json.loads(content)
     if not isinstance(record, dict) or record.get("format") != FORMAT:
         raise InvalidInput(f"{file_label(path)} is not a design of this version of metafem ({FORMAT})")
-    return path, record
+    return record
 
 
-def _record(design: Design, given: Specification | None, part: Part | None) -> dict[str, Any]:
-    specification = given and {
-        "seed": given.seed,
-        "alignment_height": given.part.alignment_height,
-        "hardness": given.hardness,
-        "model": to_record(given.model),
-        "text": given.text,
-    }
-    return {
-        "format": FORMAT,
-        "versions": versions(),
-        "specification": specification,
-        "part": part and part.record(),
-        "notes": [note.text for note in part_notes(part)],
-        "design": to_record(design),
-    }
+@contextmanager
+def damaged(path: Path) -> Iterator[None]:
+    """Raise InvalidInput, which calls the file damaged, if the body cannot use the content of the file."""
+    try:
+        yield
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
+        raise InvalidInput(f"{file_label(path)} is damaged: {printable(str(error))}") from None
 
 
 def versions() -> dict[str, str]:
     """Return the versions of Python and of the libraries that affect the numbers of a design."""
-    found = {"python": platform.python_version()}
-    for name in ("metafem", "numpy", "scipy", "numba", "meshio"):
-        try:
-            found[name] = version(name)
-        except PackageNotFoundError:  # metafem itself, if it runs from its sources
-            found[name] = "not installed"
-    return found
+    names = ("metafem", "numpy", "scipy", "numba", "meshio")
+    return {"python": platform.python_version(), **{name: version(name) for name in names}}
 
 
 def study_path(folder: str | Path, name: str, force: bool) -> Path:
@@ -251,8 +218,8 @@ def write_study(study: Dataset, path: Path, *, force: bool = False) -> None:
         study.to_netcdf(fresh, engine="h5netcdf")
     if study.attrs.get("study") == "manufacturing":
         for file in filter(Path.exists, (path.with_name("mould.csv"), path.with_name("mould.gcode"))):
-            text = decoded(file, read_bytes(file, RECORD))
-            write_text(file, with_tolerance(text, studies.summary(study).answer), force=True)
+            text = with_tolerance(file.read_text("utf-8"), studies.summary(study).answer)
+            write_text(file, text, force=True)
 
 
 @doing("reading the studies")
@@ -261,14 +228,12 @@ def stored_studies(folder: str | Path) -> dict[str, Dataset]:
     import xarray as xr
 
     found = {}
-    for name in STUDIES:
-        path = Path(folder) / f"{name}.nc"
-        if not path.exists():
-            continue
-        with damaged(path), xr.open_dataset(path, engine="h5netcdf") as stored:
-            found[name] = stored.load()
-        other = found[name].attrs.get("study") != name
-        refuse_if(other, f"{file_label(path)} is not a study {name!r} of metafem")
+    for path in (Path(folder, f"{name}.nc") for name in STUDIES):
+        if path.exists():
+            with damaged(path):
+                found[path.stem] = xr.load_dataset(path, engine="h5netcdf")
+            other = found[path.stem].attrs.get("study") != path.stem
+            refuse_if(other, f"{file_label(path)} is not a study {path.stem!r} of metafem")
     return found
 
 

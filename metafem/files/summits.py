@@ -39,8 +39,8 @@ DIGITS = 13
 
 
 def heights_table(surface: Surface, sites: IntArray) -> str:
-    """Return the text of heights.csv: site in the template, position, height, radius and cap of summits."""
-    return csv({"site": sites, **_columns(surface)})
+    """Return the text of heights.csv: site in the template, from 1, position, height, radius and cap."""
+    return csv({"site": sites + 1, **_columns(surface)})
 
 
 def made_table(made: MadeSurface, sites: IntArray) -> str:
@@ -50,7 +50,7 @@ def made_table(made: MadeSurface, sites: IntArray) -> str:
     """
     errors = {"position": made.position_sd, "height": made.height_sd, "radius": made.radius_sd}
     titled = {f"sd_{name}_mm": values for name, values in errors.items()}
-    return csv({"site": sites[made.site], **_columns(made.surface), **titled})
+    return csv({"site": sites[made.site] + 1, **_columns(made.surface), **titled})
 
 
 def law_table(law: FrictionLaw) -> str:
@@ -129,7 +129,7 @@ def write_surface(design: Design, path: str | Path) -> None:
         np.column_stack([surface.position, surface.height]),
         [("vertex", np.arange(surface.count)[:, None])],
         point_data={
-            "site": design.sites,
+            "site": design.sites + 1,
             "height": surface.height,
             "radius": surface.radius,
             **({"cap": surface.cap.index} if isinstance(surface.cap, Caps) else {}),

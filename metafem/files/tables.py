@@ -19,24 +19,14 @@ from pathlib import Path
 
 import numpy as np
 
-from metafem._given import printable, shown
+from metafem._given import UNITS as QUANTITIES
+from metafem._given import printable, shown, unit_of
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput, refuse_if
 from metafem.files.disk import TABLE, file_label, read_bytes, text_of_table
 from metafem.files.units import NUMBER, UNITS, factor, plain_unit
 from metafem.progress import message
 
-# Quantities of all tables, by the package's unit. A standard deviation has the unit of its quantity.
-QUANTITIES = {
-    name: unit
-    for unit, names in {
-        "mm": "x y height radius rho f indentation displacement sd_position sd_height sd_radius",
-        "mm^2": "area area_error area_before area_sheared sheared_area sheared_area_error rescaled_load "
-        "rescaled_friction",
-        "N": "load friction_force",
-    }.items()
-    for name in names.split()
-}
 TEXTS = {"image", "sheared_image", "test", "contact", "site", "cap", "weight", "relative_error"}
 
 # Names of quantities in titles of other programs.
@@ -56,10 +46,6 @@ GROUP = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}", re.ASCII)
 # Largest number of lines in which a header is sought, and columns of a line that make it one.
 PREAMBLE, ENOUGH = 200, 2
 
-SEMICOLONS = "if commas are decimal, separate the columns by semicolons"
-
-# Column of a table by its name: its index and the size of its unit in the package's unit.
-Found = dict[str, tuple[int, Fraction]]
 NONE: Mapping[str, str] = {}
 
 
@@ -68,14 +54,45 @@ def base_of(name: str) -> str:
     return "area" if SINGLE.fullmatch(name) else name.removesuffix("_sd")
 
 
+def named(title: str) -> tuple[str, str]:
+    """Return the name and the unit of a title; the unit is "" if there is none.
+
+    Examples
+    --------
+    >>> named("Normal force (mN)"), named("load_sd_mN"), named("test")
+    (('load', 'mN'), ('load_sd', 'mN'), ('test', ''))
+    """
+    words, unit = _split(title)
+    name = re.sub(r"\W+", "_", words.strip().lower())
+    # F in newtons is a friction force, and f in millimetres is the profile of a cap
+    if unit and name in ALIASES and plain_unit(unit) not in UNITS[unit_of(name)]:
+        return ALIASES[name], unit
+    if base_of(name) in QUANTITIES:
+        return name, unit
+    name, _, unit = title.rpartition("_")
+    return (name, unit) if base_of(name) in QUANTITIES else (title, "")
+
+
+def _split(title: str) -> tuple[str, str]:
+    """Return a title without its unit in brackets, and this unit."""
+    label = LABEL.fullmatch(title)
+    return (label[1], label[2]) if label else (title, "")
+
+
 @dataclass(frozen=True)
 class Table:
-    """A table: its name in errors, its titles, and its lines with their numbers."""
+    """A table: its name in errors, its titles with the name and unit of each, and its lines by number."""
 
     name: str
     header: list[str]
+    quantities: list[tuple[str, str]]
     rows: list[tuple[int, list[str]]]
     separator: str
+
+
+def is_of_contacts(table: Table) -> bool:
+    """Return whether the columns of a table are those of contacts in images."""
+    return {("image", ""), ("contact", "")} <= set(table.quantities)
 
 
 def read_table(path: str | Path | Table, columns: Mapping[str, str] = NONE, *, every: bool = True) -> Table:
@@ -112,94 +129,65 @@ def table_of(name: str, content: bytes, columns: Mapping[str, str] = NONE, every
     stated = ""
     if lines and (sign := re.fullmatch(r'"?sep=(.)"?\s*', lines[0])):  # which Excel writes and reads
         stated, lines[0] = sign[1], "\n"
-    first, separator = _header(lines, stated, columns)
-    rows = csv.reader(lines[first:], delimiter=separator)
+    first, separator = _header(lines, stated, {*columns.values()})
+    reader = csv.reader(lines[first:], delimiter=separator)
     try:
-        found = [(first + rows.line_num, row) for row in rows if any(entry.strip() for entry in row)]
+        rows = [(first + reader.line_num, row) for row in reader if any(entry.strip() for entry in row)]
     except csv.Error as error:
-        raise InvalidInput(f"{name}, line {first + rows.line_num}: {error}") from None
-    refuse_if(not found, f"{name} is empty; a line must name the columns, for example load_mN,area_mm2")
-    header, found = [title.strip() for title in found[0][1]], found[1:]
-    # a separator at the end of each line, or of the header alone
-    for width in (len(header), len(header) - 1):
-        extra = [row[width:] for _, row in found]
-        if found and "".join(header[width:]) == "" and all(row in ([], [""]) for row in extra) and any(extra):
-            header, found = header[:width], [(line, row[:width]) for line, row in found]
+        raise InvalidInput(f"{name}, line {first + reader.line_num}: {error}") from None
+    refuse_if(not rows, f"{name} is empty; a line must name the columns, for example load_mN,area_mm2")
+    header = [title.strip() for title in rows.pop(0)[1]]
+    while header and not header[-1]:  # separators at the end of the lines
+        header.pop()
+    width = len(header)
     words = "name its columns, for example load_mN,area_mm2, separated by commas, semicolons or tabs"
-    refuse_if(len(header) < ENOUGH, f"{name} has one column, {printable(''.join(header), 60)}; {words}")
-    for line, row in found:
-        if len(row) != len(header):
-            hint = f"; {SEMICOLONS}" if separator == "," and len(row) > len(header) else ""
-            raise InvalidInput(
-                f"{name}, line {line} has {len(row)} entries; the header names {len(header)}{hint}"
-            )
-    if found and _is_of_units(found[0][1]):
-        pairs = zip(header, found.pop(0)[1], strict=True)
-        header = [title if "[" in title or not unit else f"{title} [{bare(unit)}]" for title, unit in pairs]
-    return Table(name, _renamed(name, header, columns, every), found, separator)
+    refuse_if(width < ENOUGH, f"{name} has one column, {printable(''.join(header), 60)}; {words}")
+    rows = [(line, row if any(row[width:]) else row[:width]) for line, row in rows]
+    for line, row in rows:
+        decimal = separator == "," and len(row) > width
+        hint = "; if commas are decimal, separate the columns by semicolons" if decimal else ""
+        words = f"{name}, line {line} has {len(row)} entries; the header names {width}{hint}"
+        refuse_if(len(row) != width, words)
+    if rows and _is_of_units(rows[0][1]):
+        pairs = zip(header, rows.pop(0)[1], strict=True)
+        header = [title if "[" in title or not unit else f"{title} [{_bare(unit)}]" for title, unit in pairs]
+    quantities = [*map(named, header)]
+    for wanted, title in columns.items():
+        places = [i for i, each in enumerate(header) if title in (each, _split(each)[0])]
+        if places or every:
+            has = f"{name} has the columns {printable(', '.join(header), 120)}"
+            refuse_if(len(places) != 1, f"{has}; --column {wanted}={shown(title, 40)} must name one of them")
+            quantity, unit = named(wanted)
+            words = f"--column {shown(wanted, 40)} is not the name of a column, such as load or area_sheared"
+            refuse_if(base_of(quantity) not in QUANTITIES and wanted not in TEXTS, words)
+            quantities[places[0]] = quantity, unit or _split(header[places[0]])[1]
+    return Table(name, header, quantities, rows, separator)
 
 
-def is_of_contacts(table: Table) -> bool:
-    """Return whether the columns of a table are those of contacts in images."""
-    return {"image", "contact"} <= set(table.header)
-
-
-def named(title: str) -> tuple[str, str]:
-    """Return the name and the unit of a title; the unit is "" if there is none."""
-    label = LABEL.fullmatch(title)
-    name = re.sub(r"\W+", "_", (label[1] if label else title).strip().lower())
-    # F in newtons is a friction force, and f in millimetres is the profile of a cap
-    if label and name in ALIASES and plain_unit(label[2]) not in UNITS[QUANTITIES.get(name, "1")]:
-        return ALIASES[name], label[2]
-    if base_of(name) in QUANTITIES:
-        return name, label[2] if label else ""
-    name, _, unit = title.rpartition("_")
-    return (name, unit) if base_of(name) in QUANTITIES else (title, "")
-
-
-def bare(unit: str) -> str:
-    """Return a unit without brackets."""
-    return unit.strip().strip("()[]").strip()
-
-
-def _header(lines: list[str], stated: str, columns: Mapping[str, str]) -> tuple[int, str]:
+def _header(lines: list[str], stated: str, own: set[str]) -> tuple[int, str]:
     """Return the index of the line that names the columns, and the sign that separates them."""
-    best, first, sign = 0, 0, stated or ","
-    own = {*columns.values(), *(LABEL.sub(r"\1", title) for title in columns.values())}
-    for i, line in reversed([(i, line) for i, line in enumerate(lines[:PREAMBLE]) if line.strip()]):
+    best = -1, 0, stated or ","
+    for i, line in enumerate(lines[:PREAMBLE]):
         separator = stated or next((sign for sign in ";\t" if sign in line), ",")
         titles = [title.strip(' "\n') for title in line.split(separator)]
         known = sum(base_of(named(title)[0]) in QUANTITIES or title in TEXTS for title in titles)
-        known += ENOUGH * len(own & set(titles))
-        if min(known, ENOUGH) >= best:
-            best, first, sign = min(known, ENOUGH), i, separator
-    return first, sign
+        known += ENOUGH * sum(bool(own & {title, _split(title)[0]}) for title in titles)
+        if line.strip():
+            best = max(best, (min(known, ENOUGH), -i, separator))
+    return -best[1], best[2]
 
 
 def _is_of_units(entries: list[str]) -> bool:
     """Return whether a line holds the units of the names above it: at least one, and no number."""
     known = {plain for units in UNITS.values() for plain in units if plain}
-    return any(plain_unit(bare(entry)) in known for entry in entries) and not any(
+    return any(plain_unit(_bare(entry)) in known for entry in entries) and not any(
         re.fullmatch(NUMBER, entry.strip().replace(",", ".")) for entry in entries
     )
 
 
-def _renamed(name: str, header: list[str], columns: Mapping[str, str], every: bool) -> list[str]:
-    """Return the titles, of which `columns` renames some."""
-    header = list(header)
-    for wanted, title in columns.items():
-        places = [i for i, each in enumerate(header) if each == title or LABEL.sub(r"\1", each) == title]
-        if not places and not every:
-            continue
-        has = f"{name} has the columns {printable(', '.join(header), 120)}"
-        refuse_if(len(places) != 1, f"{has}; --column {wanted}={shown(title, 40)} must name one of them")
-        quantity, unit = named(wanted)
-        known = ", ".join(sorted({*QUANTITIES, *TEXTS}))
-        words = f"--column {shown(wanted, 40)} is not the name of a column; there are {known}"
-        refuse_if(base_of(quantity) not in QUANTITIES and wanted not in TEXTS, words)
-        label = LABEL.fullmatch(title) or LABEL.fullmatch(header[places[0]])
-        header[places[0]] = f"{quantity} [{label[2]}]" if label and not unit else wanted
-    return header
+def _bare(unit: str) -> str:
+    """Return a unit without brackets."""
+    return unit.strip(" ()[]")
 
 
 @dataclass(frozen=True)
@@ -227,13 +215,13 @@ class Columns:
         return frozenset(title for title in self.titles.split(",") if not named(title)[1])
 
     def read(self, source: str | Path | Table) -> Entries:
-        """Return the entries of a file or table, and print which columns are not read."""
-        table, found = read_table(source), Found()
-        for index, title in enumerate(table.header):
-            name, size = self._column(table, title)
-            if size is not None:
+        """Return the entries of a file or table, and report which columns are not read."""
+        table, found = read_table(source), dict[str, tuple[int, Fraction]]()
+        for index, (name, unit) in enumerate(table.quantities):
+            single = SINGLE.fullmatch(name) and "area_1" in self.units
+            if name in self.plain or name in self.units or single:
                 refuse_if(name in found, f"{table.name}: {name} is in two columns; keep one")
-                found[name] = index, size
+                found[name] = index, self._size(table, index, name, unit)
         entries = Entries(table, found)
         lacking = [[name for name in names.split(",") if name not in found] for names in self.needed]
         if self.needed and all(lacking):
@@ -250,44 +238,37 @@ class Columns:
 
     def lacking(self, entries: Entries, *names: str, hint: str = "") -> InvalidInput:
         """Return the error for a table that lacks the columns `names`."""
+        table, unread = entries.table, entries.unread or entries.table.header
         lacks = f"lacks {', '.join(map(self.title, names))}: it " if names else ""
-        header = printable(", ".join(entries.table.header), 120)
-        first = self.needed[0].split(",") if self.needed else []
-        wanted = self.wanted or f"{','.join(map(self.title, first))} (or in other units)"
-        unread = entries.unread or entries.table.header
-        other = named((*names, "load")[0])[0]
-        option = f'or say which they are, such as --column {other}="{printable(unread[0], 40)}"'
-        return InvalidInput(
-            f"{entries.table.name} {lacks}has the columns {header}; name its columns {wanted}, {option}{hint}"
-        )
+        has = f"{table.name} {lacks}has the columns {printable(', '.join(table.header), 120)}"
+        wanted = self.wanted or f"{','.join(map(self.title, self.needed[0].split(',')))} (or in other units)"
+        option = f'--column {(*names, "load")[0]}="{printable(unread[0], 40)}"'
+        words = f"name its columns {wanted}, or say which they are, such as {option}{hint}"
+        return InvalidInput(f"{has}; {words}")
 
     def title(self, name: str) -> str:
         """Return the title of a column: its name with the unit that errors propose, if it has one."""
         unit = self.units.get(name) or self.units.get(base_of(name), "")
         return f"{name}_{unit}" if unit else name
 
-    def _column(self, table: Table, title: str) -> tuple[str, Fraction | None]:
-        """Return a column's name and the size of its unit in the package's unit; None if it is not read."""
-        if title in self.plain:
-            return title, Fraction(1)
-        name, unit = named(title)
-        single = SINGLE.fullmatch(name) and "area_1" in self.units
-        if name not in self.units and not single:
-            return name, None
-        column = f"{table.name}: column {printable(title, 40)}"
-        refuse_if(not unit, f"{column} needs a unit in its name; write {self.title(name)}")
+    def _size(self, table: Table, index: int, name: str, unit: str) -> Fraction:
+        """Return the size of a column's unit in the package's unit; 1 for a column without a unit."""
+        if name in self.plain:
+            return Fraction(1)
+        column, write = f"{table.name}: column {printable(table.header[index], 40)}", self.title(name)
+        refuse_if(not unit, f"{column} needs a unit in its name; write {write}")
         try:
-            return name, factor(unit, QUANTITIES[base_of(name)])
+            return factor(unit, unit_of(base_of(name)))
         except InvalidInput as error:
-            raise InvalidInput(f"{column} {error}; write {self.title(name)}") from None
+            raise InvalidInput(f"{column} {error}; write {write}") from None
 
 
 @dataclass(frozen=True)
 class Entries:
-    """The entries of a table, by column name and row."""
+    """The entries of a table; `columns` holds the index of each column and the size of its unit."""
 
     table: Table
-    columns: Found
+    columns: Mapping[str, tuple[int, Fraction]]
 
     @property
     def unread(self) -> list[str]:
@@ -318,14 +299,13 @@ class Entries:
 
         With `empty`, empty entries and a missing column become nan; otherwise they are refused.
         """
-        texts = self.texts(name)
-        if empty and name not in self.columns:
-            return np.full(len(texts), np.nan)
-        size, sign = self.columns[name][1], self._decimal_sign
-        found = np.full(len(texts), np.nan)
-        for row, text in enumerate(texts):
-            if text or not empty:
-                found[row] = self._number(row, name, text, sign) * size
+        found = np.full(len(self.table.rows), np.nan)
+        for row, text in enumerate(self.texts(name)):
+            plain = text.replace(self._decimal_sign, ".")
+            if re.fullmatch(NUMBER, plain):
+                found[row] = Fraction(plain) * self.columns[name][1]
+            elif text or not empty:
+                raise InvalidInput(f"{self.cell(row, name)} = {shown(text, 40)} is not a finite number")
         return found
 
     def whole(self, name: str, least: int) -> list[int]:
@@ -352,29 +332,27 @@ class Entries:
                 raise
             raise InvalidInput(f"{self.table.name}: {error}") from None
 
-    def _number(self, row: int, name: str, text: str, sign: str) -> Fraction:
-        plain = text.replace(",", ".") if sign == "," else text
-        if not re.fullmatch(NUMBER, plain):
-            raise InvalidInput(f"{self.cell(row, name)} = {shown(text, 40)} is not a finite number")
-        return Fraction(plain)
-
     @cached_property
     def _decimal_sign(self) -> str:
         """The decimal sign of all numbers; two signs, or one that could mean thousands, are refused."""
-        first: dict[str, str] = {}
-        sure = {"."} if self.table.separator == "," else set()
-        for name in (each for each in self.columns if base_of(each) in QUANTITIES):
-            for (line, _), text in zip(self.table.rows, self.texts(name), strict=True):
-                for sign in {".", ","} & set(text):
-                    first.setdefault(sign, f"line {line}: {self.title(name)} = {shown(text, 40)}")
-                    sure |= set() if GROUP.fullmatch(text) else {sign}
+        entries = [
+            (f"line {line}: {self.title(name)} = {shown(text, 40)}", text)
+            for name in self.columns
+            if base_of(name) in QUANTITIES
+            for (line, _), text in zip(self.table.rows, self.texts(name), strict=True)
+        ]
+        signs = {sign: [entry for entry in entries if sign in entry[1]] for sign in ".,"}
+        signs = {sign: having for sign, having in signs.items() if having}
+        cells = " and ".join(having[0][0] for having in signs.values())
         words = "have different decimal signs; write all numbers with the same one, and without thousands"
-        refuse_if(len(first) > 1, f"{self.table.name}, {' and '.join(first.values())} {words}")
-        for sign, cell in first.items():
-            words = f"can be read as {cell.partition(' = ')[2].strip(chr(39)).replace(sign, '')}"
-            words = f"{words}, too; write a fourth decimal, or no sign of thousands"
-            refuse_if(sign not in sure, f"{self.table.name}, {cell} {words}")
-        return next(iter(first), ".")
+        refuse_if(len(signs) > 1, f"{self.table.name}, {cells} {words}")
+        for sign, having in signs.items():
+            sure = sign != self.table.separator == "," or not all(GROUP.fullmatch(text) for _, text in having)
+            words = (
+                f"can be read as {having[0][1].replace(sign, '')}, too; write a fourth decimal, or no sign"
+            )
+            refuse_if(not sure, f"{self.table.name}, {cells} {words} of thousands")
+        return next(iter(signs), ".")
 
 
 def row_of(key: str) -> tuple[str, int]:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import datetime
 import math
 import re
 from fractions import Fraction
 from typing import Any
 
-from metafem._given import printable, shown
+from metafem._given import printable
 from metafem.errors import InvalidInput, refuse_if
 
 # Numbers that neither overflow nor underflow in any unit.
@@ -80,45 +79,33 @@ def quantity(key: str, given: Any, unit: str, example: str | None = None) -> flo
 def converted(given: Any, unit: str, example: str | None = None) -> float:
     """Return the value of `given` in `unit`, as `quantity` does; errors do not name a key."""
     valid: Any = {"value": as_written(given), "example": f'"{example or EXAMPLES[unit]}"'}
-    if not isinstance(given, str):
-        words = "needs a unit" if isinstance(given, (int, float)) else f"must be a text in {unit}"
-        raise InvalidInput(words, **valid)
+    words = "needs a unit" if isinstance(given, (int, float)) else f"must be a text in {unit}"
+    refuse_if(not isinstance(given, str), words, **valid)
     match = QUANTITY.fullmatch(given)
     if match is None:
         raise InvalidInput("does not begin with a number", **valid)
-    number, name = match["number"], match["unit"]
-    if not name and unit == "%":
-        valid["example"] = f'"{number} %" or "{100.0 * float(number):.6g} %"'
-    refuse_if(not name and unit != "1", "needs a unit", **valid)
+    refuse_if(not match["unit"] and unit != "1", "needs a unit", **valid)
     try:
-        return float(Fraction(number) * factor(name, unit))
+        return float(Fraction(match["number"]) * factor(match["unit"], unit))
     except InvalidInput as error:
         raise InvalidInput(error.must, **valid) from None
 
 
 def as_written(value: Any) -> str:
     """Return a value of a TOML file as it is written there, on one line."""
-    if isinstance(value, bool):
-        return str(value).lower()
-    if isinstance(value, (datetime.date, datetime.time)):
-        return value.isoformat()
-    if isinstance(value, str):
-        return f'"{printable(value, 60)}"'
-    return shown(value)
+    text = str(value).lower() if isinstance(value, bool) else printable(str(value), 60)
+    return f'"{text}"' if isinstance(value, str) else text
 
 
 def factor(name: str, unit: str) -> Fraction:
     """Return the exact factor from the unit `name` to `unit`."""
-    plain = plain_unit(name)
+    plain, stated = plain_unit(name), f'unit "{printable(name, 40)}"'
     if plain in UNITS[unit]:
         return Fraction(UNITS[unit][plain])
-    if any(plain in known for known in UNITS.values()):
-        wrong = "but is a number without unit" if unit == "1" else f"which does not measure in {unit}"
-        raise InvalidInput(f'has the unit "{printable(name, 40)}", {wrong}')
+    wrong = "but is a number without unit" if unit == "1" else f"which does not measure in {unit}"
+    refuse_if(any(plain in known for known in UNITS.values()), f"has the {stated}, {wrong}")
     comma = "; write decimals with a point" if name.startswith(",") else ""
-    raise InvalidInput(
-        f'has the unknown unit "{printable(name, 40)}"{comma}; known are {", ".join(UNITS[unit])}'
-    )
+    raise InvalidInput(f"has the unknown {stated}{comma}; known are {', '.join(UNITS[unit])}")
 
 
 def plain_unit(name: str) -> str:

@@ -113,7 +113,7 @@ def pinned_heights(template: Surface, limits: Limits) -> dict[int, float | None]
             None if height is None else check.number(name, height, at_least=0.0, at_most=limits.top)
         )
         flat = height is not None and found[int(site)] == 0.0 and template.block is not None
-        refuse_if(flat, f"{name} = 0 is no summit of a part; write None for an empty site")
+        refuse_if(flat, "is no summit of a part; leave the site empty", key=name, value=0.0)
     empty = sum(height is None for height in found.values())
     words = f"pinned leaves all {template.count} sites empty; leave out at least one site"
     refuse_if(empty == template.count, words)

@@ -157,7 +157,7 @@ def _inputs(design: Design) -> list[Row]:
     )  # fmt: skip
     radius = design.surface.radius
     ends = np.unique([radius.min(), radius.max()])
-    empty = [str(site) for site, height in design.pinned.items() if height is None]
+    empty = [str(site + 1) for site, height in design.pinned.items() if height is None]
     modulus = given.material.composite_modulus
     try:
         base, unit = f"{modulus * base_contact_load(design.surface, design.law.model):.4g}", "N"
@@ -168,7 +168,7 @@ def _inputs(design: Design) -> list[Row]:
         "offset h_0": limits.offset,
         "height step": limits.height_step,
         "height error": limits.height_sd,
-        **{f"given height of site {site}": height for site, height in design.pinned.items()},
+        **{f"given height of site {site + 1}": height for site, height in design.pinned.items()},
     }
     rows = [
         ("composite modulus E*", modulus, "MPa"),

@@ -162,7 +162,7 @@ def test_slider_and_triangle_carry_one_load(visit, pressed):
 def test_a_site_marks_its_tick_and_a_tick_its_sites(visit, pressed):
     page = pressed
     page.locator('[data-site="20"]').hover()
-    page.locator(".law-readout", has_text="site 20 comes into contact at").wait_for()
+    page.locator(".law-readout", has_text="site 21 comes into contact at").wait_for()
     tip = page.locator(".tip").inner_text()
     assert re.search(r"load [\d.]+ mN, [\d.]+ % of all", tip)
     assert "% of the contact area" in tip
@@ -173,7 +173,7 @@ def test_a_site_marks_its_tick_and_a_tick_its_sites(visit, pressed):
     assert "active" in page.locator('[data-site="20"]').get_attribute("class")
     page.locator(".surface-view svg").focus()
     page.keyboard.press("ArrowUp")
-    page.locator(".law-readout", has_text="site 8").wait_for()
+    page.locator(".law-readout", has_text="site 9").wait_for()
 
 
 # The picture in three dimensions, once it shows the surface; and where the top of a site, or its hole, is on
@@ -240,8 +240,8 @@ def hovered(page, site, mould=False):
 
 def test_a_cap_marks_its_entry_load_and_a_tick_its_caps(relief):
     hovered(relief, 20)
-    relief.locator(".tip", has_text="site 20").wait_for()
-    relief.locator(".law-readout", has_text="site 20 comes into contact at").wait_for()
+    relief.locator(".tip", has_text="site 21").wait_for()
+    relief.locator(".law-readout", has_text="site 21 comes into contact at").wait_for()
     assert relief.evaluate(f"() => ({RELIEF})().rings.count") == 1
     mark = relief.locator(".rug-mark").bounding_box()
     relief.mouse.move(mark["x"] + mark["width"] / 2, mark["y"] + 3)
@@ -255,7 +255,7 @@ def test_the_mould_has_the_holes_of_the_sites(relief):
     relief.wait_for_function(f"() => ({RELIEF})().mould")
     assert relief.evaluate(f"() => ({RELIEF})().sites.filter(each => each === null).length") == 4
     hovered(relief, 27, mould=True)
-    tip = relief.locator(".tip", has_text="site 27")
+    tip = relief.locator(".tip", has_text="site 28")
     tip.wait_for()
     assert "hole 270.0 µm deep" in tip.inner_text()
     relief.get_by_role("button", name="Press it").click()  # what is pressed is the part

@@ -25,7 +25,7 @@ const percent = (share) => `${digits(100 * share, 2)} %`;
 export function words(i, surface, contacts, press) {
   const height = surface.height[i];
   const kept = surface.pinned[i];
-  const lines = [`site ${i}`];
+  const lines = [`site ${i + 1}`];
   if (height === null) {
     lines.push(surface.empty.has(i) ? "left empty" : "left empty by the design");
     return lines;
@@ -48,7 +48,7 @@ export function words(i, surface, contacts, press) {
 // What is known of the hole of a site in the mould, whose open face shows x mirrored, as mould.csv does.
 export function hole(i, layout, surface) {
   const depth = surface.height[i] === null ? [] : [`hole ${surface.height[i].toFixed(1)} µm deep`, `radius of the tool ${digits(1e3 * radiusOf(surface, i), 4)} µm`];
-  return [`site ${i}`, `x ${digits(-layout.x[i], 5)} mm, y ${digits(layout.y[i], 5)} mm`, ...depth];
+  return [`site ${i + 1}`, `x ${digits(-layout.x[i], 5)} mm, y ${digits(layout.y[i], 5)} mm`, ...depth];
 }
 
 export class Press {

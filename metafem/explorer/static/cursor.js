@@ -40,7 +40,7 @@ class Rug {
     const marked = this.sites.map((site) => this.entry[site] ?? null).filter((load) => load !== null);
     set(this.marks, { d: ticks(marked, MARKED) });
     if (!marked.length) return "";
-    const who = marked.length === 1 ? `site ${this.sites[0]} comes` : `${marked.length} sites come`;
+    const who = marked.length === 1 ? `site ${this.sites[0] + 1} comes` : `${marked.length} sites come`;
     return `${who} into contact at ${this.exact ? "" : "about "}${Number((scale * marked[0]).toPrecision(3))} ${unit}`;
   }
 }

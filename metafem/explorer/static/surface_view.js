@@ -283,7 +283,7 @@ export default {
       const single = sites.length === 1;
       const height = single ? surface.height[sites[0]] : null;
       return {
-        title: single ? `Site ${sites[0]}` : `${sites.length} sites`,
+        title: single ? `Site ${sites[0] + 1}` : `${sites.length} sites`,
         these: single ? "this site" : "these sites",
         filled: sites.some((i) => surface.height[i] !== null && !surface.empty.has(i)),
         asked: sites.some((i) => surface.empty.has(i) || surface.pinned[i] !== undefined),

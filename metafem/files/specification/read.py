@@ -304,12 +304,16 @@ def _members(given: Sections) -> dict[str, Any]:
             cap=cap or SPHERE,
             cell=cell,
         )
+    for key in ("empty", "pinned"):
+        last = max(getattr(given.sites, key), default=0)
+        words = f"holds {last}; the lattice has the sites 1 to {template.count}"
+        refuse_if(last > template.count, words, key=f"sites.{key}")
     try:
         pinned = pinned_heights(template, replace(limits, pinned=given.sites.value()))
     except InvalidInput as error:
         site = error.key.removeprefix("pinned[").rstrip("]")
         if site.isdecimal():
-            raise error.at(f"sites.heights[{given.sites.pinned.index(int(site))}]") from None
+            raise error.at(f"sites.heights[{given.sites.pinned.index(int(site) + 1)}]") from None
         raise InvalidInput(f"do not suit: {error}", key="sites") from None
     words = (
         f"and limits.offset = {limits.offset:g} mm together exceed the largest radius, {max(radii):g} mm: a "

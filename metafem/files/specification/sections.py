@@ -40,7 +40,7 @@ Ends = Annotated[list[PositiveLength], TWO]
 Powers = Annotated[list[Annotated[Number, Field(gt=1.0)]], TWO]
 
 Site = Annotated[int, Field(strict=True, ge=0)]
-Sites = tuple[Site, ...]
+Sites = tuple[Annotated[int, Field(strict=True, ge=1)], ...]
 
 
 class MaterialSection(Section):
@@ -119,12 +119,12 @@ class ToolsSection(Section):
 class SitesSection(Section):
     """The section ``[sites]``."""
 
-    empty: Sites = key("sites without an asperity, from 0 along x, then along y", [17], default=())
+    empty: Sites = key("sites without an asperity, from 1 along x, then along y", [17], default=())
     pinned: Sites = key("sites whose heights are given", [9, 12], default=())
     heights: tuple[Length, ...] = key("of these, above the base plane", ["84 um", "120 um"], default=())
 
     def value(self) -> dict[int, float | None]:
-        """Return the height of each pinned site [mm], or None for a site that stays empty."""
+        """Return the height of each pinned site [mm], None for an empty one, by its number from 0."""
         seen: set[int] = set()
         for i, site in enumerate((*self.empty, *self.pinned)):
             key = "empty" if i < len(self.empty) else "pinned"
@@ -133,7 +133,8 @@ class SitesSection(Section):
         many = f"has {len(self.heights)} entries and sites.pinned {len(self.pinned)}"
         wrong = len(self.pinned) != len(self.heights)
         refuse_if(wrong, f"{many}; give one height for each pinned site", key="heights")
-        return {**dict.fromkeys(self.empty), **dict(zip(self.pinned, self.heights, strict=True))}
+        given = {**dict.fromkeys(self.empty), **dict(zip(self.pinned, self.heights, strict=True))}
+        return {site - 1: height for site, height in given.items()}
 
 
 class BlockSection(Section):

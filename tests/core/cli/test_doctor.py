@@ -1,9 +1,10 @@
 """`metafem doctor`: what is installed, where caches are, and how they are removed."""
 
+from importlib import import_module
+
 import pytest
 
 from metafem import _caches
-from metafem.cli import doctor
 
 
 @pytest.fixture
@@ -12,12 +13,18 @@ def folder(tmp_path, monkeypatch):
     return tmp_path / "caches"
 
 
-def test_a_cache_that_cannot_be_written_is_reported(tmp_path, monkeypatch):
+def test_an_installation_has_no_fault(run):
+    assert all(finding["well"] for finding in run("doctor", "--json").data)
+
+
+def test_a_cache_that_cannot_be_written_is_reported(run, tmp_path, monkeypatch):
     (tmp_path / "file").touch()
     monkeypatch.setenv(_caches.VARIABLE, str(tmp_path / "file"))
-    found, well = doctor._cache()
-    assert not well
-    assert _caches.VARIABLE in found
+    doctor = import_module("metafem.cli.doctor")
+    monkeypatch.setattr(doctor, "CHECKS", {"cache": doctor._cache})
+    (finding,) = run("doctor", "--json").missed
+    assert not finding["well"]
+    assert "FileExistsError" in finding["found"]
 
 
 def test_clearing_reports_how_much_was_freed(run, folder):

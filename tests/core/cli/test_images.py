@@ -42,7 +42,7 @@ def pictures(tmp_path):
             tifffile.imwrite(folder / name, image)
         lines.append(f"{9 + i}.tif,{load},{2 * load},s{9 + i}.tif")
     (tmp_path / "forces.csv").write_text("\n".join(lines), encoding="utf-8")
-    rows = "\n".join(f"{i},{x},{y},0.1" for i, (x, y) in enumerate(SITES))
+    rows = "\n".join(f"{i},{x},{y},0.1" for i, (x, y) in enumerate(SITES, 1))
     (tmp_path / "heights.csv").write_text(f"site,x_mm,y_mm,height_mm\n{rows}\n", encoding="utf-8")
     return folder
 

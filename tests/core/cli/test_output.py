@@ -1,4 +1,4 @@
-"""How commands end: on poor terminals, into full files and with errors as data."""
+"""How commands end: into a closed pipe, and with errors as data."""
 
 import json
 import os
@@ -9,17 +9,6 @@ from pathlib import Path
 import pytest
 
 from metafem.files import demo_text
-
-
-@pytest.mark.slow
-def test_a_terminal_without_greek_letters_gets_question_marks():
-    done = subprocess.run(
-        [sys.executable, "-m", "metafem", "predict", "--help"],
-        env={**os.environ, "PYTHONIOENCODING": "cp1252"},
-        capture_output=True,
-        check=True,
-    )
-    assert b"? for a table" in done.stdout
 
 
 @pytest.mark.slow

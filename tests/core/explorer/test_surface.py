@@ -86,7 +86,7 @@ def test_sites_are_kept_emptied_and_released(design):
 
     text = with_sites(with_sites(TEXT, {12: "120.5 um", 9: "0.15 mm"}), {}, empty=[3])
     table = tomllib.loads(text)
-    assert table.pop("sites") == {"empty": [3], "pinned": [9, 12], "heights": ["0.15 mm", "120.5 um"]}
+    assert table.pop("sites") == {"empty": [4], "pinned": [10, 13], "heights": ["0.15 mm", "120.5 um"]}
     assert table == tomllib.loads(TEXT)
     assert (asked_sites(text).pinned, asked_sites(text).empty) == ({9: "0.15 mm", 12: "120.5 um"}, {3})
     site = int(design.sites[0])

@@ -14,6 +14,8 @@ TABLES = {
     "Excel, big-endian": b"\xfe\xff" + "load (mN)\tarea (mm²)\n950.5\t.41\n1234\t.512\n".encode("utf-16-be"),
     "Excel, with its separator": b"sep=;\r\nload_mN;area_mm2\r\n950,5;0,41\r\n1234;0,512\r\n",
     "Excel, an empty column": b"load_mN,area_mm2,\r\n950.5,0.41,\r\n1234,0.512,\r\n",
+    "Excel, German, three empty columns": b"load_mN;area_mm2;;;\r\n950,5;0,41;;;\r\n1234;0,512;;;\r\n",
+    "Excel, French, a time": "load (mN);Durée (s);area (mm²)\n950,5;3,2;0,41\n1234;3;0,512\n".encode(),
     "LibreOffice, quoted": b'"load_mN","area_mm2"\n"950.5","0.41"\n"1234","0.512"\n',
     "LibreOffice, German": b'load_mN,area_mm2\n"950,5","0,41"\n1234,"0,512"\n',
     "a trailing sign in each row": b"load_mN;area_mm2\n950,5;0,41;\n1234;0,512;\n",

@@ -70,9 +70,9 @@ def test_contacts_have_one_line_for_each_image_and_contact(tmp_path):
     assert files.contacts_table(CONTACTS).splitlines()[:4] == [
         "image,test,load_N,friction_force_N,contact,site,x_mm,y_mm,area_mm2,area_error_mm2,sheared_area_mm2,"
         "sheared_area_error_mm2",
-        '"1, ""a"".tif:1","",0.03333333333333333,"",1,7,0.0,-0.3333333333333333,0.1,0.001,0.08,0.001',
-        '"1, ""a"".tif:1","",0.03333333333333333,"",2,3,1500.0,0.0,0.0,0.0,"",""',
-        '"#2.tif","b","",1e-07,1,7,0.0,-0.3333333333333333,"","","",""',
+        '"1, ""a"".tif:1","",0.03333333333333333,"",1,8,0.0,-0.3333333333333333,0.1,0.001,0.08,0.001',
+        '"1, ""a"".tif:1","",0.03333333333333333,"",2,4,1500.0,0.0,0.0,0.0,"",""',
+        '"#2.tif","b","",1e-07,1,8,0.0,-0.3333333333333333,"","","",""',
     ]
     with pytest.raises(mf.InvalidInput, match=r"image 1 is in one test twice"):
         files.contacts_table(CONTACTS.assign(image="1", test="a"))
@@ -174,7 +174,7 @@ def test_images_have_their_forces_in_their_own_order(tmp_path):
 def test_sites_are_read_with_and_without_numbers(tmp_path):
     path = tmp_path / "heights.csv"
     for table, numbers in (
-        ("site,x_mm,y_um,z\n7,0,1500,1\n3,1.5,0,1\n", [7, 3]), ("x_mm,y_mm\n0,1.5\n1.5,0\n", [0, 1])
+        ("site,x_mm,y_um,z\n7,0,1500,1\n3,1.5,0,1\n", [6, 2]), ("x_mm,y_mm\n0,1.5\n1.5,0\n", [0, 1])
     ):  # fmt: skip
         path.write_text(table, "utf-8")
         position, number = files.read_sites(path)
@@ -325,6 +325,6 @@ def test_figures_are_written_and_replaced_by_force(tmp_path):
             files.write_figure(tmp_path / name, figure, "A title", force=force)
             with pytest.raises(mf.InvalidInput, match=f"{name} exists"):
                 files.refuse_figure(tmp_path / name, False)
-    assert (tmp_path / "a.svg").read_text("utf-8").startswith("<!-- figure by metafem -->\n<svg")
+    assert "<svg" in (tmp_path / "a.svg").read_text("utf-8")
     with Image.open(tmp_path / "a.png") as image:
         assert image.size == (400, 200)  # 200 pixels per inch

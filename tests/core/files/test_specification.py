@@ -99,7 +99,7 @@ MEMBERS = [
     ({"checks": 'hardness = "10 MPa"'}, "hardness", 10.0), ({}, "part", files.PartOptions()),
     ({"part": 'alignment_height = "400 um"\nchord_error = "1 um"'}, "part",
      files.PartOptions(0.4, 0.001)),
-    ({"sites": 'empty = [17, 3]\npinned = [9, 12]\nheights = ["150 um", "0.12 mm"]'}, "pinned",
+    ({"sites": 'empty = [18, 4]\npinned = [10, 13]\nheights = ["150 um", "0.12 mm"]'}, "pinned",
      {3: None, 17: None, 9: 0.15, 12: 0.12}),
     ({}, "tools", None), ({"lattice": SHAPE, "tools": 'radii = ["526 um", "0.3 mm"]'}, "tools", (0.526, 0.3)),
     ({"lattice": SHAPE, "tools": 'radius_range = ["0.2 mm", "0.8 mm"]'}, "tools", mf.RadiusRange(0.2, 0.8)),
@@ -259,7 +259,7 @@ def test_a_design_uses_all_keys():
     lattice = 'shape = [4, 4]\npitch = "1.5 mm"'
     found = spec(
         target='kind = "linear"\nslope = 4.5', lattice=lattice, tools='radii = ["526 um", "300 um"]',
-        sites='empty = [5]\npinned = [2]\nheights = ["100 um"]', layout='seed = 3\ntilt = "0.1 deg"',
+        sites='empty = [6]\npinned = [3]\nheights = ["100 um"]', layout='seed = 3\ntilt = "0.1 deg"',
     )  # fmt: skip
     result = found.design()
     assert dict(result.pinned) == {5: None, 2: 0.1}

@@ -30,7 +30,7 @@ def tools(*given, target=POWER, template=LATTICE, **options):
 
 # The call, and two of the words of its error: the argument and the given value, or what limits it.
 TARGETS = [
-    (lambda: mf.OperatingPoints([1, 2], [1]), "rescaled_friction", "1 number"),
+    (lambda: mf.OperatingPoints([1, 2], [1]), "rescaled_friction", "(1,)"),
     (lambda: mf.OperatingPoints([1, 1], [1, 2]), "rescaled_load[1]", "1"),
     (lambda: mf.OperatingPoints([1, 2], [2, 1]), "rescaled_friction[1]", "1"),
     (lambda: mf.LinearLaw(np.nan), "slope", "nan"),
@@ -39,7 +39,7 @@ TARGETS = [
     (lambda: mf.LinearLaw.from_forces([1.0], [1.0], *PAIR), "load", "1 value"),
     (lambda: mf.LinearLaw.from_friction_coefficient(-1.0, *PAIR), "friction_coefficient", "-1"),
     (lambda: mf.LinearLaw.from_friction_coefficient(1.0, 1.36, PAIR[1]), "material", "1.36"),
-    (lambda: mf.BilinearLaw((1, 2, 3), 0.1), "slopes", "3 numbers"),
+    (lambda: mf.BilinearLaw((1, 2, 3), 0.1), "slopes", "(3,)"),
     (lambda: mf.BilinearLaw((1, -2), 0.1), "slopes[1]", "-2"),
     (lambda: mf.BilinearLaw((6.0, 9.0), 0.3, (0.1, 0.2)), "crossover_load", "0.3"),
     (lambda: mf.SampledLaw([0.2, 0.1], [1, 2]), "rescaled_load[1]", "0.1"),
@@ -49,7 +49,7 @@ TARGETS = [
     (lambda: mf.PowerLaw(-1.0, (0.1, 0.4)), "exponent", "-1"),
     (lambda: mf.MultilinearLaw([1, -2], [0.2], (0.1, 0.4)), "slopes", "-2"),
     (lambda: mf.MultilinearLaw([1, 2], [], (0.1, 0.4)), "crossover_loads", "1"),
-    (lambda: mf.MultilinearLaw([1, 2], [(0.1, 0.2, 0.3)], (0.1, 0.4)), "crossover_loads[0]", "3 numbers"),
+    (lambda: mf.MultilinearLaw([1, 2], [(0.1, 0.2, 0.3)], (0.1, 0.4)), "crossover_loads[0]", "(3,)"),
     (lambda: mf.MultilinearLaw([1, 2], [0.5], (0.1, 0.4)), "0.5", "0.4"),
     (lambda: mf.Band([0.1, 0.2], [0.5, 0.9], [0.6, 0.9]), "lowest", "highest"),
     (lambda: Wording(-1.0), "composite_modulus", "-1"),

@@ -1,9 +1,13 @@
 """Materials, blocks and surfaces: what they refuse and how they change."""
 
 import math
+from decimal import Decimal
+from fractions import Fraction
 
 import numpy as np
+import pandas as pd
 import pytest
+import xarray as xr
 
 import metafem as mf
 
@@ -22,6 +26,17 @@ def test_arrays_are_copied_and_read_only():
     assert surface.height[0] == 0.1
     with pytest.raises(ValueError, match="read-only"):
         surface.height[0] = 1.0
+
+
+def test_numbers_of_other_libraries_are_heights():
+    for height in (
+        xr.DataArray([0.1, 0.12], attrs={"units": "mm"}),
+        pd.Series([0.1, 0.12], index=[7, 9]),
+        np.ma.array([0.1, 0.12], mask=False),
+        [Decimal("0.1"), Fraction(3, 25)],
+        np.array([0.1, 0.12], dtype=object),
+    ):
+        np.testing.assert_allclose(pair(height=height).height, [0.1, 0.12], rtol=1e-15)
 
 
 def test_lattice_is_centred_and_runs_along_x():
@@ -51,11 +66,8 @@ def test_shuffling_does_not_undo_the_sites_of_a_design_of_the_same_seed():
     lattice = mf.Surface.square_lattice(0.0, (4, 4), radius=0.526, material=MATERIAL)
     target = mf.LinearLaw(9.0)
     for seed in (0, 1):
-        height = (
-            mf.design(target, lattice, limits=mf.Limits(0.12, offset=0.05), rng=seed)
-            .surface.shuffled(seed)
-            .height
-        )
+        design = mf.design(target, lattice, limits=mf.Limits(0.12, offset=0.05), rng=seed)
+        height = design.surface.shuffled(seed).height
         assert (np.diff(height) > 0.0).any()
         assert (np.diff(height) < 0.0).any()
 
@@ -77,16 +89,5 @@ def test_a_period_has_an_area_and_the_nearest_of_all_differences():
 
 def test_a_surface_prints_its_numbers():
     text = repr(pair(friction=mf.Friction(0.404, 0.85), block=mf.Block(20, 18, 7.2), cap=mf.Power(4)))
-    for part in (
-        "2 asperities",
-        "0.1",
-        "0.5 mm",
-        "1.36 MPa",
-        "0.404 MPa",
-        "0.85",
-        "20",
-        "18",
-        "7.2",
-        "Power",
-    ):
+    for part in ("2 asperities", "0.1", "0.5 mm", "1.36 MPa", "0.404 MPa", "0.85", "18", "7.2", "Power"):
         assert part in text

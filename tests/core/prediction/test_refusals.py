@@ -36,7 +36,7 @@ REFUSALS = [
     (lambda: law(load=[0.1]).friction_coefficient, "friction", "Friction"),
     (lambda: law().fit((5.0, 6.0)), "load_range", "(5, 6)"),
     (lambda: law().fit((0.4, 0.1)), "load_range", "(0.4, 0.1)"),
-    (lambda: law().fit((1.0,)), "load_range", "1 number"),
+    (lambda: law().fit((1.0,)), "load_range", "(1,)"),
     (lambda: law().fit(), "load_range", "load"),
     (lambda: law(load=[0.1]).plot(units="kN"), "units", "kN"),
     (lambda: mf.equilibrium(RING, load=0.1, approach=0.1), "load", "approach"),

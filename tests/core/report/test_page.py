@@ -60,8 +60,8 @@ def test_the_page_states_the_numbers_of_the_design():
         ["shear strength σ", "0.358", "MPa"],
         ["area ratio B", "0.85", ""], ["summit radius R", "526", "µm"], ["sites for asperities", "16", ""],
         ["block", "12 × 10 × 3", "mm"], ["largest height h_m", "120", "µm"], ["offset h_0", "84", "µm"],
-        ["height step", "6", "µm"], ["height error", "0.9", "µm"], ["given height of site 5", "100", "µm"],
-        ["sites that stay empty by the specification", "3", ""],
+        ["height step", "6", "µm"], ["height error", "0.9", "µm"], ["given height of site 6", "100", "µm"],
+        ["sites that stay empty by the specification", "4", ""],
         ["load at which the plane touches the base", f"{base:.4g}", "N"],
     ):  # fmt: skip
         assert row in rows
