@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import re
-from html import escape
 
 from validation.check import Check
 
@@ -14,8 +13,6 @@ SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 DIGITS, BESIDE_A_BOUND, MOST = 4, 3, 6
 
 POWER = re.compile(r"(\d+(?:\.\d+)?)e([+-]?)0*(\d+)")
-# Where a long name may break: behind dots, underscores and slashes.
-IN_NAMES = re.compile(r"(?<=[A-Za-z])[._](?=\w)|/(?=[a-z]{3})")
 
 
 def number(value: float, digits: int = DIGITS) -> str:
@@ -34,11 +31,6 @@ def powers(text: str) -> str:
         return power if found[1] == "1" else f"{found[1]} × {power}"
 
     return POWER.sub(written, text)
-
-
-def cited(source: str) -> str:
-    """Return a source as HTML, in which long names may break."""
-    return IN_NAMES.sub(r"\g<0><wbr>", escape(powers(source)))
 
 
 def computed(check: Check) -> str:
