@@ -130,15 +130,3 @@ def test_the_last_state_of_a_curve_is_held_to_the_tolerance_of_a_state():
     assert loose.solved.tolist() == [True, True, False]
     whole = Curve.joined([loose, loose.part(np.arange(2), loose.compute_last)])
     assert whole.solved.tolist() == [True, True, False, True, True]
-
-
-def test_newton_takes_few_steps():
-    """As many as stated: 2 to 8 from independent asperities, and about 2 along a curve."""
-    for order in (1, 3):
-        surface, load = lattice(0.12 - 0.002 * np.arange(16)), np.linspace(0.01, 0.1, 10)
-        bound = mf.Interacting(order).bound(surface)
-        solution = bound._solve(surface.height[None], np.append(0.0, load), True)
-        steps = solution.results.steps[0]
-        assert steps[0] == 0
-        assert 2 <= steps[1] <= 8
-        assert steps[2:].mean() <= 3
