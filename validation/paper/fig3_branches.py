@@ -28,14 +28,9 @@ LAST = 0.75
 # Area and load of solver and bisection agree to rounding in sums over 58 asperities, heights to this [µm].
 ROUNDING, METHODS = 1e-10, 1e-6
 
-# Distance of the plane from a level, over the indentation of the asperities above, at which slopes are
-# evaluated; the new contacts change the slope by its square root, times the kink: below 1e-3 of it.
-NEAR = 1e-9
-
 SKETCH = known_input("N = n1 + n2 + n3 + 3 of the Fig. S1 caption, with the printed n1 to n3")
 ALL = known_input("all asperities of a level above the plane: n_i + 1, with the printed n_i")
 SAME = known_input("identity: up to the operating point the lower levels are open")
-KINK = known_input("identity dA0/dP = (π√R/2) n/Σ√d: n grows by the new contacts at the same Σ√d")
 SUMS = second_method(independent, "bisection of the sums of eq. S1 with numpy")
 CALIBRATED = printed("SM, calibration of individual microcontacts, largest calibrated radius")
 METHOD = "independent Hertz contacts, mf.equilibrium"
@@ -92,23 +87,11 @@ def _continuations() -> Iterator[Row]:
         plane = independent(part.height, RADIUS, load).separation
         apart = 1e3 * (found.surface.height[found.number == i].max() - plane)
         yield near(f"h_{i + 1} and the plane at {point}: difference [µm]", apart, 0.0, METHODS, SUMS)
-        new = np.count_nonzero(found.number == i) - 1  # all but the adjustment asperity, which is lower
-        kink, slopes = (part.count + new) / part.count, [_slope_beside(plane, side) for side in (-1.0, 1.0)]
-        where = f"kink of the law at {point}: slope after over slope before"
-        yield near(where, slopes[1] / slopes[0], kink, 1e-3 * kink, KINK)
         area, exact = (
             mf.equilibrium(part, load=modulus * last).area,
             independent(part.height, RADIUS, last).area,
         )
         yield near(f"{name} at P/E* = {last} [mm²]: F/σB [mm²]", area, exact, ROUNDING * exact, SUMS)
-
-
-def _slope_beside(plane: float, side: float) -> float:
-    """Return dA0/d(P/E*) of the whole surface just before (-1) or after (1) a separation."""
-    whole = levels().surface
-    step = NEAR * (whole.height.max() - plane)
-    first, second = (mf.equilibrium(whole, separation=plane - side * factor * step) for factor in (1.0, 2.0))
-    return whole.material.composite_modulus * (second.area - first.area) / (second.load - first.load)
 
 
 def _contacts() -> Iterator[Row]:
