@@ -137,6 +137,8 @@ def _planes(name: str) -> Iterator[Row]:
         errors.append(rms(at_planes(name, chosen) / block - 1.0))
         label = f"{name}, {chosen} against block: rms error of P(δ) [%]"
         yield reported(label, 1e2 * errors[-1], AT_PLANES)
+        apart = 1e3 * np.abs(law(name, "block").separation - law(name, chosen).separation).max()
+        yield reported(f"{name}, {chosen}: largest difference of separation [µm]", apart, METHOD)
     exact = second_method(mf.fe.Block3D, "influence of the block by 3D finite elements")
     yield below(f"{name}: error of P(δ), layer over half-space", errors[1] / errors[0], 0.5, exact)
 

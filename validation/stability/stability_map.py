@@ -172,7 +172,7 @@ def _figure(ax):
     rows = [[crowded(width, spread) for width in WIDTHS] for spread in SPREADS]
     third = np.maximum(1e2 * np.abs([[each.third for each in row] for row in rows]), LIMITS[0])
     style = {"cmap": "viridis", "norm": "log", "vmin": LIMITS[0], "vmax": LIMITS[1], "edgecolors": "white"}
-    drawn = ax.pcolormesh(third, **style, label="error of order 3 [%]")
+    drawn = ax.pcolormesh(third, **style)
     for (i, j), error in np.ndenumerate(third):
         mark, colour = "R" if rows[i][j].resolved else "A", "black" if error > 0.1 else "white"
         text = f"{error:.2g} %\n{mark}"
