@@ -63,17 +63,6 @@ def test_batch_agrees_with_single_laws():
         assert approach.shape == stiffness.shape == (5, 3)
 
 
-def test_batch_of_adhesive_contacts_agrees_with_single_laws():
-    model, surface = mf.Interacting(1, contact=mf.JKR(9e-6)), lattice(0.12 - 0.004 * np.arange(9))
-    heights, load = np.stack([surface.height, surface.height[::-1]]), np.array([0.2, 0.05])
-    _, carried, area, stiffness = model.curves(surface, heights, load)
-    assert_allclose(carried, np.broadcast_to(load, carried.shape), rtol=1e-9)
-    for height, areas, slopes in zip(heights, area, stiffness, strict=True):
-        curve = model.curve(surface.replaced(height=height), load[::-1])
-        assert_allclose(areas, curve.area[::-1], rtol=1e-9)
-        assert_allclose(slopes, curve.stiffness[::-1], rtol=1e-9)
-
-
 def test_an_ill_posed_scene_raises_with_its_state():
     """At order 1 the layer's self term wins over Hertz's compliance above a = 0.89 t."""
     surface = scene(PLACE[:1], [0.5], 1.0, thickness=0.3)
