@@ -12,14 +12,15 @@ import metafem as mf
 from metafem.drawing import svg
 from metafem.report.figures import law_figure
 from validation import explorer_picture, shape_pictures
-from validation.chapters import CHAPTERS
+from validation.chapters import CHAPTERS, chosen
+from validation.check import Claim
 from validation.cost import work_precision
 from validation.numbers import computed, expected
 from validation.page import write_report
 from validation.paper.surfaces import fig4
 from validation.published import REFERENCE
 from validation.questions import markdown
-from validation.results import Evaluated, collected, selected
+from validation.results import evaluated_in_turn, marked
 
 PICTURE = Path(__file__).parent / "first_minute.svg"
 PROOF = Path(__file__).parent / "guide" / "proof.md"
@@ -27,7 +28,7 @@ LISTED = "\n\n".join(f"{each.name}: {', '.join(each.claims)}." for each in CHAPT
 LADDER = Path(__file__).parent / "work_precision.svg"
 
 
-def renew_readme(results: dict[str, Evaluated]) -> None:
+def renew_readme(results: dict[str, Claim]) -> None:
     """Write the numbers of the proof, and the pictures of README and guide."""
     _renew("questions", markdown(results))
     _renew("models", work_precision.table())
@@ -84,13 +85,14 @@ def main(output: str, quick: bool, readme: bool, mutate: bool, random: int, name
         sys.exit(survey(random) if random else 1 if survivors(names) else 0)
     console = Console()
     try:
-        wanted, left_out = selected(names, quick=quick)
+        named = chosen(names)
     except KeyError as unknown:
         raise click.UsageError(f"{unknown} is none of the claims and chapters that --help lists") from None
+    left_out = [name for name in named if quick and (marked("SLOW", name) or marked("TIMED", name))]
     if readme and (left_out or names):
         raise click.UsageError("--readme needs all claims: give it without --quick and without names")
     begin = time.perf_counter()
-    results = _evaluate_all(console, wanted)
+    results = _evaluate_all(console, [name for name in named if name not in left_out])
     folder = Path(output)
     write_report(folder, results, left_out)
     if readme:
@@ -112,22 +114,17 @@ def main(output: str, quick: bool, readme: bool, mutate: bool, random: int, name
     sys.exit(1 if failed else 0)
 
 
-def _evaluate_all(console, wanted: list[str]) -> dict[str, Evaluated]:
+def _evaluate_all(console, wanted: list[str]) -> dict[str, Claim]:
     """Evaluate claims with a bar of progress, and a line for each that is done."""
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+    from rich.progress import track
 
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=console, transient=True) as progress:
-        task = progress.add_task("claims", total=len(wanted))
-
-        def done(each: Evaluated) -> None:
-            passed = len(each.checks) - len(each.failed)
-            style = "bold red" if each.failed else None
-            line = f"{each.name}: {passed} of {len(each.checks)} checks passed, {each.seconds:.1f} s"
-            console.print(line, style=style, highlight=False, markup=False)
-            progress.advance(task)
-
-        return collected(wanted, done=done)
+    found = {}
+    for each in track(evaluated_in_turn(wanted), "claims", len(wanted), console=console, transient=True):
+        passed = len(each.checks) - len(each.failed)
+        line = f"{each.name}: {passed} of {len(each.checks)} checks passed, {each.seconds:.1f} s"
+        console.print(line, style="bold red" if each.failed else None, highlight=False, markup=False)
+        found[each.name] = each
+    return {name: found[name] for name in wanted}
 
 
 if __name__ == "__main__":

@@ -19,11 +19,11 @@ class Chapter:
     name: str
     title: str
     question: str
-    claims: list[str]
+    claims: tuple[str, ...]
 
 
 LISTED = tomllib.loads((FOLDER / "chapters.toml").read_text("utf-8"))["chapter"]
-CHAPTERS = tuple(Chapter(**each) for each in LISTED)
+CHAPTERS = tuple(Chapter(**each | {"claims": tuple(each["claims"])}) for each in LISTED)
 
 
 def module_of(name: str) -> ModuleType:
@@ -43,5 +43,5 @@ def chosen(arguments: tuple[str, ...]) -> list[str]:
     An unknown name raises KeyError.
     """
     chapters = {chapter.name: chapter.claims for chapter in CHAPTERS}
-    known = chapters | {name: [name] for names in chapters.values() for name in names}
+    known = chapters | {name: (name,) for names in chapters.values() for name in names}
     return [name for argument in arguments or chapters for name in known[argument]]

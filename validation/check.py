@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from metafem.drawing.inline import Drawn
 from validation.sources import Source, known_input
 
 # Sources of the misfit of designs, whose expected value is 0.
@@ -78,10 +79,23 @@ class Picture:
 Row = Check | Result | Difference
 
 
-class Rows:
-    """What has rows of three kinds."""
+@dataclass(frozen=True)
+class Claim:
+    """What one file shows: checks, results, differences from the paper, and titled figures.
 
+    Its text is the docstring of the function that returns it, with these values. What the report adds: its
+    name, its file, the figures as they are drawn, and the seconds it took.
+    """
+
+    title: str
     rows: Sequence[Row]
+    figures: Mapping[str, Picture] = field(default_factory=dict)
+    values: Mapping[str, Any] = field(default_factory=dict)
+    text: str = ""
+    name: str = ""
+    file: str = ""
+    drawn: Sequence[Drawn] = ()
+    seconds: float = 0.0
 
     @property
     def checks(self) -> list[Check]:
@@ -89,9 +103,9 @@ class Rows:
         return [row for row in self.rows if isinstance(row, Check)]
 
     @property
-    def numbers(self) -> list[Check]:
-        """The checks of numbers that the paper prints and metafem computes."""
-        return [row for row in self.checks if row.source.quantity]
+    def failed(self) -> list[Check]:
+        """The checks that failed."""
+        return [check for check in self.checks if not check.passed]
 
     @property
     def results(self) -> list[Result]:
@@ -102,25 +116,6 @@ class Rows:
     def differences(self) -> list[Difference]:
         """The statements of the paper that do not hold."""
         return [row for row in self.rows if isinstance(row, Difference)]
-
-
-@dataclass(frozen=True)
-class Claim(Rows):
-    """What one file shows: checks, results, differences from the paper, and titled figures.
-
-    Its text is the docstring of the function that returns it, with these values.
-    """
-
-    title: str
-    rows: Sequence[Row]
-    figures: dict[str, Picture] = field(default_factory=dict)
-    values: Mapping[str, Any] = field(default_factory=dict)
-    text: str = ""
-
-    def value(self, name: str) -> float:
-        """Return the computed number of the row of a name."""
-        (row,) = (row for row in self.rows if row.name == name)
-        return row.value if isinstance(row, Result) else row.computed
 
 
 def prose(function: Callable[..., Any], values: Mapping[str, Any]) -> str:

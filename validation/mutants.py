@@ -29,10 +29,6 @@ class Mutant:
     text: str
     claims: Sequence[str] = ()
 
-    def applied(self, root: Path) -> None:
-        """Change the file of a copy."""
-        (root / self.file).write_text(self.text, "utf-8")
-
 
 def listed(root: Path) -> dict[str, Mutant]:
     """Return the mutants of the list by name; the text of each must occur once in its function."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import re
-from html import escape
 
 from validation.check import Check
 
@@ -13,28 +12,14 @@ SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 # Digits of a result, of a number beside its bound, and of one beside its expected value.
 DIGITS, BESIDE_A_BOUND, MOST = 4, 3, 6
 
-# Powers of ten that are written without an exponent.
-PLAIN = range(-4, 6)
-
 POWER = re.compile(r"(\d+(?:\.\d+)?)e([+-]?)0*(\d+)")
-# Where a long name may break: behind dots, underscores and slashes.
-IN_NAMES = re.compile(r"(?<=[A-Za-z])[._](?=\w)|/(?=[a-z]{3})")
 
 
 def number(value: float, digits: int = DIGITS) -> str:
     """Return a number with some significant digits; integers keep all of theirs."""
     if not math.isfinite(value):
         return "none"
-    if value == 0.0:
-        return "0"
-    power = math.floor(math.log10(abs(value)))
-    if value == round(value) and power < 15:
-        text = f"{round(value):,}"
-    elif power in PLAIN:
-        text = f"{float(f'{value:.{digits}g}'):,.{max(0, digits - 1 - power)}f}"
-        text = text.rstrip("0").rstrip(".") if "." in text else text
-    else:
-        text = powers(f"{value:.1e}")
+    text = f"{value:,.0f}" if value == round(value) and abs(value) < 1e15 else powers(f"{value:.{digits}g}")
     return text.replace("-", "−")
 
 
@@ -46,11 +31,6 @@ def powers(text: str) -> str:
         return power if found[1] == "1" else f"{found[1]} × {power}"
 
     return POWER.sub(written, text)
-
-
-def cited(source: str) -> str:
-    """Return a source as HTML, in which long names may break."""
-    return IN_NAMES.sub(r"\g<0><wbr>", escape(powers(source)))
 
 
 def computed(check: Check) -> str:

@@ -4,63 +4,40 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from validation.check import Check, Result
+from validation.check import Claim, Result
 from validation.published import paper
-from validation.results import Evaluated
 from validation.scenes.models import AREA_ERROR, CAP_ERROR
 
 # The largest errors that the documentation states, beside the numbers of the paper.
 STATED = {"area_error": AREA_ERROR, "cap_error": CAP_ERROR}
 
 
-@dataclass(frozen=True)
-class Number:
-    """A quantity, what is stated of it, its numbers in this run, and the files that compute them."""
+def questions(results: Mapping[str, Claim]) -> list[dict[str, Any]]:
+    """Return the questions of the file, each with its numbers of this run and the failed checks behind them.
 
-    what: str
-    stated: str
-    computed: str
-    files: tuple[str, ...]
-
-
-@dataclass(frozen=True)
-class Question:
-    """A question, what was found, the page of its evidence, its numbers, and the failed checks behind it."""
-
-    title: str
-    found: str
-    page: str
-    numbers: tuple[Number, ...]
-    failed: tuple[Check, ...]
-
-
-def questions(results: Mapping[str, Evaluated]) -> list[Question]:
-    """Return the questions; numbers of a claim that was not evaluated are left out."""
+    A number is a quantity, what is stated of it, what was computed, and the files that compute it. Numbers of
+    a claim that was not evaluated are left out.
+    """
     text = Path(__file__).with_suffix(".toml").read_text("utf-8")
-    return [_question(each, results) for each in tomllib.loads(text)["question"]]
+    found = tomllib.loads(text)["question"]
+    for each in found:
+        each["numbers"] = [
+            row for row in each["numbers"] if all(claim in results for claim, *_ in row["rows"])
+        ]
+        claims = dict.fromkeys(claim for row in each["numbers"] for claim, *_ in row["rows"])
+        each["failed"] = [check for claim in claims for check in results[claim].failed]
+        for row in each["numbers"]:
+            values = [value(results[claim], words) for claim, *rows in row["rows"] for words in rows]
+            row["files"] = [results[claim].file for claim, *_ in row["rows"]]
+            row["stated"] = row.get("stated", "–").format(**paper(), **STATED).replace("%", " %")
+            row["computed"] = row["metafem"].format(*values).replace("%", " %").replace("  %", " %")
+    return found
 
 
-def _question(of: Mapping[str, Any], results: Mapping[str, Evaluated]) -> Question:
-    shown = [each for each in of["numbers"] if all(claim in results for claim, *_ in each["rows"])]
-    read = {claim: results[claim] for each in shown for claim, *_ in each["rows"]}
-    failed = tuple(check for each in read.values() for check in each.failed)
-    numbers = tuple(_number(each, results) for each in shown)
-    return Question(of["title"], of["found"], of["page"], numbers, failed)
-
-
-def _number(of: Mapping[str, Any], results: Mapping[str, Evaluated]) -> Number:
-    found = [value(results[claim], words) for claim, *rows in of["rows"] for words in rows]
-    stated = of.get("stated", "–").format(**paper(), **STATED)
-    files = tuple(results[claim].file for claim, *_ in of["rows"])
-    shown = of["metafem"].format(*found)
-    return Number(of["what"], stated.replace("%", " %"), shown.replace("%", " %").replace("  %", " %"), files)
-
-
-def value(claim: Evaluated, words: Sequence[str]) -> float:
+def value(claim: Claim, words: Sequence[str]) -> float:
     """Return the number of the row of a name, or the largest in size of the rows that contain some words."""
     named = [row for row in claim.rows if [row.name] == words]
     rows = named or [row for row in claim.rows if all(word in row.name for word in words)]
@@ -71,17 +48,18 @@ def value(claim: Evaluated, words: Sequence[str]) -> float:
     return max(sizes, key=abs, default=float("nan"))
 
 
-def markdown(results: Mapping[str, Evaluated]) -> str:
+def markdown(results: Mapping[str, Claim]) -> str:
     """Return the questions in Markdown, a section for each."""
     return "\n\n".join(_section(each) for each in questions(results)).replace("E*", r"E\*")
 
 
-def _section(of: Question) -> str:
-    lines = [f"### {of.title}", "", of.found]
-    if of.failed:
-        lines += ["", f"**{len(of.failed)} failed checks**, the first: {of.failed[0].name}."]
+def _section(of: dict[str, Any]) -> str:
+    lines = [f"### {of['title']}", "", of["found"]]
+    if failed := of["failed"]:
+        count = f"{len(failed)} check{'s' * (len(failed) > 1)}"
+        lines += ["", f"**{count} behind these numbers failed**, the first: {failed[0].name}."]
     lines += ["", "| | stated | metafem | computed by |", "|---|---|---|---|"]
-    for each in of.numbers:
-        files = ", ".join(f"[{Path(name).stem}](../../{name})" for name in each.files)
-        lines.append(f"| {each.what} | {each.stated} | {each.computed} | {files} |")
+    for row in of["numbers"]:
+        files = ", ".join(f"[{Path(name).stem}](../../{name})" for name in row["files"])
+        lines.append(f"| {row['what']} | {row['stated']} | {row['computed']} | {files} |")
     return "\n".join(lines)

@@ -33,29 +33,26 @@ class Kind(Enum):
 class Source:
     """A kind of source, what it says, and the address of a publication, if it is one.
 
-    A number of the paper that metafem computes has a quantity, under which it is counted once, and may stand
-    for several printed numbers, such as those of a table.
+    A number of the paper that metafem computes has a quantity, under which it is checked once.
     """
 
     kind: Kind
     text: str
     link: str = ""
     quantity: str = field(default="", compare=False)
-    numbers: int = field(default=0, compare=False)
 
     def __str__(self) -> str:
         return self.text
 
 
-def printed(place: str, quantity: str = "", numbers: int = 1) -> Source:
+def printed(place: str, quantity: str = "") -> Source:
     """Return the source of a number that the paper prints at a place, such as "Fig. 4 caption".
 
-    Without a quantity it is a bound or a statement, which is not counted as a number that is recomputed.
+    Without a quantity it is a bound or a statement, no number that is recomputed.
     """
     if not PLACE.match(place):
         raise ValueError(f"place = {place!r} must begin with Fig., Table, eq., SM, or main text")
-    counted = numbers if quantity else 0
-    return Source(Kind.PAPER, place, f"https://doi.org/{PAPER_DOI}", quantity, counted)
+    return Source(Kind.PAPER, place, f"https://doi.org/{PAPER_DOI}", quantity)
 
 
 def publication(doi: str, place: str) -> Source:

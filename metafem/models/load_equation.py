@@ -14,6 +14,7 @@ import numpy as np
 
 from metafem._kernels import independent as kernel
 from metafem._kernels.law import Law
+from metafem._kernels.newton import TOLERANCE
 from metafem._validate import FloatArray
 from metafem.contact import Contact
 from metafem.errors import InvalidInput
@@ -21,9 +22,6 @@ from metafem.models._resources import run_rows
 from metafem.models.contact_tables import deepest, rows_of, tables
 from metafem.models.curve import Curve, RescaledState, Sensitivity, refuse_unloading, solved
 from metafem.surface import Surface
-
-# Largest relative error of the load, recomputed from the solution; that of the tables is 1e-13.
-TOLERANCE = 1e-12
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from metafem.explorer.table import Document
 from metafem.files import demo_text, parsed, result_tables
 from tests.browser import after, drop, hold
 from validation.page import write_report
-from validation.results import collected
+from validation.results import evaluated
 from validation.scenes.browser import problems
 from validation.scenes.explorer import PATIENCE, SCRIPT, Visit, served, visited
 
@@ -35,7 +35,7 @@ def look(browser):
 def validated(tmp_path_factory):
     """The pages of two claims, of which the others were left out."""
     folder = tmp_path_factory.mktemp("validation")
-    write_report(folder, collected(["bounds", "table_s1"], 1), ["fe_hertz"])
+    write_report(folder, {name: evaluated(name) for name in ("bounds", "table_s1")}, ["fe_hertz"])
     return folder
 
 

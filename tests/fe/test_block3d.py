@@ -12,8 +12,6 @@ from metafem.fe import Block3D
 from metafem.fe import block3d as module
 from metafem.fe.quarter import Quarter, graded_line
 from tests.core.fe.test_block3d import BLOCK, COARSE, SITES, own_cache, scene, solved
-from tests.models.scenes import PLACE
-from tests.models.scenes import scene as unequal
 
 COARSE_ERROR = 1e-4
 
@@ -67,17 +65,6 @@ def test_wide_block_is_the_layer():
     place = 5.0, poisson_ratio
     expected = [reference.layer_regular(0.0, *place), reference.layer_influence(1.5, *place)]
     np.testing.assert_allclose([found[0, 0], found[0, 1]], expected, atol=COARSE_ERROR)
-
-
-def test_asperities_on_a_wide_block_are_those_on_the_layer():
-    surface = unequal(PLACE - PLACE.mean(axis=0)).replaced(block=mf.Block(60.0, 60.0, 5.0))
-    block, layer = (
-        mf.friction_law(surface, mf.Interacting(substrate=substrate), load=[0.01, 0.05, 0.1])
-        for substrate in (Block3D(cell=0.5, edge_cell=0.1), mf.BondedLayer())
-    )
-    # these cells err by 1e-4 /mm, that is by 1e-5 mm at 0.1 N
-    np.testing.assert_allclose(block.area, layer.area, rtol=1e-4)
-    np.testing.assert_allclose(block.separation, layer.separation, atol=1e-5)
 
 
 def test_error_estimate_bounds_the_error(coarse):

@@ -1,11 +1,8 @@
 """Scenes and models that several tests share."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 import metafem as mf
-from metafem.caps.shapes import PowerLaw
 
 PEDESTAL = mf.Interacting(order=3, substrate=mf.BondedLayer(), pedestal=True)
 
@@ -24,17 +21,6 @@ class Read(mf.Elastic):
 
     def bound(self, surface):
         return self
-
-
-@dataclass(frozen=True)
-class Cone(PowerLaw):
-    """A cap of the exponent 1, for which `mf.Power` is not made."""
-
-    coefficient: float = 0.5
-    exponent = 1.0
-
-    def summit_radius(self, radius):
-        return radius
 
 
 # A bowl, and loads and areas of spheres of 0.526 mm at indentations, up to those of the scenes here.

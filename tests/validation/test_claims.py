@@ -24,7 +24,7 @@ QUICK = (
 def test_quick_claims_hold_and_check_each_printed_number_once():
     found = [evaluate(name) for name in QUICK]
     assert [check.name for claim in found for check in claim.checks if not check.passed] == []
-    sources = [check.source for claim in found for check in claim.numbers]
+    sources = [check.source for claim in found for check in claim.checks if check.source.quantity]
     assert len({(source.text, source.quantity) for source in sources}) == len(sources) > 15
     assert all(source.link.endswith("science.adk4234") for source in sources)
     with pytest.raises(ValueError, match="must begin with"):

@@ -11,7 +11,7 @@ import sys
 import tempfile
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from multiprocessing import get_context
 from pathlib import Path
 from unittest import mock
@@ -64,49 +64,42 @@ MILLION = {"a lattice": (60, 80.0, 3.0), "jittered sites": (120, 80.0, 3.0)}
 
 def rows(commit: str = "837c6d6a", long: bool = False) -> Iterator[Row]:
     """Time the models beside those of `commit`; count products on a million sites if `long`."""
-    with ExitStack() as stack:
-        earlier = stack.enter_context(checked_out(commit))
-        here, there = (stack.enter_context(Worker(tree)) for tree in (ROOT, earlier))
-        for what, (work, allowed) in PAIRED.items():
-            own, other = alternating((here, work), (there, work))
-            yield Row(what, float("inf"), 1e6 * own, "µs")
-            yield Row(f"{what}, over {commit}", allowed, own / other)
-        for what, (work, other_work, allowed) in RATIOS.items():
-            own, other = alternating((here, work), (here, other_work))
-            yield Row(what, allowed, own / other)
-        for side, most in LAYER.items():
-            (seconds,) = alternating((here, f"layer {side}"))
-            yield Row(f"each of 20 loads, order 3, layer, {side**2:,} sites", 1e3 * most, 1e3 * seconds, "ms")
-        yield from by_numpy(here)
-        times = [compiling(tree) for tree in (ROOT, earlier)]
-        yield Row("kernels compiled from nothing", float("inf"), times[0], "s")
-        yield Row(f"kernels compiled from nothing, over {commit}", COMPILED, times[0] / times[1])
+    paired = [work for work, _ in PAIRED.values()]
+    layers = [f"layer {side}" for side in LAYER]
+    alone = [work for *pair, _ in RATIOS.values() for work in pair]
+    with checked_out(commit) as earlier:
+        rounds = [
+            (seconds(ROOT, [*paired, *alone, *layers]), seconds(earlier, paired)) for _ in range(ROUNDS)
+        ]
+        compiled = compiling(ROOT), compiling(earlier)
+    own, other = (
+        {work: min(each[work] for each in tree) for work in tree[0]} for tree in zip(*rounds, strict=True)
+    )
+    for what, (work, allowed) in PAIRED.items():
+        yield Row(what, float("inf"), 1e6 * own[work], "µs")
+        yield Row(f"{what}, over {commit}", allowed, own[work] / other[work])
+    for what, (work, beside, allowed) in RATIOS.items():
+        yield Row(what, allowed, own[work] / own[beside])
+    for work, (side, most) in zip(layers, LAYER.items(), strict=True):
+        yield Row(f"each of 20 loads, order 3, layer, {side**2:,} sites", 1e3 * most, 1e3 * own[work], "ms")
+    yield Row(
+        "order 1 by plain numpy, over order 3 at each of 100 loads", float("inf"), by_numpy() / own["order_3"]
+    )
+    yield Row("kernels compiled from nothing", float("inf"), compiled[0], "s")
+    yield Row(f"kernels compiled from nothing, over {commit}", COMPILED, compiled[0] / compiled[1])
     yield from random_scenes()
     yield from sizes()
     if long:
         yield from million()
 
 
-class Worker:
-    """A process that times works in the package of one tree."""
-
-    def __init__(self, tree: Path) -> None:
-        command = [sys.executable, str(ROOT / "validation/scenes/timed.py")]
-        pipe = subprocess.PIPE
-        self.process = subprocess.Popen(command, stdin=pipe, stdout=pipe, text=True, env=environment(tree))
-
-    def __enter__(self) -> Worker:
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        self.process.terminate()
-        self.process.wait()
-
-    def seconds(self, work: str) -> float:
-        """Return the seconds of a work."""
-        self.process.stdin.write(f"{work}\n")
-        self.process.stdin.flush()
-        return float(self.process.stdout.readline())
+def seconds(tree: Path, works: list[str]) -> dict[str, float]:
+    """Return the seconds of works in a process that uses the package of a tree."""
+    command = [sys.executable, str(ROOT / "validation/scenes/timed.py"), *works]
+    said = subprocess.run(
+        command, env=environment(tree), stdout=subprocess.PIPE, text=True, check=True
+    ).stdout
+    return dict(zip(works, map(float, said.split()), strict=True))
 
 
 def environment(tree: Path) -> dict[str, str]:
@@ -127,19 +120,12 @@ def checked_out(commit: str) -> Iterator[Path]:
             subprocess.run([*git, "remove", "--force", str(tree)], check=True)
 
 
-def alternating(*works: tuple[Worker, str]) -> list[float]:
-    """Return the quickest times of works that take turns."""
-    times = [[worker.seconds(work) for worker, work in works] for _ in range(ROUNDS)]
-    return [min(each) for each in zip(*times, strict=True)]
-
-
-def by_numpy(here: Worker) -> Iterator[Row]:
-    """Compare order 3 with order 1 by plain numpy."""
-    surface = timed.lattice(8)
-    matrix, load = influence(surface, "half-space"), timed.loads(64, 100)
+def by_numpy() -> float:
+    """Return the seconds of each of 100 loads of order 1 by plain numpy."""
+    surface, load = timed.lattice(8), timed.loads(64, 100)
+    matrix = influence(surface, "half-space")
     works = [lambda: [coupled(surface.height, 0.526, matrix, each) for each in load]] * 3
-    ratio = timed.quickest(works) / len(load) / here.seconds("order_3")
-    yield Row("order 1 by plain numpy, over order 3 at each of 100 loads", float("inf"), ratio)
+    return timed.quickest(works) / len(load)
 
 
 def compiling(tree: Path) -> float:

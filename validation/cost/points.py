@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 import statistics
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
-from functools import cache, cached_property
+from collections.abc import Iterator
+from functools import cache
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 
@@ -24,7 +24,6 @@ MATERIAL = mf.Material(1.36)
 INDEPENDENT, ORDER_1, ORDER_3 = "Independent()", "Interacting(order=1)", "Interacting(order=3)"
 AUTOMATIC, RESOLVED = "Automatic(tolerance)", "BoundaryElements(cell)"
 PEER = "tamaas"
-MOMENTS = f"{PEER}, second moments"
 
 ASPERITIES: dict[str, Model] = {
     INDEPENDENT: mf.Independent(), ORDER_1: mf.Interacting(order=1), ORDER_3: mf.Interacting()
@@ -42,9 +41,8 @@ PEER_ERROR, PATIENCE = 1e-3, 2.0
 LOADS, CURVES, RESOLVING = 100, "paper", 0.1
 
 
-@dataclass(frozen=True, eq=False)
-class Scene:
-    """A surface under a rescaled load [mm²].
+class Scene(NamedTuple):
+    """A surface under a load [N].
 
     cells: of the resolved contacts that are timed [mm]. finest: three cells, each half the one before, of the
     reference; none if order 3 is the reference. peer_cells: of tamaas. tolerances: of `Automatic`; smaller
@@ -52,7 +50,7 @@ class Scene:
     """
 
     title: str
-    build: Callable[[], mf.Surface]
+    surface: mf.Surface
     load: float
     cells: tuple[float, ...] = ()
     finest: tuple[float, ...] = ()
@@ -60,27 +58,8 @@ class Scene:
     tolerances: tuple[float, ...] = (0.1, 1e-2, 1e-3)
     merged: bool = False
 
-    @cached_property
-    def surface(self) -> mf.Surface:
-        """The surface, built once."""
-        return self.build()
 
-    @property
-    def newtons(self) -> float:
-        """The load [N]."""
-        return self.load * self.surface.material.composite_modulus
-
-    def models(self) -> Iterator[tuple[str, str, Model]]:
-        """Yield line, setting and model."""
-        yield from (
-            (line, "", model) for line, model in ASPERITIES.items() if line != ORDER_3 or not self.merged
-        )
-        yield from ((AUTOMATIC, f"{value:g}", mf.Automatic(value)) for value in self.tolerances)
-        yield from ((RESOLVED, f"{1e3 * cell:g} µm", mf.BoundaryElements(cell)) for cell in self.cells)
-
-
-@dataclass(frozen=True)
-class Reference:
+class Reference(NamedTuple):
     """A0 [mm²], separation [mm], relative uncertainties of A0 and of P there, and dP/dδ over P [1/mm]."""
 
     area: float
@@ -90,8 +69,7 @@ class Reference:
     stiffness: float
 
 
-@dataclass(frozen=True)
-class Point:
+class Point(NamedTuple):
     """A model or another code with one setting on a scene: seconds and relative errors.
 
     cold: one load of a new surface; per_load: each load of a curve, nan where it is not measured. The errors
@@ -105,11 +83,6 @@ class Point:
     area_error: float
     load_error: float
     solved: Model | None = None
-
-    @property
-    def name(self) -> str:
-        """The line with its setting."""
-        return f"{self.line}, {self.setting}" if self.setting else self.line
 
 
 def heights(count: int | tuple[int, ...]) -> np.ndarray:
@@ -133,24 +106,31 @@ def scattered(count: int) -> mf.Surface:
 
 FINEST = (0.01, 0.005, 0.0025)
 
-SCENES = {
-    "sparse": Scene("lattice of 20 mm, 64 asperities", lambda: lattice(8, 20.0), 0.6, (0.02, 0.01), FINEST),
-    "paper": Scene(
-        "Fig. 4 red, 64 asperities", lambda: surfaces()["Fig. 4 red"], 0.6, (0.04, 0.02, 0.01), FINEST,
-        (0.04, 0.028, 0.02, 0.014, 0.01), (0.1, 1e-2, 1e-3, 1e-4),
-    ),
-    "dense": Scene(
-        "lattice of 0.8 mm, 64 asperities", lambda: lattice(8, 0.8), 0.75, (0.02, 0.01), (0.02, 0.01, 0.005),
-        (0.04, 0.02),
-    ),
-    # so high that the base plane does not touch
-    "merged": Scene(
-        "merged contacts, 4 asperities", lambda: lattice(2, 0.2, 0.1), 0.08, (0.02, 0.01, 0.005), FINEST,
-        (0.02, 0.01, 0.005), merged=True,
-    ),
-    "several": Scene("400 scattered asperities", lambda: scattered(400), 1.2, (0.02,), (), (0.08, 0.056)),
-    "many": Scene("10,000 scattered asperities", lambda: scattered(10_000), 30.0),
-}  # fmt: skip
+
+@cache
+def scenes() -> dict[str, Scene]:
+    """Return the scenes from sparse to merged contacts, and those of many asperities."""
+    unit = MATERIAL.composite_modulus
+    return {
+        "sparse": Scene(
+            "lattice of 20 mm, 64 asperities", lattice(8, 20.0), 0.6 * unit, (0.02, 0.01), FINEST
+        ),
+        "paper": Scene(
+            "Fig. 4 red, 64 asperities", surfaces()["Fig. 4 red"], 0.6 * unit, (0.04, 0.02, 0.01), FINEST,
+            (0.04, 0.028, 0.02, 0.014, 0.01), (0.1, 1e-2, 1e-3, 1e-4),
+        ),
+        "dense": Scene(
+            "lattice of 0.8 mm, 64 asperities", lattice(8, 0.8), 0.75 * unit, (0.02, 0.01),
+            (0.02, 0.01, 0.005), (0.04, 0.02),
+        ),
+        # so high that the base plane does not touch
+        "merged": Scene(
+            "merged contacts, 4 asperities", lattice(2, 0.2, 0.1), 0.08 * unit, (0.02, 0.01, 0.005), FINEST,
+            (0.02, 0.01, 0.005), merged=True,
+        ),
+        "several": Scene("400 scattered asperities", scattered(400), 1.2 * unit, (0.02,), (), (0.08, 0.056)),
+        "many": Scene("10,000 scattered asperities", scattered(10_000), 30.0 * unit),
+    }  # fmt: skip
 
 
 @cache
@@ -162,20 +142,20 @@ def reference(scene: str) -> Reference:
     merged contacts scatters more from cell to cell: it is fitted to more cells. For many asperities the
     reference is order 3 with its own estimate of the error of A0.
     """
-    known = SCENES[scene]
-    load = {"load": known.newtons}
+    known = scenes()[scene]
+    load = {"load": known.load}
     if not known.finest:
         found = mf.equilibrium(known.surface, mf.Interacting(), **load)
         error = truncation(known.surface, found.asperity_area, mf.HalfSpace())
         # the load at a fixed separation has a third of the error of the area at a fixed load, or less
-        return Reference(found.area, found.separation, error, error, found.stiffness / known.newtons)
+        return Reference(found.area, found.separation, error, error, found.stiffness / known.load)
     states = [mf.equilibrium(known.surface, mf.BoundaryElements(cell), **load) for cell in known.finest]
-    stiffness = states[-1].stiffness / known.newtons
+    stiffness = states[-1].stiffness / known.load
     separation, change = _extrapolated([each.separation for each in states])
     area, area_change = _extrapolated([each.area for each in states])
     relative = area_change / area
     if known.merged:
-        area, relative = extrapolated_area(known.surface, known.newtons, MERGED_UNCERTAINTY)
+        area, relative = extrapolated_area(known.surface, known.load, MERGED_UNCERTAINTY)
     return Reference(area, separation, relative, stiffness * change, stiffness)
 
 
@@ -188,14 +168,13 @@ def _extrapolated(values: list[float]) -> tuple[float, float]:
 @cache
 def points(scene: str) -> tuple[Point, ...]:
     """Measure every model on a scene, and tamaas if it is installed."""
-    found = [_measured(scene, *each) for each in SCENES[scene].models()]
+    known, models = scenes()[scene], {(line, ""): model for line, model in ASPERITIES.items()}
+    if known.merged:
+        del models[ORDER_3, ""]
+    models |= {(AUTOMATIC, f"{each:g}"): mf.Automatic(each) for each in known.tolerances}
+    models |= {(RESOLVED, f"{1e3 * cell:g} µm"): mf.BoundaryElements(cell) for cell in known.cells}
+    found = [_measured(scene, *names, model) for names, model in models.items()]
     return (*found, *_peer(scene)) if installed() else tuple(found)
-
-
-def fastest_within(scene: str, line: str, error: float) -> Point | None:
-    """Return the fastest point of a line with at most an error of A0, if there is one."""
-    chosen = [each for each in points(scene) if each.line == line and each.area_error <= error]
-    return min(chosen, key=lambda each: each.cold, default=None)
 
 
 def _renewed(surface: mf.Surface, run: int) -> mf.Surface:
@@ -204,8 +183,8 @@ def _renewed(surface: mf.Surface, run: int) -> mf.Surface:
 
 
 def _measured(scene: str, line: str, setting: str, model: Model) -> Point:
-    known, exact = SCENES[scene], reference(scene)
-    surface, load = known.surface, known.newtons
+    known, exact = scenes()[scene], reference(scene)
+    surface, load = known.surface, known.load
     # the first call, which is not timed, may compile
     other = mf.equilibrium(surface, model, separation=exact.separation) if line in ASPERITIES else None
     cold, (*_, found) = timed(lambda run: mf.equilibrium(_renewed(surface, run), model, load=load))
@@ -227,20 +206,14 @@ def _measured(scene: str, line: str, setting: str, model: Model) -> Point:
 
 
 def _peer(scene: str) -> Iterator[Point]:
-    """Measure tamaas until its own area is within the error, or for too long.
-
-    The time is that of its solver alone. The area by second moments, which this project computes from its
-    pressures, is a line of its own with the same times. Merged contacts have no such moments.
-    """
-    known, exact = SCENES[scene], reference(scene)
+    """Measure the solver of tamaas until its own area is within the error, or for too long."""
+    known, exact = scenes()[scene], reference(scene)
     for cell in known.peer_cells:
         grid = Grid(known.surface, cell)
-        _, answers = timed(lambda _, grid=grid: solve_with_tamaas(grid, known.newtons))
+        _, answers = timed(lambda _, grid=grid: solve_with_tamaas(grid, known.load))
         seconds, answer = statistics.median(each.seconds for each in answers), answers[-1]
         load_error = abs(exact.stiffness * (answer.separation - exact.separation))
-        for line, area in {PEER: answer.area, MOMENTS: answer.moments}.items():
-            if line == PEER or not known.merged:
-                error = abs(area / exact.area - 1.0)
-                yield Point(line, f"{1e3 * cell:g} µm", seconds, math.nan, error, load_error)
-        if abs(answer.area / exact.area - 1.0) <= PEER_ERROR or seconds > PATIENCE:
+        error = abs(answer.area / exact.area - 1.0)
+        yield Point(PEER, f"{1e3 * cell:g} µm", seconds, math.nan, error, load_error)
+        if error <= PEER_ERROR or seconds > PATIENCE:
             break

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import os
-import platform
 import tomllib
 from collections.abc import Iterator
 from importlib.metadata import version
@@ -14,27 +13,23 @@ from pathlib import Path
 import numpy as np
 
 import metafem as mf
-from metafem.drawing import MEASURED, QUIET, new_figure
+from metafem.drawing import MEASURED, QUIET
 from validation.check import Claim, Picture, Row, below, reported
-from validation.cost.peers import TAMAAS_TOLERANCE, THREADS, installed
+from validation.cost.peers import installed
 from validation.cost.points import (
     ASPERITIES,
     AUTOMATIC,
     CURVES,
-    INDEPENDENT,
     LOADS,
-    MOMENTS,
-    ORDER_1,
     ORDER_3,
     PEER,
-    PEER_ERROR,
     RESOLVED,
-    SCENES,
     Point,
-    fastest_within,
     points,
     reference,
+    scenes,
 )
+from validation.figures import panels
 from validation.numbers import powers
 from validation.scenes.models import AREA_ERROR, LOAD_ERROR
 from validation.sources import second_method
@@ -51,15 +46,8 @@ TIMES = "median of repeated runs, rounded to 1, 2 or 5"
 SHOWN = ("", "0.001", "10 µm")
 
 # Colour and marker of each line; all can be told apart in grey, on white and on black.
-STYLES = {
-    INDEPENDENT: ("#8a8f98", "o"),
-    ORDER_1: ("#7fb069", "^"),
-    ORDER_3: ("#1b6f8a", "D"),
-    AUTOMATIC: ("#8d6fc0", "*"),
-    RESOLVED: ("#c8553d", "v"),
-    PEER: (MEASURED, "X"),
-    MOMENTS: (MEASURED, "x"),
-}
+COLOURS = ("#8a8f98", "#7fb069", "#1b6f8a", "#8d6fc0", "#c8553d", MEASURED)
+STYLES = dict(zip((*ASPERITIES, AUTOMATIC, RESOLVED, PEER), zip(COLOURS, "o^D*vX", strict=True), strict=True))
 CHOSEN = f"{AUTOMATIC}, tolerance above"
 
 
@@ -68,19 +56,18 @@ def claim() -> Claim:
     contacts from up to thirteen. For 400 and 10,000 asperities there is no such reference: the error of
     order 3 is its own estimate, and the errors of the other models are counted from order 3. tamaas is
     measured where it is installed (extra `peers`): the time is that of its solver alone, the area that which
-    it reports, and in a second line that of the second moments of its pressures. Measured on {cores}
-    processor cores with {versions}.
+    it reports. Measured on {cores} processor cores with {versions}.
     """
-    rows: list[Row] = [*_ratios(), *(row for scene in SCENES for row in _rows(scene))]
-    packages = ("numpy", "scipy", "numba", *[PEER] * installed())
-    versions = [f"Python {platform.python_version()}", *(f"{name} {version(name)}" for name in packages)]
+    versions = [f"{name} {version(name)}" for name in ("numpy", "scipy", "numba", *[PEER] * installed())]
     values = {"cores": os.cpu_count(), "versions": ", ".join(versions)}
+    rows = [row for scene in scenes() for row in _rows(scene)]
     return Claim("Seconds against error", rows, {"seconds against error": Picture(picture)}, values)
 
 
 def _rows(scene: str) -> Iterator[Row]:
     """Compare the errors on one scene with those that the models state, and report what they cost."""
-    known, exact, title = SCENES[scene], reference(scene), SCENES[scene].title
+    known, exact = scenes()[scene], reference(scene)
+    title = known.title
     if known.finest:
         cells = "seven to thirteen cells" if known.merged else "three cells"
         resolved = second_method(mf.BoundaryElements, f"resolved contacts extrapolated from {cells}")
@@ -95,7 +82,7 @@ def _rows(scene: str) -> Iterator[Row]:
                 yield below(name, each.area_error, max(float(each.setting), uncertain), resolved)
     for each in points(scene):
         if each.line == ORDER_3 or (scene == CURVES and each.setting in SHOWN):
-            name = f"{title}: {each.name}"
+            name = f"{title}: {each.line}{f', {each.setting}' * bool(each.setting)}"
             yield reported(f"{name}, one load [s]", rounded(each.cold), TIMES)
             if math.isfinite(each.per_load):
                 yield reported(f"{name}, each load of a curve [s]", rounded(each.per_load), TIMES)
@@ -104,39 +91,22 @@ def _rows(scene: str) -> Iterator[Row]:
             yield reported(f"{name}, error of P(δ)", each.load_error, own)
 
 
-def _ratios() -> Iterator[Row]:
-    """Report the time of tamaas over those of models with at most the same error, on the paper's surface."""
-    method = f"same run; tolerance {TAMAAS_TOLERANCE:g} of tamaas, threads: {THREADS}"
-    for line in (PEER, MOMENTS):
-        for error in (5.0 * PEER_ERROR, PEER_ERROR):
-            other = fastest_within(CURVES, line, error)
-            for chosen in (ORDER_3, RESOLVED):
-                if other and (known := fastest_within(CURVES, chosen, error)):
-                    name = f"A0 to {100.0 * error:g} %, time of {line} over that of {known.name}, one load"
-                    ratio = rounded(other.cold / known.cold)
-                    yield reported(f"{SCENES[CURVES].title}: {name}", ratio, f"{method}; {other.setting}")
-
-
 def table() -> str:
     """Return the table of the models in Markdown: what each assumes, what it costs, how exact it is."""
-    exact, title = reference(CURVES), SCENES[CURVES].title.partition(",")[0]
+    exact, title = reference(CURVES), scenes()[CURVES].title.partition(",")[0]
     listed = tomllib.loads(Path(__file__).with_name("models.toml").read_text("utf-8"))["model"]
     lines = [
-        f"| model | assumes | one load, {SCENES[CURVES].surface.count} asperities | each of {LOADS} loads "
+        f"| model | assumes | one load, {scenes()[CURVES].surface.count} asperities | each of {LOADS} loads "
         f"| error in A0(P), {title} | error in P(δ) | range |",
         "|---|---|---|---|---|---|---|",
     ]
     found = {(each.line, each.setting): each for each in points(CURVES)}
     for each in listed:
         point = found[each["line"], each["setting"]]
-        per_load = in_words(point.per_load) if math.isfinite(point.per_load) else "–"
-        errors = (
-            percent(error) if error > unsure else f"below {percent(unsure)}"
-            for error, unsure in (
-                (point.area_error, exact.area_uncertainty), (point.load_error, exact.load_uncertainty)
-            )
-        )  # fmt: skip
-        cells = (f"`{each['name']}`", each["assumes"], in_words(point.cold), per_load, *errors, each["range"])
+        times = in_words(point.cold), in_words(point.per_load) if math.isfinite(point.per_load) else "–"
+        unsure = exact.area_uncertainty, exact.load_uncertainty
+        errors = map(percent, (point.area_error, point.load_error), unsure)
+        cells = (f"`{each['name']}`", each["assumes"], *times, *errors, each["range"])
         lines.append(f"| {' | '.join(cells)} |")
     return "\n".join(lines)
 
@@ -147,9 +117,10 @@ def rounded(value: float) -> float:
     return float(steps[np.abs(np.log(steps / value)).argmin()])
 
 
-def percent(value: float) -> str:
-    """Return a percentage to two digits, without an exponent."""
-    return f"{float(f'{100.0 * value:.2g}'):.10f}".rstrip("0").rstrip(".") + " %"
+def percent(value: float, unsure: float) -> str:
+    """Return a percentage to two digits, without an exponent, or that it is below its uncertainty."""
+    shown = f"{float(f'{100.0 * max(value, unsure):.2g}'):.10f}".rstrip("0").rstrip(".")
+    return f"{'below ' * (value <= unsure)}{shown} %"
 
 
 def in_words(seconds: float) -> str:
@@ -161,26 +132,23 @@ def in_words(seconds: float) -> str:
     return f"{micro:g} µs"
 
 
-def picture():
+@panels(9.6, 6.6, 2, 3, sharex=True, sharey=True)
+def picture(*axes):
     """Seconds for one load of a new surface against the error of A0, one panel for each scene. Lines join
     finer cells or smaller tolerances; rings are what Automatic chose, with its tolerances. Dotted line: the
     uncertainty of the reference; smaller errors are drawn on it.
     """
-    figure = new_figure(9.6, 6.6)
-    panels = figure.subplots(2, 3, sharex=True, sharey=True)
-    for ax, scene in zip(panels.ravel(), SCENES, strict=True):
-        _panel(ax, scene)
-    for ax in panels[-1]:
-        ax.set_xlabel("seconds for one load of a new surface")
-    for ax in panels[:, 0]:
-        ax.set_ylabel("relative error of A0")
     handles = {}
-    for ax in panels.ravel():
+    for ax, scene in zip(axes, scenes(), strict=True):
+        _panel(ax, scene)
         handles |= dict(zip(*reversed(ax.get_legend_handles_labels()), strict=True))
+    for ax in axes[3:]:
+        ax.set_xlabel("seconds for one load of a new surface")
+    for ax in axes[::3]:
+        ax.set_ylabel("relative error of A0")
     shown = [label for label in (*STYLES, CHOSEN) if label in handles]
-    figure.legend([handles[label] for label in shown], shown, frameon=False, fontsize=9, ncols=4,
-                  loc="outside lower center")  # fmt: skip
-    return figure
+    place = {"frameon": False, "fontsize": 9, "ncols": 4, "loc": "outside lower center"}
+    axes[0].figure.legend([handles[label] for label in shown], shown, **place)
 
 
 def _panel(ax, scene: str) -> None:
@@ -205,6 +173,5 @@ def _panel(ax, scene: str) -> None:
         ax.annotate(" … ".join(ends), (max(x), max(y)), (0, 8), textcoords="offset points", fontsize=8.5,
                     ha=side, color=colour)  # fmt: skip
     ax.axhline(least, color="grey", lw=0.8, ls=":")
-    ax.set_title(SCENES[scene].title, fontsize=10)
-    ax.spines[["top", "right"]].set_visible(False)
+    ax.set_title(scenes()[scene].title, fontsize=10)
     ax.loglog()

@@ -19,7 +19,7 @@ from validation.figures import panels
 from validation.methods.contact_equations import coupled, influence
 from validation.paper.pictures import INKS
 from validation.paper.surfaces import LOADS, RADIUS, surfaces
-from validation.sources import closed_form, known_input, second_method
+from validation.sources import closed_form, second_method
 
 # The tests of this claim carry the mark "slow".
 SLOW = True
@@ -36,7 +36,6 @@ WIDE, CELLS = 90.0, {"cell": 0.4, "edge_cell": 0.05}
 # solvers and the quadrature of the layer's influence, relative.
 LAYER, INFLUENCE, SOLVERS = 1e-5, 5e-5, 1e-7
 
-BETTI = known_input("identity: displacement at i by a load on j is that at j by a load on i (Betti)")
 MESHES = second_method(mf.fe.Block3D, "the same with cells that are 1.6 times as large")
 HANKEL = closed_form(reference.layer_influence, "Hankel integral of the bonded layer")
 NEWTON = second_method(coupled, "point loads with numpy, pedestals on the diagonal of the influence")
@@ -91,7 +90,6 @@ def _influence() -> list[Row]:
     return [
         below(name.format(WIDE, "error of the influence"), error, LAYER, HANKEL),
         below(name.format(20, "change with the mesh"), block.error_estimate, INFLUENCE, MESHES),
-        below(name.format(20, "asymmetry of the influence"), block.asymmetry, 1e-9, BETTI),
     ]
 
 

@@ -1,4 +1,4 @@
-"""Elastic contacts of a surface by plain numpy: independent ones, and ones that interact as point loads."""
+"""Elastic contacts of a surface that interact as point loads, by plain numpy."""
 
 from __future__ import annotations
 
@@ -15,21 +15,10 @@ STEPS, LEAST, SMALL = 200, 1e-6, 1e-13
 
 
 class Contacts(NamedTuple):
-    """Indentations (n,) [mm], negative for open asperities, separation [mm], and area A0 [mm²]."""
+    """Separation [mm] and area A0 [mm²]."""
 
-    indentation: FloatArray
     separation: float
     area: float
-
-
-def independent(height: FloatArray, radius: float, load: float) -> Contacts:
-    """Return the contacts of independent paraboloids."""
-    return _contacts(Caps(radius), height, float(height.max()) - approach_at(Caps(radius), height, load))
-
-
-def _contacts(caps: Caps, height: FloatArray, separation: float) -> Contacts:
-    area = np.pi * (caps.pressed(height - separation)[0] ** 2).sum()
-    return Contacts(height - separation, separation, float(area))
 
 
 def coupled(height: FloatArray, caps: Caps | float, influence: FloatArray, load: float) -> Contacts:
@@ -62,7 +51,7 @@ def coupled(height: FloatArray, caps: Caps | float, influence: FloatArray, load:
         break
     if np.abs(residual).max() > SMALL * max(load, float(np.ptp(height)), float(np.abs(unknown).max())):
         raise ArithmeticError(f"Newton's method ends with a residual of {np.abs(residual).max():.2g}")
-    return Contacts(unknown[:n], float(unknown[n]), float(np.pi * (a**2).sum()))
+    return Contacts(float(unknown[n]), float(np.pi * (a**2).sum()))
 
 
 def influence(surface: Any, substrate: str) -> FloatArray:

@@ -30,13 +30,6 @@ def adhesive(adhesion_energy: float, modulus: float, radius: float, largest: flo
     return Table(indentation, np.pi * a**2, load)
 
 
-def sphere(radius: float, largest: float) -> Table:
-    """Table of Sneddon's spherical punch, to a largest contact radius [mm] below the radius."""
-    a = np.linspace(0.0, largest, POINTS)
-    half = np.arctanh(a / radius)
-    return Table(a * half, np.pi * a**2, (a**2 + radius**2) * half - a * radius)
-
-
 def areas(table: Table, height: ArrayLike, load: ArrayLike) -> FloatArray:
     """Areas A0 (k,) [mm²] at which a rising plane first carries loads (k,) [mm²] on heights (n,) [mm].
 

@@ -16,7 +16,7 @@ import metafem as mf
 from metafem.drawing import circles, law, name_law
 from validation.check import Claim, Picture, Row, below, near, reported
 from validation.figures import panels
-from validation.methods.contact_equations import independent
+from validation.methods.independent import approaches, areas
 from validation.paper.pictures import LEVELS
 from validation.paper.surfaces import RADIUS, fig3
 from validation.published import paper
@@ -25,18 +25,13 @@ from validation.sources import known_input, printed, second_method
 # Loads P/E* [mm²] up to which the figure is drawn; the last operating point is at 0.649.
 LAST = 0.75
 
-# Area and load of solver and bisection agree to rounding in sums over 58 asperities, heights to this [µm].
+# Area and load of both solvers agree to rounding in sums over 58 asperities, heights to this [µm].
 ROUNDING, METHODS = 1e-10, 1e-6
-
-# Distance of the plane from a level, over the indentation of the asperities above, at which slopes are
-# evaluated; the new contacts change the slope by its square root, times the kink: below 1e-3 of it.
-NEAR = 1e-9
 
 SKETCH = known_input("N = n1 + n2 + n3 + 3 of the Fig. S1 caption, with the printed n1 to n3")
 ALL = known_input("all asperities of a level above the plane: n_i + 1, with the printed n_i")
 SAME = known_input("identity: up to the operating point the lower levels are open")
-KINK = known_input("identity dA0/dP = (π√R/2) n/Σ√d: n grows by the new contacts at the same Σ√d")
-SUMS = second_method(independent, "bisection of the sums of eq. S1 with numpy")
+SUMS = second_method(areas, "sums of eq. S1 and Newton's method for the approach, with numpy")
 CALIBRATED = printed("SM, calibration of individual microcontacts, largest calibrated radius")
 METHOD = "independent Hertz contacts, mf.equilibrium"
 
@@ -89,26 +84,12 @@ def _continuations() -> Iterator[Row]:
         whole, alone = (mf.friction_law(each, load=shared).area for each in (found.surface, part))
         worst = np.abs(alone / whole - 1.0).max()
         yield below(f"{name}, up to {point}: largest difference of A0 from the law", worst, 1e-12, SAME)
-        plane = independent(part.height, RADIUS, load).separation
+        plane = float(part.height.max() - approaches(part.height, [load], RADIUS)[0])
         apart = 1e3 * (found.surface.height[found.number == i].max() - plane)
         yield near(f"h_{i + 1} and the plane at {point}: difference [µm]", apart, 0.0, METHODS, SUMS)
-        new = np.count_nonzero(found.number == i) - 1  # all but the adjustment asperity, which is lower
-        kink, slopes = (part.count + new) / part.count, [_slope_beside(plane, side) for side in (-1.0, 1.0)]
-        where = f"kink of the law at {point}: slope after over slope before"
-        yield near(where, slopes[1] / slopes[0], kink, 1e-3 * kink, KINK)
-        area, exact = (
-            mf.equilibrium(part, load=modulus * last).area,
-            independent(part.height, RADIUS, last).area,
-        )
+        area = mf.equilibrium(part, load=modulus * last).area
+        exact = float(areas(part.height, [last], RADIUS)[0])
         yield near(f"{name} at P/E* = {last} [mm²]: F/σB [mm²]", area, exact, ROUNDING * exact, SUMS)
-
-
-def _slope_beside(plane: float, side: float) -> float:
-    """Return dA0/d(P/E*) of the whole surface just before (-1) or after (1) a separation."""
-    whole = levels().surface
-    step = NEAR * (whole.height.max() - plane)
-    first, second = (mf.equilibrium(whole, separation=plane - side * factor * step) for factor in (1.0, 2.0))
-    return whole.material.composite_modulus * (second.area - first.area) / (second.load - first.load)
 
 
 def _contacts() -> Iterator[Row]:
@@ -122,7 +103,7 @@ def _contacts() -> Iterator[Row]:
         radius = 1e3 * float(np.sqrt(state.asperity_area[on].max() / np.pi))
         yield reported(f"{name}: contact radius [µm]", radius, METHOD)
     rescaled = state.load / found.surface.material.composite_modulus
-    area = independent(found.surface.height, RADIUS, rescaled).area
+    area = float(areas(found.surface.height, [rescaled], RADIUS)[0])
     yield near(f"A0 at {load} [mm²]", state.area, area, ROUNDING * area, SUMS)
     largest = 1e3 * float(np.sqrt(state.asperity_area.max() / np.pi))
     limit = paper()["sample"]["max_contact_radius_um"]

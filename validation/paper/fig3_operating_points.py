@@ -25,7 +25,6 @@ METHODS = 1e-6
 ROUNDING = LOAD_DIGIT * np.linspace(-1.0, 1.0, 41)
 
 SCHEME = "SM, inversion scheme for operating points"
-NEAREST = printed(f"{SCHEME}, at a load that rounds to the printed one")
 SOLVED = second_method(levels, "eq. S1 for the printed points, by Brent's method")
 AGAIN = known_input("the printed heights, from whose law these points follow")
 
@@ -117,19 +116,15 @@ def points(surface: mf.Surface) -> list[mf.ContactState]:
 def points_of_printed_heights() -> Iterator[Check]:
     """Check that the law of the printed heights passes through the printed points where it has to."""
     numbers, surface = paper()["fig3"], printed_surface()
-    found, last = points(surface), len(numbers["counts"])
-    for i, state in enumerate(found):
-        which = f"operating point {i + 1} of the printed heights"
-        name = f"Fig. 3, {{}} of operating point {i + 1}"
-        load = state.load / surface.material.composite_modulus
-        if i + 1 < last:  # the load of the last point is chosen
-            source = printed(SCHEME, name.format("P/E*"))
-            yield near(f"{which}: P/E* [mm²]", load, numbers["load_mm2"][i], LOAD_DIGIT, source)
-        # the area of the last point is that nearest to the printed one, which does not reproduce a number
-        source = printed(SCHEME, name.format("F/(σB)")) if i + 1 < last else NEAREST
-        at = "" if i + 1 < last else " at the load nearest to the point"
-        value = numbers["friction_mm2"][i]
-        yield near(f"{which}: F/(σB){at} [mm²]", state.area, value, FRICTION_DIGIT, source)
+    # the load of the last point is chosen
+    for i, state in enumerate(points(surface)[:-1]):
+        name, load = f"operating point {i + 1}", state.load / surface.material.composite_modulus
+        for symbol, value, exact, digit in (
+            ("P/E*", load, numbers["load_mm2"][i], LOAD_DIGIT),
+            ("F/(σB)", state.area, numbers["friction_mm2"][i], FRICTION_DIGIT),
+        ):
+            source = printed(SCHEME, f"Fig. 3, {symbol} of {name}")
+            yield near(f"{name} of the printed heights: {symbol} [mm²]", value, exact, digit, source)
 
 
 def _designed_again() -> Iterator[Check]:

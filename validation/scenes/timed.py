@@ -116,6 +116,6 @@ def layer(side: float) -> float:
 
 
 if __name__ == "__main__":
-    for line in sys.stdin:
-        name, *numbers = line.split()
-        print(globals()[name](*map(float, numbers)), flush=True)
+    for work in sys.argv[1:]:
+        name, *numbers = work.split()
+        print(globals()[name](*map(float, numbers)))

@@ -12,16 +12,14 @@ from typing import Any
 
 import numpy as np
 
+from metafem._kernels.newton import TOLERANCE
 from metafem._validate import FloatArray
 from metafem.contact import JKR
-from metafem.models.adhesion.contacts import TOLERANCE, Scene, States
+from metafem.models.adhesion.contacts import Scene, States
 
-# Number of contacts in a table, which has relative errors below 1e-4; each of the last steps of Newton's
-# method doubles the number of correct digits.
-TABULATED, TABLE_ERROR, LAST_STEPS = 400, 1e-4, 3
-
-# Largest number of steps with the tables: far above the load, each divides the approach by three.
-MOST_STEPS = 60
+# Number of contacts in a table, and largest number of steps of Newton's method: far above the load, each step
+# with the tables divides the approach by three.
+TABULATED, MOST_STEPS = 400, 60
 
 
 def loaded_apart(scene: Scene, load: FloatArray) -> States | None:
@@ -39,15 +37,17 @@ def loaded_apart(scene: Scene, load: FloatArray) -> States | None:
         a, carried, rate = contacts(x, now)
         step = (load - carried.sum(axis=1)) / rate.sum(axis=1)
         x = x + step
-        if (np.abs(step) <= TABLE_ERROR * x).all():
+        if (TABULATED * np.abs(step) <= x).all():  # the next one would be below the error of the tables
             break
-    for _ in range(LAST_STEPS):
+    for _ in range(MOST_STEPS):
         a = np.maximum(a, scene.entry_radius)
         at = scene.fields(a, now)
         missing = x[:, None] - gap - (at.depth - at.deficit)
         rate = at.rise / at.slope
         step = (load - (at.load + rate * missing).sum(axis=1)) / rate.sum(axis=1)
         a, x = a + (missing + step[:, None]) / at.slope, x + step
+        if (np.abs(step) <= TOLERANCE * x).all():
+            break
     found = States(scene, now, np.where(now, a, 0.0), x, scene.at_load(load))
     return found if (found.residual <= TOLERANCE).all() and (x <= high * (1.0 + TOLERANCE)).all() else None
 

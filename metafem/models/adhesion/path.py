@@ -18,10 +18,11 @@ from functools import cached_property
 import numpy as np
 from scipy.optimize import elementwise
 
+from metafem._kernels.newton import TOLERANCE
 from metafem._validate import FloatArray, IntArray
 from metafem.errors import InvalidInput, NotConverged
 from metafem.models.adhesion.apart import loaded_apart
-from metafem.models.adhesion.contacts import TOLERANCE, BoolArray, Scene, States, joined
+from metafem.models.adhesion.contacts import BoolArray, Scene, States, joined
 from metafem.models.adhesion.walk import CLOSED, LOCATED, MOST_TRIALS, NODES, walk
 
 

@@ -5,7 +5,6 @@ from itertools import product
 
 import mpmath
 import numpy as np
-import pytest
 from numpy.testing import assert_allclose
 
 import metafem as mf
@@ -75,24 +74,11 @@ def test_a_power_of_two_is_the_paraboloid():
     assert_allclose(power.area(a), hertz.area(a), rtol=1e-15)
 
 
-def test_the_profile_is_that_of_the_law():
-    """Its slope gives the indentation by D(a) = a int_0^a f'/sqrt(a^2 - rho^2) drho."""
-    for cap in (
-        mf.Elastic(mf.Power(1.5, 0.5)),
-        mf.Elastic(mf.Power(4, 0.5)),
-        mf.Elastic(mf.Sphere()),
-        mf.Hertz(),
-    ):
-        a, step = 0.3, 1e-5
-        nodes, weights = np.polynomial.legendre.leggauss(40)
-        angle = 0.25 * np.pi * (nodes + 1.0)
-        rho = a * np.sin(angle)
-        slope = (cap.depth_at(rho + step, RADIUS) - cap.depth_at(rho - step, RADIUS)) / (2.0 * step)
-        assert a * 0.25 * np.pi * (weights @ slope) == pytest.approx(cap.indentation(a, RADIUS), rel=1e-4)
+def test_the_profile_scales_with_the_radius():
+    for cap in (*CAPS, mf.Hertz()):
         assert cap.depth_at(0.0, RADIUS) == 0.0
-        assert_allclose(
-            cap.depth_at(np.array([0.1, 0.2]), np.array([0.5, 1.0])) * [2.0, 1.0], cap.depth_at(0.2, 1.0)
-        )
+        depth = cap.depth_at(np.array([0.1, 0.2]), np.array([0.5, 1.0]))
+        assert_allclose(depth * [2.0, 1.0], cap.depth_at(0.2, 1.0))
 
 
 def test_a_sphere_is_continued_by_its_tangent():

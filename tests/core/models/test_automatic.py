@@ -199,17 +199,3 @@ def test_the_choice_is_made_at_each_load_of_a_curve():
     assert law.model_error == max(state.model_error for state in states) <= 1e-3
     assert "at 1 of 3 loads, 0.0253 N: resolved contacts" in said(law)
     assert "at 2 of 3 loads, 0.004 to 1.07 N: order 3" in said(law)
-
-
-def test_the_stiffness_is_the_tangent_of_its_own_curve():
-    height = np.sort(np.random.default_rng(0).exponential(0.03, 64) + 0.08)
-    x, y = np.divmod(np.arange(64), 8) - 3.5 * np.ones((2, 1))
-    place = np.empty(64, int)
-    place[np.argsort(-np.hypot(x, y), kind="stable")] = np.arange(64)
-    surface = mf.Surface.square_lattice(height[place], pitch=1.5, radius=0.526, material=mf.Material(1.36))
-    state, *around = (
-        mf.equilibrium(surface, mf.Automatic(0.05), load=0.2 * s) for s in (1.0, 0.9999, 1.0001)
-    )
-    assert "independent" in state.notes[0].text
-    rise = around[1].approach - around[0].approach
-    assert state.stiffness == pytest.approx((around[1].load - around[0].load) / rise, rel=1e-4)

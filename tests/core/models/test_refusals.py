@@ -33,13 +33,6 @@ class Known(mf.Hertz):
     largest_order = 1
 
 
-class Plain(mf.Independent):
-    """A model that does not know the friction of each asperity."""
-
-    def curve(self, surface, load=None, *, approach=None, unloading=False):
-        return super().curve(surface.replaced(friction=None), load, approach=approach)
-
-
 def state(surface=SOME, model=None, **given):
     return partial(mf.equilibrium, surface, model or mf.Independent(), **given)
 

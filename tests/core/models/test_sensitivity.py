@@ -25,6 +25,9 @@ MODELS = [
 ]
 
 
+PEDESTALS = [mf.Interacting(order, mf.BondedLayer(), pedestal=True) for order in (1, 3)]
+
+
 def scene(cap, count=9, pitch=1.5, **given):
     rng = np.random.default_rng(4)
     caps = [cap[i % len(cap)] for i in range(count)] if isinstance(cap, tuple) else cap
@@ -79,8 +82,7 @@ def test_every_model_has_the_derivatives_of_its_law():
 
 
 def test_pedestals_change_with_the_height():
-    model = mf.Interacting(3, mf.BondedLayer(), mf.Hertz(), pedestal=True)
-    assert_derivatives(scene(mf.Sphere()), model, some=(0, 4))
+    assert_derivatives(scene(mf.Sphere()), PEDESTALS[1], some=(0, 4))
 
 
 def test_adhesive_contacts_have_the_derivatives_of_their_law():
@@ -102,3 +104,22 @@ def test_fast_sums_have_the_derivatives_of_dense_matrices(monkeypatch):
     found = model.sensitivity(surface, LOADS[1:])
     assert "fast sums" in said(found.curve.last) or "lattice" in said(found.curve.last)
     np.testing.assert_allclose(found.gradient, dense, rtol=0.0, atol=1e-7 * np.abs(dense).max())
+
+
+def test_raising_all_heights_changes_nothing():
+    surface = mf.Surface.square_lattice(
+        np.random.default_rng(0).exponential(0.03, 36), (6, 6), radius=0.526, material=mf.Material(1.0)
+    )
+    for model in (mf.Independent(), mf.Interacting(order=1), mf.Interacting(order=3)):
+        gradient = model.sensitivity(surface, np.array([0.01, 0.1])).gradient
+        np.testing.assert_allclose(gradient.sum(axis=1), 0.0, atol=1e-12 * np.abs(gradient).max())
+
+
+def test_heights_can_stand_in_place_of_those_of_the_surface():
+    for model in (mf.Independent(), mf.Interacting(), *PEDESTALS):
+        load, surface = np.array([0.02, 0.08]), scene(mf.Sphere())
+        given = model.sensitivity(surface.replaced(height=np.full(9, 0.1)), load, surface.height)
+        own = model.sensitivity(surface, load)
+        np.testing.assert_array_equal(given.curve.area, own.curve.area)
+        np.testing.assert_array_equal(given.gradient, own.gradient)
+        np.testing.assert_array_equal(given.indentation, own.indentation)

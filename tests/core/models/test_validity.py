@@ -73,29 +73,6 @@ def test_the_error_of_order_3_on_a_thin_layer():
         assert error < truncation(surface, third.asperity_area, mf.BondedLayer()) < 3.0 * error
 
 
-def test_wide_contacts_on_a_layer_are_noted():
-    """Order 3 is 0.87 % off at a/t = 0.42."""
-    layer = mf.Interacting(substrate=mf.BondedLayer())
-    surface = mf.Surface([[0, 0]], [0.3], 0.4, mf.Material(1.0, 0.5), block=mf.Block(50.0, 50.0, 0.365))
-    (note,) = mf.equilibrium(surface, layer, load=0.013).notes
-    assert 0.0087 <= float(note.text.split("may be ")[1].split()[0]) / 100 < 1.6 * 0.0087
-    assert not mf.equilibrium(surface, layer, load=0.004).notes
-
-
-def test_estimates_are_within_a_factor_of_two_of_resolved_contacts():
-    for pitch, thickness, share in ((0.3, 7.2, 0.3), (0.45, 0.6, 0.6)):
-        surface = rough(pitch, thickness, side=3, rng=1)
-        load = mf.equilibrium(surface, approach=(share * pitch) ** 2 / 0.526).load
-        alone = mf.equilibrium(surface, load=load)
-        cell = float(np.sqrt(alone.asperity_area.max() / np.pi)) / 12.0
-        resolved, third = (
-            mf.equilibrium(surface, model, load=load).area / alone.area - 1.0
-            for model in (mf.BoundaryElements(cell, mf.BondedLayer()), LAYER)
-        )
-        assert abs(resolved) > 0.01
-        assert 0.5 < third / resolved < 2.0
-
-
 def test_both_paths_agree_on_base_contact():
     """A thin block with its layer at 3.5 N."""
     surface, load = rough(thickness=1.0), 3.5

@@ -48,12 +48,6 @@ def test_hankel_integral_against_adaptive_quadrature():
         assert exact.layer_regular(r, 1.0, 0.3) == pytest.approx(value / math.pi, abs=1e-11)
 
 
-# Printed to three decimals: half of the last digit.
-def test_self_term():
-    for poisson_ratio, self_term in [(0.5, 1.770), (0.45, 1.625), (0.3, 1.377)]:
-        assert -math.pi * exact.layer_regular(0.0, 1.0, poisson_ratio) == pytest.approx(self_term, abs=5e-4)
-
-
 def test_laplacian_is_the_influences():
     r, h = 1.1, 1e-3
     lower, middle, upper = exact.layer_regular([r - h, r, r + h], 1.0, 0.5)

@@ -21,23 +21,6 @@ def points(cell):
     return cell.width * x, cell.length * y
 
 
-def by_images(layer, cell, x, y):
-    """The sums over all periods within 45 t, where G is below 1e-13; the regular terms for r = 0."""
-    last = 45.0 * layer.thickness
-    i, j = (np.arange(-int(last / s) - 2, int(last / s) + 3) * s for s in (cell.width, cell.length))
-    dx, dy = (part.ravel() for part in np.meshgrid(x - i, y - j))
-    r = np.hypot(dx, dy)
-    other = (r > 0.0) & (r < last)
-    value, first, second = layer.influence(r[other], derivatives=True)
-    own = not (r > 0.0).all()
-    return (
-        value.sum() + own * layer.self_influence,
-        (first * dx[other] / r[other]).sum(),
-        (first * dy[other] / r[other]).sum(),
-        (second + first / r[other]).sum() + own * 2.0 * layer.self_curvature,
-    )
-
-
 def test_does_not_depend_on_the_splitting():
     for substrate, cell in product((mf.HalfSpace(), *LAYERS[:2]), CELLS):
         x, y = points(cell)
@@ -45,16 +28,6 @@ def test_does_not_depend_on_the_splitting():
         other = lattice_sum(cell, x, y, substrate.transform, substrate.last_wavenumber, splitting=1.6)
         for part, same in zip(given, other, strict=True):
             assert part == pytest.approx(same, rel=ROUNDING, abs=ROUNDING * np.abs(part).max())
-
-
-def test_layer_equals_the_sum_over_images():
-    for layer in LAYERS[:2]:
-        cell = CELLS[1]
-        x, y = points(cell)
-        found = np.array(layer.periodic(cell, x, y))
-        expected = np.array([by_images(layer, cell, *at) for at in zip(x, y, strict=True)]).T
-        # the tail beyond 45 t and the error of the layer's table, 1e-12 of 1/(pi r)
-        assert found == pytest.approx(expected, rel=1e-10, abs=1e-10)
 
 
 def test_half_space_has_no_mean_and_the_limit_of_a_thick_layer():

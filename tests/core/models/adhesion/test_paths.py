@@ -158,34 +158,6 @@ def test_a_curve_and_its_sensitivity_agree(first):
     assert_allclose(model.curve(surface, load[3:4]).area, model.curve(surface, load).area[3], rtol=1e-11)
 
 
-@pytest.mark.parametrize("model", [mf.Independent, mf.Interacting], ids=lambda model: model.__name__)
-def test_no_unit_matters(model):
-    """Lengths times 1e±3, moduli times 1e±6, and w with their product: the same numbers, scaled."""
-
-    def curves(length, modulus):
-        law = mf.JKR(2e-5 * length * modulus)
-        chosen = mf.Independent(law) if model is mf.Independent else mf.Interacting(1, contact=law)
-        first = uneven()
-        surface = mf.Surface(
-            length * first.position, length * first.height, length * first.radius, mf.Material(1.36 * modulus)
-        )
-        for back in (False, True):
-            load = length**2 * np.linspace(-2e-5 if back else 0.0, 0.05, 8)
-            curve = chosen.curve(surface, load, unloading=back)
-            assert curve.converged
-            yield curve.area / length**2, curve.approach / length, curve.stiffness / length
-            deep = length * np.linspace(-0.003 if back else 1e-4, 0.04, 6)
-            curve = chosen.curve(surface, approach=deep, unloading=back)
-            assert curve.converged
-            yield curve.area / length**2, curve.load / length**2, curve.stiffness / length
-
-    expected = list(curves(1.0, 1.0))
-    for length, modulus in ((1e-3, 1e6), (1e3, 1e-6)):
-        for found, one in zip(curves(length, modulus), expected, strict=True):
-            for ours, theirs in zip(found, one, strict=True):
-                assert_allclose(ours, theirs, rtol=1e-9, atol=1e-12 * np.abs(theirs).max())
-
-
 def test_an_approach_is_kept_while_the_contacts_pull():
     """Just after the first contact, in tension, the plane is held where it was asked to be."""
     surface, approach = uneven(), np.array([1e-9, 1e-4, 3e-4])

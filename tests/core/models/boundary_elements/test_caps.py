@@ -8,7 +8,6 @@ import pytest
 import metafem as mf
 from metafem.caps.shapes import sphere_profile
 from metafem.models.boundary_elements.cells import Summits
-from tests.models.interacting.dense_twin import Twin
 from tests.models.scenes import Read, lattice, scene, single_contact
 from validation.methods.bent import Bent
 
@@ -47,12 +46,11 @@ def test_coupled_contacts_are_those_of_order_3():
         (mf.Elastic(mf.Power(4)), lattice(0.5 * np.ones(9))),
         (mf.Elastic(mf.Sphere()), scene()),
     ):
-        twin, approach = Twin(surface, law), float(law.indentation(0.18, RADIUS))
-        load = twin.solve(approach=approach)[1].sum()
-        state = mf.equilibrium(surface, mf.BoundaryElements(0.01, contact=law), approach=approach)
+        third, given = mf.Interacting(contact=law), {"approach": float(law.indentation(0.18, RADIUS))}
+        state = mf.equilibrium(surface, mf.BoundaryElements(0.01, contact=law), **given)
         # what is required up to a/L = 0.2
-        assert state.load / 1.36 == pytest.approx(load, rel=3e-4)
-        area = twin.solve(load=state.load / 1.36)[2].sum()
+        assert state.load == pytest.approx(mf.equilibrium(surface, third, **given).load, rel=3e-4)
+        area = mf.equilibrium(surface, third, load=state.load).area
         assert state.area == pytest.approx(area, rel=1e-3)
         assert not any("not that of" in note.text for note in state.notes)
 

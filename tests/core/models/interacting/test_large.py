@@ -5,12 +5,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 import metafem as mf
-from metafem._kernels import equations as kernel
-from metafem.models.contact_tables import tables
 from metafem.models.interacting import elastic as interacting
 from metafem.models.interacting import newton_krylov
-from metafem.models.interacting.influence import coupling_between
-from metafem.models.interacting.newton_krylov import ContactEquations
 from metafem.models.interacting.scattered import ScatteredSums
 from metafem.models.interacting.sums import Coarse, Sums, find_lattice
 from tests.models.scenes import PEDESTAL, lattice, scene
@@ -176,19 +172,6 @@ def test_an_ill_posed_large_scene_raises():
         mf.equilibrium(surface, mf.Interacting(order=1, substrate=mf.BondedLayer()), approach=0.3)
 
 
-def test_coarse_model_has_the_long_waves_of_the_displacement():
-    for places in (lattice, lambda height: loose(height.size)):
-        surface = places(rough(400))
-        coarse = Coarse(surface.position, mf.HalfSpace())
-        across = np.ptp(surface.position[:, 0])
-        load = 1.0 + 0.5 * np.cos(2.0 * np.pi * surface.position[:, 0] / across)
-        assert (coarse.sharing @ load).sum() == pytest.approx(load.sum(), rel=1e-12)
-        exact = mf.HalfSpace().influence_matrix(surface) @ load
-        smooth = coarse.hats @ (coarse.influence @ (coarse.sharing @ load))
-        # seven nodes per side: only the mean matters for a preconditioner
-        assert np.abs(smooth - exact).mean() < 0.15 * np.ptp(exact)
-
-
 @pytest.mark.parametrize("substrate", [mf.HalfSpace(), mf.BondedLayer(3.0, 0.5)], ids=repr)
 def test_coarse_preconditioner_is_symmetric_and_positive_definite(substrate):
     """A grid wider than the layer sees negative waves: they once gave an indefinite matrix."""
@@ -216,53 +199,3 @@ def test_results_of_too_few_steps_are_not_converged(monkeypatch):
         mf.equilibrium(surface, mf.Interacting(), load=0.5)
     with pytest.raises(mf.NotConverged):
         np.asarray(curve.gradient)
-
-
-class DenseSums:
-    """The sums of `ContactEquations` in dense matrices."""
-
-    def __init__(self, coupling):
-        self.coupling = coupling
-
-    def displacement(self, load, size=None, *moment):
-        sources = load if size is None else (load, size, *moment)
-        return np.einsum("kj,kji->i", np.atleast_2d(sources), self.coupling.fields)
-
-    def field(self, load):
-        return self.coupling.fields[1:] @ load  # the slope at i by the load of j is that at the source i
-
-
-@pytest.mark.parametrize("law", [mf.Hertz(), mf.Elastic(mf.Power(4)), mf.Elastic(mf.Sphere())], ids=repr)
-def test_the_equations_over_sums_are_those_of_the_kernel(law):
-    """Response and derivatives, to rounding, with open and closed asperities."""
-    for order in (1, 3):
-        surface, z = scene(), np.array([0.02, 0.03, -0.01, 0.025, 0.03, 0.015])
-        field, self_term = coupling_between(surface, mf.BondedLayer().for_surface(surface), order)
-        table, state = tables(law, surface.radius), kernel.State(6)
-        state.z[:] = z
-        count = kernel.respond(field, order, table, self_term, state.block, state.closed)
-        residual, load = kernel.measure(surface.gap, 0.06, 0.1, state.block, count)
-        equations = ContactEquations(DenseSums(field), order, table, self_term, surface.gap, None)
-        found = equations.respond(z, 0.06, 0.1)
-        names = (
-            "load",
-            "indentation",
-            "displacement",
-            "bend",
-            "square",
-            *(("moment",) if order == 3 else ()),
-        )
-        for name in names:
-            assert_allclose(getattr(found.state, name), getattr(state, name), rtol=1e-13, atol=1e-16)
-        assert found.state.load.sum() == pytest.approx(load, rel=1e-14)
-        assert found.residual == pytest.approx(residual, rel=1e-13)
-        closed, change = state.closed[:count], np.zeros(6)
-        change[closed] = np.random.default_rng(0).random(count)
-        image = equations.jacobian(found, change, exact=True)
-        product = np.zeros(6)
-        form = kernel.linearise(field, order, self_term, state.block, state.closed, count, change, product)
-        if order == 3:
-            moments = state.size, state.turn_x, state.turn_y
-            kernel.add_moments(field.source, state.closed, count, *moments, product)
-        assert_allclose(image[closed], product[closed], rtol=1e-12)
-        assert form == pytest.approx(change @ image, rel=1e-12)

@@ -63,17 +63,6 @@ def test_batch_agrees_with_single_laws():
         assert approach.shape == stiffness.shape == (5, 3)
 
 
-def test_batch_of_adhesive_contacts_agrees_with_single_laws():
-    model, surface = mf.Interacting(1, contact=mf.JKR(9e-6)), lattice(0.12 - 0.004 * np.arange(9))
-    heights, load = np.stack([surface.height, surface.height[::-1]]), np.array([0.2, 0.05])
-    _, carried, area, stiffness = model.curves(surface, heights, load)
-    assert_allclose(carried, np.broadcast_to(load, carried.shape), rtol=1e-9)
-    for height, areas, slopes in zip(heights, area, stiffness, strict=True):
-        curve = model.curve(surface.replaced(height=height), load[::-1])
-        assert_allclose(areas, curve.area[::-1], rtol=1e-9)
-        assert_allclose(slopes, curve.stiffness[::-1], rtol=1e-9)
-
-
 def test_an_ill_posed_scene_raises_with_its_state():
     """At order 1 the layer's self term wins over Hertz's compliance above a = 0.89 t."""
     surface = scene(PLACE[:1], [0.5], 1.0, thickness=0.3)
@@ -130,15 +119,3 @@ def test_the_last_state_of_a_curve_is_held_to_the_tolerance_of_a_state():
     assert loose.solved.tolist() == [True, True, False]
     whole = Curve.joined([loose, loose.part(np.arange(2), loose.compute_last)])
     assert whole.solved.tolist() == [True, True, False, True, True]
-
-
-def test_newton_takes_few_steps():
-    """As many as stated: 2 to 8 from independent asperities, and about 2 along a curve."""
-    for order in (1, 3):
-        surface, load = lattice(0.12 - 0.002 * np.arange(16)), np.linspace(0.01, 0.1, 10)
-        bound = mf.Interacting(order).bound(surface)
-        solution = bound._solve(surface.height[None], np.append(0.0, load), True)
-        steps = solution.results.steps[0]
-        assert steps[0] == 0
-        assert 2 <= steps[1] <= 8
-        assert steps[2:].mean() <= 3
