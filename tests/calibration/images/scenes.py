@@ -39,4 +39,4 @@ def images(**changes):
 def ground(centre, radius, bright_contacts=False, **changes):
     """Return the ground of a picture."""
     image = picture((240, 300), centre, radius, **{"noise": 0.02, **changes})
-    return without_illumination(image.astype(np.float32), bright_contacts)
+    return without_illumination(image.astype(float), bright_contacts)
