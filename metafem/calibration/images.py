@@ -90,9 +90,9 @@ UNKNOWN_BLUR = 0.5
 # darkest region, found after smoothing by WIDE pixels. This is so if contacts cover less than about 0.5 %.
 IN_NOISE, SHALLOW, WIDE = 2.0, 0.25, 2.0
 
-# Smallest contrast of the contacts over the noise and the structure of the smoothed image; smallest radius of a measured
-# contact, in standard deviations of the smoothed edge, below which the half level encloses less than three
-# quarters of it.
+# Smallest contrast of the contacts over the noise and the structure of the smoothed ground; smallest radius of
+# a measured contact, in standard deviations of the smoothed edge, below which the half level encloses less
+# than three quarters of it.
 CONTRAST, SMALLEST = 6.0, 2.0
 
 # Polygons from marching squares lie inside smooth contours, because the interpolation is linear and the sides
