@@ -90,8 +90,8 @@ UNKNOWN_BLUR = 0.5
 # darkest region, found after smoothing by WIDE pixels. This is so if contacts cover less than about 0.5 %.
 IN_NOISE, SHALLOW, WIDE = 2.0, 0.25, 2.0
 
-# Smallest contrast of the contacts over the noise and the structure of the smoothed ground; smallest radius of
-# a measured contact, in standard deviations of the smoothed edge, below which the half level encloses less
+# Smallest contrast of the contacts over the noise and the structure of the smoothed ground; smallest radius
+# of a measured contact, in standard deviations of the smoothed edge, below which the half level encloses less
 # than three quarters of it.
 CONTRAST, SMALLEST = 6.0, 2.0
 
@@ -110,8 +110,9 @@ COMPACT = 0.97
 # Pixels around a region in which its contours at other levels are sought.
 MARGIN = 4
 
-# What each contact has, in the order of the attributes of `ContactAreas`.
-CONTACT = np.dtype("f8, f8, 2f8, 2f8, f8, ?, ?")
+# Attributes of `ContactAreas` that have one value or point for each contact.
+NAMES = ["area", "area_error", "centre", "axes", "angle", "edge", "merged"]
+CONTACT = np.dtype({"names": NAMES, "formats": ["f8", "f8", "2f8", "2f8", "f8", "?", "?"]})
 
 # What is said of levels in doubt.
 DOUBT = (
@@ -392,10 +393,11 @@ def _measured(
             merged = not edge and not _single(region)
             rows.append((area * pixel**2, error * pixel**2, centre, axes, angle, edge, merged))
     found = np.array(rows, dtype=CONTACT)
+    each_of: dict[str, Any] = {name: found[name].copy() for name in NAMES}
     if values.dtype.kind in "ui" and ends.mean() > SATURATED:
         notes = [*notes, Note("saturated: grey levels are at an end of the scale; lower the exposure")]
     result = ContactAreas(
-        *(found[name].copy() for name in found.dtype.names),
+        **each_of,
         dark_level=levels.dark,
         blur=levels.blur * pixel,
         pixel_size=pixel,
@@ -413,47 +415,51 @@ def without_illumination(image: FloatArray, bright: bool) -> tuple[FloatArray, f
     deviation of the ground about 1, without noise. The ground is a polynomial of degree 2 in each coordinate,
     fitted to the interquartile means of blocks; clipping excludes the blocks that contain contacts.
     """
-    size = max(min(image.shape) // BLOCKS, LEAST_BLOCK)
+    sign, size = -1.0 if bright else 1.0, max(min(image.shape) // BLOCKS, LEAST_BLOCK)
     rows, columns = (length // size for length in image.shape)
-    # the median of whole grey levels would be a whole one
     parts = image[: rows * size, : columns * size].reshape(rows, size, columns, size).swapaxes(1, 2)
-    blocks = trim_mean(parts.reshape(rows, columns, -1), 0.25, axis=2)
-    place = [
-        2.0 * size * (np.arange(number) + 0.5) / length - 1.0
-        for number, length in zip((rows, columns), image.shape, strict=True)
-    ]
-    terms = legendre.legvander2d(*np.meshgrid(*place, indexing="ij"), [DEGREE] * 2)
-    sign = -1.0 if bright else 1.0
-    coefficients, on_ground, scale = _fitted(terms, sign * blocks)
-    surface = sign * (terms @ coefficients)
-    residual = blocks - surface
-    every = [(2.0 * np.arange(length) + 1.0) / length - 1.0 for length in image.shape]
-    ground = sign * legendre.leggrid2d(*every, coefficients.reshape(DEGREE + 1, DEGREE + 1))
-    level, contrast = sign * float(coefficients[0]), float(np.abs(residual).max())
-    structure = _structure(np.where(on_ground, residual, np.nan), scale)
-    if float(ground.min()) > (FAINT * contrast if bright else FAINT**2 * level):
-        corrected, structure = image / ground, structure / level
-    else:
-        corrected, structure = 1.0 + (image - ground) / contrast, structure / contrast
-    return 2.0 - corrected if bright else corrected, level, structure
+    # the median of whole grey levels would be a whole one
+    blocks = sign * trim_mean(parts.reshape(rows, columns, -1), 0.25, axis=2)
+    y, x = (_along(length // size, size, length) for length in image.shape)
+    terms = legendre.legvander2d(*np.meshgrid(y, x, indexing="ij"), deg=[DEGREE, DEGREE])
+    coefficients, contrast, structure = _fitted(terms, blocks)
+    y, x = (_along(length, 1, length) for length in image.shape)
+    light = sign * legendre.leggrid2d(y, x, coefficients)
+    level = float(light.mean())
+    divided = float(light.min()) > (FAINT * contrast if bright else FAINT**2 * level)
+    scale = light if divided else contrast
+    return 1.0 + sign * (image - light) / scale, level, structure / (level if divided else contrast)
 
 
-def _fitted(terms: FloatArray, blocks: FloatArray) -> tuple[FloatArray, NDArray[np.bool_], float]:
-    """Return the coefficients of the ground, a mask of the fitted blocks, and their standard deviation.
+def _along(count: int, size: int, length: int) -> FloatArray:
+    """Return the centres of blocks along an axis, -1 to 1 from one edge of the image to the other."""
+    return 2.0 * size * (np.arange(count) + 0.5) / length - 1.0
+
+
+def _fitted(terms: NDArray[Any], blocks: FloatArray) -> tuple[FloatArray, float, float]:
+    """Return the coefficients of the ground, the largest distance of a block from it, and the standard
+    deviation of its blocks without their noise.
 
     Contacts lie below the surface. The first surface is fitted to the blocks above that of all blocks.
     """
-    on_ground, least = np.ones(blocks.shape, dtype=bool), EXACT * float(np.ptp(blocks))
+    on_ground: NDArray[np.bool_] = np.ones(blocks.shape, dtype=bool)
+    least = EXACT * float(np.ptp(blocks))
     for number in range(ROUNDS):
         coefficients = np.linalg.lstsq(terms[on_ground], blocks[on_ground], rcond=None)[0]
         height = blocks - terms @ coefficients
         above = height[on_ground & (height > 0.0)]
-        scale = max(float(np.median(above)) / MAD if above.size else 0.0, least)
-        before, dark = on_ground, binary_dilation(height < -CLIPPED * scale, np.ones((3, 3)))
-        on_ground = ~dark & (height < 2.0 * CLIPPED * scale) if number else height > 0.0
+        sd = max(float(np.median(above)) / MAD if above.size else 0.0, least)
+        before, dark = on_ground, binary_dilation(height < -CLIPPED * sd, np.ones((3, 3)))
+        on_ground = ~dark & (height < 2.0 * CLIPPED * sd) if number else height > 0.0
         if np.array_equal(before, on_ground) or on_ground.sum() < 2 * terms.shape[2]:
             break
-    return coefficients, before, scale
+    # neighbouring blocks have independent noise, so that it cancels in their mean product
+    ground = np.where(before, height, np.nan)
+    products = ground[:, 1:] * ground[:, :-1]
+    products = products[np.isfinite(products)]
+    chance = 2.0 * sd**2 / math.sqrt(max(products.size, 1))
+    structure = math.sqrt(max(float(products.sum()) / max(products.size, 1) - chance, 0.0))
+    return np.reshape(coefficients, (DEGREE + 1, DEGREE + 1)), float(np.abs(height).max()), structure
 
 
 def otsu(values: NDArray[Any]) -> float:
@@ -461,18 +467,6 @@ def otsu(values: NDArray[Any]) -> float:
     from skimage.filters import threshold_otsu
 
     return float(threshold_otsu(values))  # type: ignore[no-untyped-call]
-
-
-def _structure(residual: FloatArray, scale: float) -> float:
-    """Return the standard deviation of residuals (nan in contacts) without the noise of single blocks.
-
-    Neighbouring blocks have independent noise, so the noise cancels in the mean product of their residuals.
-    The error of this mean is subtracted.
-    """
-    products = residual[:, 1:] * residual[:, :-1]
-    products = products[np.isfinite(products)]
-    chance = 2.0 * scale**2 / math.sqrt(max(products.size, 1))
-    return math.sqrt(max(float(products.sum()) / max(products.size, 1) - chance, 0.0))
 
 
 def smoothed_noise(smooth: FloatArray, labels: NDArray[np.int32], width: float) -> float:

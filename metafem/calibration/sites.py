@@ -369,12 +369,14 @@ def track_contacts(
     first: Any = areas[reference]
     if site_position is None:
         position = first.centre[first.complete | first.edge]
-        match, number, where, notes = None, None, position, []
+        match, number, where = None, None, position
     else:
         position = check.array("site_position", site_position, shape=(None, 2))
         number = np.arange(len(position)) if site_number is None else np.asarray(site_number)
-        match, notes = _reference(reference, first, position, viewed_from, rotation)
+        match = _reference(reference, first, position, viewed_from, rotation)
         where = match.to_image(position)
+    text = f"{reference}: the contacts match the sites equally well in several places; an image in which"
+    notes = [Note(f"{text} more contacts close can decide")] * bool(match and match.ambiguous)
     values = np.full((len(names), 4, len(where)), np.nan)
     for row, pair in zip(values, zip(names, forces["sheared_image"], strict=True), strict=True):
         before = complex_points(where)
@@ -394,15 +396,13 @@ def track_contacts(
 
 def _reference(
     name: str, areas: ContactAreas, position: FloatArray, viewed_from: str, rotation: float
-) -> tuple[SiteMatch, list[Note]]:
-    """Return the match of the reference image, and a note if it is ambiguous."""
+) -> SiteMatch:
+    """Return the match of the reference image, which an error names."""
     try:
         centre = areas.centre[areas.complete]
-        match = match_sites(centre, position, viewed_from=viewed_from, rotation=rotation)
+        return match_sites(centre, position, viewed_from=viewed_from, rotation=rotation)
     except InvalidInput as error:
         raise InvalidInput(f"{name}: {error}") from None
-    text = f"{name}: the contacts match the sites equally well in several places; an image in which"
-    return match, [Note(f"{text} more contacts close can decide")] * match.ambiguous
 
 
 def _followed(areas: ContactAreas, sites: Points, area: FloatArray, error: FloatArray) -> tuple[Points, int]:

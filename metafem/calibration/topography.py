@@ -131,7 +131,7 @@ def base(found: Map, free: Any = True) -> tuple[FloatArray, float, float]:
     known = np.isfinite(found.z) & free
     u, v = (axis[known] for axis in np.meshgrid(found.x, found.y))
     matrix, values = np.array([v**i * u**j for i, j in POWERS]).T, found.z[known]
-    inside, before = np.ones(len(values), dtype=bool), None
+    inside, before = np.ones(len(values), dtype=bool), np.zeros(0, dtype=bool)
     for _ in range(STEPS):
         few = f"the map holds no base plane: {inside.sum()} cells with heights between its summits lie on one"
         refuse_if(inside.sum() < BASE_CELLS, f"{few}; at least {BASE_CELLS} are needed")
