@@ -5,8 +5,8 @@ import pytest
 
 import metafem as mf
 from metafem.calibration import contact_areas, stack_areas
-from metafem.calibration.images import grey_values, without_illumination
-from tests.calibration.images.scenes import CENTRE, PIXEL, RADII, SHAPE, centres, ground, images, in_order
+from metafem.calibration.images import without_illumination
+from tests.calibration.images.scenes import CENTRE, PIXEL, RADII, SHAPE, centres, images, in_order
 from validation.scenes.pictures import BRIGHT, DARK, coverage, illumination, lattice, picture
 
 
@@ -154,26 +154,19 @@ def test_an_image_that_fails_is_named_and_the_others_are_measured():
 
 def test_gradient_vignetting_and_a_dark_field_are_removed():
     _, centre = lattice(4, 14.0, np.random.default_rng(0))
-    corrected, mean, _ = ground(centre, np.full(16, 14.0), gradient=(-0.8, 0.5), vignetting=0.2, noise=0.0)
-    level = 0.7 * illumination((240, 300), (-0.8, 0.5), 0.2)
+
+    def ground(bright, **changes):
+        image = picture((240, 300), centre, np.full(16, 14.0), **changes)
+        return without_illumination(image.astype(float), bright)[:2]
+
+    corrected, mean = ground(False, gradient=(-0.8, 0.5), vignetting=0.2)
     bare = picture((240, 300), centre, np.full(16, 14.0)) / 0.7
     assert corrected == pytest.approx(bare, abs=2e-3)
-    assert mean == pytest.approx(level.mean(), rel=0.01)
-    field, *_ = ground(centre, np.full(16, 14.0), bright_contacts=True, levels=(0.8, 0.01), noise=0.01)
+    assert mean == pytest.approx(0.7 * illumination((240, 300), (-0.8, 0.5), 0.2).mean(), rel=0.01)
+    field, _ = ground(True, levels=(0.8, 0.01), noise=0.01)
     assert np.median(field[-40:]) == pytest.approx(1.0, abs=1e-2)
-
-
-def test_the_ground_between_two_grey_levels_is_not_taken_for_one_of_them():
-    image = picture((200, 200), [(100.0, 100.0)], [20.0], noise=0.02, bits=8)  # at 178.5
-    corrected, *_ = without_illumination(image.astype(float), False)
-    assert corrected[:60].mean() == pytest.approx(1.0, abs=5e-4)
-
-
-def test_grey_values_of_any_type():
-    image = np.arange(400).reshape(20, 20)
-    masked = np.ma.masked_array(image, mask=False)
-    for given in (image.tolist(), image.astype(np.float32), masked):
-        assert np.array_equal(grey_values(given), image)
+    # the ground is at 178.5, and not at one of the two grey levels beside it
+    assert ground(False, noise=0.02, bits=8)[0][-12:].mean() == pytest.approx(1.0, abs=5e-4)
 
 
 def test_different_dark_levels_enter_the_errors():
@@ -221,16 +214,11 @@ def test_contacts_without_a_dark_middle_or_at_the_edge_alone_are_named():
 def test_images_are_read_one_by_one_and_progress_is_reported():
     read, steps = [], []
 
-    class Lazy:
-        def __len__(self):
-            return 4
-
-        def __getitem__(self, i):
-            read.append(i)
-            return images()[i]
+    def reader(i):
+        return lambda: read.append(i) or images()[i]
 
     with mf.progress.listening(lambda step, done: steps.append(step)):
-        stack_areas(Lazy(), PIXEL, loads=[0.1, 0.2, 0.4, 0.3])
+        stack_areas([reader(i) for i in range(4)], PIXEL, loads=[0.1, 0.2, 0.4, 0.3])
     assert read == [2, 3, 1, 0]
     assert steps == [f"measuring image {i} of 4" for i in (1, 2, 3, 4)]
 

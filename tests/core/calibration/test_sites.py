@@ -124,15 +124,14 @@ def test_what_cannot_be_measured_has_no_area():
 
 
 def test_through_the_block_heights_csv_is_mirrored():
-    """Three asperities of an L: two along +x, one along +y."""
+    """Four asperities of an L: three along +x, one along +y."""
     sites = np.array([[0.0, 0.0], [1.5, 0.0], [3.0, 0.0], [0.0, 1.5]])
-    above = match_sites(sites, sites, viewed_from="glass")
-    assert above.site.tolist() == [0, 1, 2, 3]
-    below = match_sites([[0.0, 0.0], [-1.5, 0.0], [-3.0, 0.0], [0.0, 1.5]], sites, viewed_from="block")
-    assert below.site.tolist() == [0, 1, 2, 3]
-    assert below.rotation == pytest.approx(0.0, abs=1e-15)
-    wrong = match_sites(sites, sites, viewed_from="block")
-    assert -1 in wrong.site  # the three in a row alone look the same from both sides
+    for side, sign in (("glass", 1.0), ("block", -1.0)):
+        found = match_sites(sites * [sign, 1.0], sites, viewed_from=side)
+        assert found.site.tolist() == [0, 1, 2, 3]
+        assert found.rotation == pytest.approx(0.0, abs=1e-15)
+    # the three in a row alone look the same from both sides
+    assert -1 in match_sites(sites, sites, viewed_from="block").site
 
 
 def test_an_image_without_load_does_not_number_the_contacts():
