@@ -373,17 +373,21 @@ def track_contacts(
     else:
         position = check.array("site_position", site_position, shape=(None, 2))
         number = np.arange(len(position)) if site_number is None else np.asarray(site_number)
-        match = _reference(reference, first, position, viewed_from, rotation)
+        try:
+            centre = first.centre[first.complete]
+            match = match_sites(centre, position, viewed_from=viewed_from, rotation=rotation)
+        except InvalidInput as error:
+            raise InvalidInput(f"{reference}: {error}") from None
         where = match.to_image(position)
     text = f"{reference}: the contacts match the sites equally well in several places; an image in which"
     notes = [Note(f"{text} more contacts close can decide")] * bool(match and match.ambiguous)
     values = np.full((len(names), 4, len(where)), np.nan)
     for row, pair in zip(values, zip(names, forces["sheared_image"], strict=True), strict=True):
         before = complex_points(where)
-        for name, (area, error) in zip(pair, (row[:2], row[2:]), strict=True):
+        for i, name in enumerate(pair):
             one = areas.get(name)
             if one is not None:
-                before, strays = _followed(one, before, area, error)
+                before, row[2 * i : 2 * i + 2], strays = _followed(one, before)
                 text = f"{name}: {strays} regions are on no site; dust, or the sample moved too far"
                 notes += [Note(text)] * (strays > 0)
     if match is None:  # a contact at the edge has a number if another image shows all of it
@@ -394,20 +398,9 @@ def track_contacts(
     )
 
 
-def _reference(
-    name: str, areas: ContactAreas, position: FloatArray, viewed_from: str, rotation: float
-) -> SiteMatch:
-    """Return the match of the reference image, which an error names."""
-    try:
-        centre = areas.centre[areas.complete]
-        return match_sites(centre, position, viewed_from=viewed_from, rotation=rotation)
-    except InvalidInput as error:
-        raise InvalidInput(f"{name}: {error}") from None
-
-
-def _followed(areas: ContactAreas, sites: Points, area: FloatArray, error: FloatArray) -> tuple[Points, int]:
-    """Write the areas at sites (m,) and their errors into arrays, from the places of the sites in another
-    image. Return the places in this image, and the number of complete contacts that are on no site.
+def _followed(areas: ContactAreas, sites: Points) -> tuple[Points, FloatArray, int]:
+    """Return the places of sites in an image, from those in another image, the areas at the sites and their
+    errors (2, m), and the number of complete contacts that are on no site.
 
     The error of an open site is the smallest area that can be measured.
     """
@@ -420,14 +413,12 @@ def _followed(areas: ContactAreas, sites: Points, area: FloatArray, error: Float
         before, (site, _) = site, _nearest(points, sites, REACH * apart)
         if np.array_equal(site, before):
             break
-    area[:], error[:] = 0.0, areas.smallest_area
+    on, own = site[site >= 0], np.flatnonzero(areas.complete)[site >= 0]
     where, frame = real_points(sites), areas.pixel_size * np.array(areas.shape[::-1])
     unmeasured = np.any((where < 0.0) | (where > frame), axis=1)
-    whole = np.flatnonzero(areas.complete)
-    for region in np.setdiff1d(np.arange(areas.count), whole[site >= 0]):
+    for region in np.setdiff1d(np.arange(areas.count), own):
         beside = (sites - complex_points(areas.centre[region])) * np.exp(-1j * areas.angle[region])
         unmeasured |= np.hypot(*(real_points(beside) / areas.axes[region]).T) <= 1.0
-    area[unmeasured] = error[unmeasured] = np.nan
-    own = whole[site >= 0]
-    area[site[site >= 0]], error[site[site >= 0]] = areas.area[own], areas.area_error[own]
-    return sites, int((site < 0).sum())
+    values = np.where(unmeasured, np.nan, [[0.0], [areas.smallest_area]])
+    values[:, on] = areas.area[own], areas.area_error[own]
+    return sites, values, int((site < 0).sum())
