@@ -110,9 +110,9 @@ COMPACT = 0.97
 # Pixels around a region in which its contours at other levels are sought.
 MARGIN = 4
 
-# Attributes of `ContactAreas` that have one value or point for each contact.
-NAMES = ["area", "area_error", "centre", "axes", "angle", "edge", "merged"]
-CONTACT = np.dtype({"names": NAMES, "formats": ["f8", "f8", "2f8", "2f8", "f8", "?", "?"]})
+# Attributes of `ContactAreas` that have one value or point for each contact, and their types.
+NAMES = ("area", "area_error", "centre", "axes", "angle", "edge", "merged")
+CONTACT = np.dtype("f8, f8, 2f8, 2f8, f8, ?, ?")
 
 # What is said of levels in doubt.
 DOUBT = (
@@ -203,6 +203,16 @@ class Levels(NamedTuple):
         """Grey level half-way between ground and dark level."""
         return 0.5 * (1.0 + self.dark)
 
+    @property
+    def total(self) -> float:
+        """Standard deviation of the edges after the smoothing, s_t [pixels]."""
+        return math.hypot(self.blur, max(self.blur, LEAST_SMOOTHING))
+
+    @property
+    def least(self) -> float:
+        """Smallest area of a contact [pixels²]."""
+        return math.pi * (SMALLEST * self.total) ** 2
+
 
 def contact_areas(image: Any, pixel_size: float, *, bright_contacts: bool = False) -> ContactAreas:
     """Return the contacts in an image, dark regions on a brighter ground, with their areas.
@@ -231,7 +241,7 @@ def contact_areas(image: Any, pixel_size: float, *, bright_contacts: bool = Fals
     Raises
     ------
     InvalidInput
-        If the image has values that are not finite grey levels, a frame of one grey level around it, or no
+        If the image has values that are not finite grey levels, a saturated frame around it, or no
         contacts.
 
     Notes
@@ -376,36 +386,46 @@ def _measured(
     )
     # smoothing reduces white noise n to n/(2 sqrt(pi) w)
     noise = 2.0 * math.sqrt(math.pi) * width * scatter / contrast
-    total = math.hypot(levels.blur, width)
-    least = math.pi * (SMALLEST * total) ** 2
     at_level = 0.5 * math.hypot(levels.dark_error, structure) / contrast
-    blur_error = levels.blur_error * levels.blur / total
-    rows = []
-    for region in regions:
-        inside, length, holes = contour(_window(smooth, labels, region), levels.half)
-        area = enclosed(inside, holes, total)
-        if area >= least:
-            error = of_contour(length, noise, width, total, at_level, blur_error)
-            edge = _at_edge(region, values.shape, math.ceil(2.0 * total))
-            centre = pixel * np.array([region.centroid[1] + 0.5, len(values) - 0.5 - region.centroid[0]])
-            axes = 0.5 * pixel * np.array([region.axis_major_length, region.axis_minor_length])
-            angle = math.remainder(region.orientation + 0.5 * math.pi, math.pi)
-            merged = not edge and not _single(region)
-            rows.append((area * pixel**2, error * pixel**2, centre, axes, angle, edge, merged))
-    found = np.array(rows, dtype=CONTACT)
-    each_of: dict[str, Any] = {name: found[name].copy() for name in NAMES}
     if values.dtype.kind in "ui" and ends.mean() > SATURATED:
         notes = [*notes, Note("saturated: grey levels are at an end of the scale; lower the exposure")]
     result = ContactAreas(
-        **each_of,
+        **_contacts(smooth, labels, regions, levels, noise, at_level, pixel),
         dark_level=levels.dark,
         blur=levels.blur * pixel,
         pixel_size=pixel,
         shape=values.shape,
-        smallest_area=least * pixel**2,
+        smallest_area=levels.least * pixel**2,
         notes=tuple(notes),
     )
     return result, levels
+
+
+def _contacts(
+    smooth: FloatArray,
+    labels: NDArray[np.int32],
+    regions: list[Any],
+    levels: Levels,
+    noise: float,
+    at_level: float,
+    pixel: float,
+) -> dict[str, Any]:
+    """Return `NAMES` of the contacts among the regions, from the errors of a pixel and of the half level."""
+    rows, total, width = [], levels.total, max(levels.blur, LEAST_SMOOTHING)
+    blur_error = levels.blur_error * levels.blur / total
+    for region in regions:
+        inside, length, holes = contour(_window(smooth, labels, region), levels.half)
+        area = enclosed(inside, holes, total)
+        if area >= levels.least:
+            error = of_contour(length, noise, width, total, at_level, blur_error)
+            centre = pixel * np.array([region.centroid[1] + 0.5, len(smooth) - 0.5 - region.centroid[0]])
+            axes = 0.5 * pixel * np.array([region.axis_major_length, region.axis_minor_length])
+            angle = math.remainder(region.orientation + 0.5 * math.pi, math.pi)
+            edge = _at_edge(region, smooth.shape, math.ceil(2.0 * total))
+            merged = not edge and not _single(region)
+            rows.append((area * pixel**2, error * pixel**2, centre, axes, angle, edge, merged))
+    found = np.array(rows, dtype=CONTACT)
+    return {name: found[f"f{i}"].copy() for i, name in enumerate(NAMES)}
 
 
 def without_illumination(image: FloatArray, bright: bool) -> tuple[FloatArray, float, float]:

@@ -388,13 +388,6 @@ def made_surface(
     """
     check.instance("design_surface", design_surface, Surface, "a metafem.Surface")
     design = design_surface
-    refuse_if(
-        design.cap != SPHERE,
-        f"must be {SPHERE!r}: spheres are fitted to the map. Measure summits of other caps by other means, "
-        "and set their heights by surface.replaced(height=...)",
-        key="design_surface.cap",
-        value=repr(design.cap),
-    )
     surface = _map(height_map, pixel_size, mould)
     with doing("measuring the surface"):
         levelled, guesses = _levelled(surface, design, mould)
@@ -436,6 +429,13 @@ def _map(height_map: ArrayLike, pixel_size: Any, mould: bool) -> Map:
 
 def _levelled(surface: Map, design: Surface, mould: bool) -> tuple[Map, list[Cap]]:
     """Return the map without its base, and initial guesses of the caps."""
+    refuse_if(
+        design.cap != SPHERE,
+        f"must be {SPHERE!r}: spheres are fitted to the map. Measure summits of other caps by other means, "
+        "and set their heights by surface.replaced(height=...)",
+        key="design_surface.cap",
+        value=repr(design.cap),
+    )
     measurable = design.height > FLATTEST * design.radius
     refuse_if(not measurable.any(), f"design_surface has no summit above {FLATTEST:g} of its radius")
     lowest = float(min(design.height[measurable].min(), design.radius.min()))
