@@ -55,8 +55,9 @@ DEGREE = 2
 BLOCKS, LEAST_BLOCK = 96, 4
 
 # Largest distance between a block of the ground and the surface, in standard deviations; largest number of
-# iterations; smallest standard deviation over the range of the blocks.
-CLIPPED, ROUNDS, EXACT = 3.0, 12, 1e-4
+# iterations, of which the first ABOVE ones keep the blocks above the surface, so that contacts may cover two
+# thirds of the image; smallest standard deviation over the range of the blocks.
+CLIPPED, ROUNDS, ABOVE, EXACT = 3.0, 25, 2, 1e-4
 
 # Ratio of the median absolute deviation to the standard deviation of a normal distribution.
 MAD = 0.6745
@@ -460,18 +461,21 @@ def _fitted(terms: NDArray[Any], blocks: FloatArray) -> tuple[FloatArray, float,
     """Return the coefficients of the ground, the largest distance of a block from it, and the standard
     deviation of its blocks without their noise.
 
-    Contacts lie below the surface. The first surface is fitted to the blocks above that of all blocks.
+    Contacts lie below the surface. The first surfaces are fitted to the blocks above the one before.
     """
     on_ground: NDArray[np.bool_] = np.ones(blocks.shape, dtype=bool)
-    least = EXACT * float(np.ptp(blocks))
+    exact, least = EXACT * float(np.ptp(blocks)), 2 * terms.shape[2]
     for number in range(ROUNDS):
         coefficients = np.linalg.lstsq(terms[on_ground], blocks[on_ground], rcond=None)[0]
         height = blocks - terms @ coefficients
         above = height[on_ground & (height > 0.0)]
-        sd = max(float(np.median(above)) / MAD if above.size else 0.0, least)
-        before, dark = on_ground, binary_dilation(height < -CLIPPED * sd, np.ones((3, 3)))
-        on_ground = ~dark & (height < 2.0 * CLIPPED * sd) if number else height > 0.0
-        if np.array_equal(before, on_ground) or on_ground.sum() < 2 * terms.shape[2]:
+        sd = max(float(np.median(above)) / MAD if above.size else 0.0, exact)
+        before, on_ground = on_ground, height > 0.0
+        if number >= ABOVE:
+            dark = height < -CLIPPED * sd
+            clear = ~binary_dilation(dark, np.ones((3, 3)))
+            on_ground = (clear if clear.sum() > least else ~dark) & (height < 2.0 * CLIPPED * sd)
+        if np.array_equal(before, on_ground) or on_ground.sum() < least:
             break
     # neighbouring blocks have independent noise, so that it cancels in their mean product
     ground = np.where(before, height, np.nan)

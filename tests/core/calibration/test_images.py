@@ -185,6 +185,13 @@ def test_different_dark_levels_enter_the_errors():
     assert scatters[1] > 5.0 * scatters[0]
 
 
+@pytest.mark.parametrize(("side", "pitch", "radius"), [(1, 300, 100.0), (5, 66, 30.0), (1, 44, 10.0)])
+def test_one_wide_contact_or_two_thirds_of_the_image_are_told_from_the_ground(side, pitch, radius):
+    shape, centre = centres(side, pitch, np.random.default_rng(1))
+    found = contact_areas(picture(shape, centre, np.full(side**2, radius), noise=0.03, bits=8), 1.0)
+    assert found.area == pytest.approx(np.pi * radius**2, rel=3e-3)
+
+
 def test_contacts_that_touch_are_named_as_merged():
     for other, gap in ((9.0, -2.0), (15.0, 0.0), (30.0, 2.0), (30.0, 6.0)):
         radius = np.array([30.0, other])
