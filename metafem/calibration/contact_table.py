@@ -74,13 +74,6 @@ def by_image(table: DataFrame) -> tuple[DataFrame, dict[str, FloatArray]]:
     return table.iloc[::count, :4].reset_index(drop=True), areas
 
 
-def contact_names(table: DataFrame) -> list[str]:
-    """Return the names of the n contacts in notes."""
-    own = table.iloc[: int(table["contact"].nunique())]
-    what = "site" if own["site"].notna().all() else "contact"
-    return [f"{what} {number}" for number in own[what]]
-
-
 def listed(names: Iterable[str]) -> str:
     """Return a list of names as part of a sentence, shortened if it is long.
 
@@ -104,12 +97,12 @@ def pressed_images(table: DataFrame) -> tuple[IntArray, list[Note]]:
     area, loaded = areas["area"], images["load"].notna().to_numpy()
     used = loaded & np.isfinite(area).all(axis=1) & (area > 0.0).any(axis=1)
     left = loaded & ~used
-    if not left.any():
-        return np.flatnonzero(used), []
-    unknown = ~np.isfinite(area[left]).all(axis=0)
-    missing = listed(np.array(contact_names(table))[unknown]) or "all contacts"
+    what = "contact" if table["site"].isna().any() else "site"
+    unknown = table[what].to_numpy()[: area.shape[1]][np.isnan(area[left]).any(axis=0)]
+    missing = listed(f"{what} {number}" for number in unknown) or "all contacts"
     words = f"E* is fitted without {listed(images['image'][left])}: the area of {missing} is 0 or unknown"
-    return np.flatnonzero(used), [Note(f"{words}, and the load is that of all contacts")]
+    notes = [Note(f"{words}, and the load is that of all contacts")] * bool(left.any())
+    return np.flatnonzero(used), notes
 
 
 def sheared_points(table: DataFrame) -> tuple[FloatArray, IntArray, list[Note]]:
@@ -126,21 +119,18 @@ def sheared_points(table: DataFrame) -> tuple[FloatArray, IntArray, list[Note]]:
     images, areas = by_image(table)
     before, after, force = areas["area"], areas["sheared_area"], images["friction_force"].to_numpy()
     both = np.isfinite(before) & np.isfinite(after)
-    seen, hidden = both & (before > 0.0) & (after > 0.0), both & ((before > 0.0) != (after > 0.0))
-    hides = hidden.any(axis=1)
+    seen = both & (before > 0.0) & (after > 0.0)
+    hides = (both & ((before > 0.0) != (after > 0.0))).any(axis=1)
+    whole, total = both.all(axis=1) & ~hides, np.where(hides, np.nan, after.sum(axis=1))
+    some, alone = seen.any(axis=1), ~whole & (total > 0.0) & np.isfinite(force)
     sums = [np.where(seen, area, 0.0).sum(axis=1) for area in (before, after)]
-    first, second = (np.where(seen.any(axis=1), each, np.nan) for each in sums)
-    total = np.where(hides, np.nan, after.sum(axis=1))
-    whole = both.all(axis=1) & ~hides
-    alone = ~whole & (total > 0.0) & np.isfinite(force)
-    every, lacking = np.arange(len(force)), np.full(len(force), np.nan)
-    rows = np.array([first, second, np.where(whole, force, np.nan), every])
-    more = np.array([lacking, total, force, every])[:, alone]
-    columns = np.hstack([rows[:, np.isfinite(first)], more])
+    ratio = np.array([*sums, np.where(whole, force, np.nan)])
+    strength = np.array([np.full(len(force), np.nan), total, force])
+    points = np.hstack([ratio[:, some], strength[:, alone]])
     unused = np.isfinite(force) & np.isfinite(after).any(axis=1) & ~whole & ~alone
     words = f"sigma is fitted without {listed(images['image'][unused])}, of which a contact is not measured"
     notes = [information(f"{words} before or after shear")] * bool(unused.any())
-    return columns[:3], columns[3].astype(np.int64), notes
+    return points, np.append(np.flatnonzero(some), np.flatnonzero(alone)), notes
 
 
 def of_contacts(
@@ -156,8 +146,7 @@ def of_contacts(
     area, error, force = areas["area"], areas["area_error"], images["friction_force"].to_numpy()
     by_force = rescaled and bool(np.isfinite(force).any())
     site = table["site"].iloc[: area.shape[1]]
-    matched = bool(site.notna().all())
-    known = ~np.isnan(area)
+    matched, known = bool(site.notna().all()), np.isfinite(area)
     whole: Any = known.all(axis=1)
     enough = known.any(axis=1) if matched else whole
     if by_force:
@@ -167,7 +156,7 @@ def of_contacts(
     refuse_if(not used.any(), f"none of the {len(used)} images has a load and {what}")
     left = listed(images["image"][~used])
     notes = [Note(f"images without a load and {what} are left out: {left}")] * (left != "")
-    area, error = area[used], np.nan_to_num(error[used])
+    area, error, whole = area[used], np.nan_to_num(error[used]), whole[used]
     overlooked = float(np.max(error, where=area == 0.0, initial=0.0))
     if overlooked > 0.0 and not by_force:
         words = f"contacts of less than {overlooked:.2g} mm^2 count as open; the errors of the total areas do"
@@ -178,7 +167,7 @@ def of_contacts(
     if matched:
         found |= {"asperity_area": area, "asperity_area_sd": error}
         found["site"] = _asperities(site.to_numpy(dtype=np.int64), numbers)
-    if whole[used].all() or (matched and whole[used].any()):
+    if whole.all() or (matched and whole.any()):
         found["area"] = area.sum(axis=1)
         sd = np.sqrt((np.where(area > 0.0, error, 0.0) ** 2).sum(axis=1))  # without errors of open contacts
         if (sd > 0.0).all():  # an image without contacts has sd 0: use the default errors then
@@ -190,7 +179,7 @@ def _asperities(sites: IntArray, numbers: IntArray | None) -> IntArray:
     """Return the numbers of the design's asperities at sites."""
     if numbers is None:
         return sites
-    place = {number: i for i, number in enumerate(numbers.tolist())}
-    wrong = listed(str(site + 1) for site in sites.tolist() if site not in place)
+    wrong = listed(map(str, sites[~np.isin(sites, numbers)] + 1))
     refuse_if(wrong, f"the contacts have site {wrong}, which the design leaves empty or does not have")
-    return np.array([place[site] for site in sites.tolist()], dtype=np.int64)
+    order = np.argsort(numbers)
+    return order[np.searchsorted(numbers, sites, sorter=order)]

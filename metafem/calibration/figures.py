@@ -2,46 +2,49 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from metafem._validate import FloatArray
 from metafem.drawing import contacts as drawing
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+    from pandas import DataFrame
 
     from metafem.calibration.images import ContactAreas
-    from metafem.calibration.sites import Placed
 
 
 def found_figure(
-    image: NDArray[Any], areas: ContactAreas, placed: Placed, number: Sequence[int], title: str
+    image: NDArray[Any], areas: ContactAreas, rows: DataFrame, where: FloatArray, title: str
 ) -> Figure:
-    """Return a figure of an image with its contacts, the numbers of their sites, and the open sites."""
+    """Return a figure of an image with its contacts, the numbers of their sites, and the open sites.
+
+    `rows` are those of the image in the table of contacts, and `where` (m, 2) the places of its sites [mm].
+    """
     figure = drawing.picture_figure(*image.shape[::-1])
     ax = figure.add_subplot()
     drawing.picture(ax, image, areas.pixel_size)
-    matched, flagged = placed.site >= 0, ~areas.complete
+    area = rows["area"].to_numpy()
+    matched, flagged = np.isin(areas.area, area), ~areas.complete
     for which, colour, label in (
-        (matched & ~areas.saturated, drawing.MEASURED, "measured"),
-        (flagged | (matched & areas.saturated), drawing.FLAGGED, "at the edge, merged or saturated"),
+        (matched, drawing.MEASURED, "measured"),
+        (flagged, drawing.FLAGGED, "at the edge or merged"),
         (~matched & ~flagged, drawing.STRAY, "of no site"),
     ):
         drawing.outlines(ax, areas.centre[which], areas.axes[which], areas.angle[which], colour, label)
-    away = placed.position.copy()
+    drawing.crosses(ax, where[area == 0.0], "open")
     # put the number next to the contact, outside its outline
-    away[placed.site[matched]] = areas.centre[matched] + 0.75 * areas.axes[matched, :1] * [1.0, -1.0]
-    closed = np.isin(np.arange(len(number)), placed.site)
-    opened = ~closed & ~placed.unmeasured
-    drawing.crosses(ax, placed.position[opened], "open")
+    away = where + 0.75 * np.sqrt(np.nan_to_num(area) / np.pi)[:, None] * [1.0, -1.0]
+    numbers = rows["contact"] if rows["site"].isna().any() else rows["site"] + 1
+    numbers = numbers.astype(str).to_numpy()
     for which, colour in (
-        (closed, drawing.MEASURED),
-        (placed.unmeasured, drawing.FLAGGED),
-        (opened, drawing.OPEN),
+        (area > 0.0, drawing.MEASURED),
+        (np.isnan(area), drawing.FLAGGED),
+        (area == 0.0, drawing.OPEN),
     ):
-        drawing.numbers(ax, away[which], [str(n) for n in np.array(number)[which]], colour)
+        drawing.numbers(ax, away[which], numbers[which], colour)
     drawing.heading(ax, title)
     return figure

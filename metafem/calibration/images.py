@@ -20,48 +20,44 @@ Level. An error d of the half level displaces the whole contour by d sqrt(2 pi) 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import NDArray
-from scipy.ndimage import binary_dilation, distance_transform_edt, gaussian_filter, label
+from scipy.ndimage import binary_dilation, distance_transform_edt, gaussian_filter, label, maximum, mean
 from scipy.special import chndtr
+from scipy.stats import trim_mean
 
 from metafem import _validate as check
 from metafem._extras import refuse_missing
 from metafem._given import shown
 from metafem._validate import FloatArray, IntArray
-from metafem._values import Value, percent
+from metafem._values import Value
 from metafem.errors import InvalidInput, refuse_if
-from metafem.notes import Note, information
+from metafem.notes import Note
 from metafem.progress import each
-
-Grey: TypeAlias = NDArray[np.float32]
 
 # Smallest number of pixels along the shorter side of an image, enough for one contact and the ground around
 # it.
 FEWEST = 16
 
-# Largest possible grey levels. Pictures of cameras with 10 to 14 bits are stored with 16 bits.
-FULL_SCALE = tuple(2**bits - 1 for bits in (8, 10, 12, 14, 16, 32))
-
-# A contact counts as saturated if more than this share of its grey levels is at an end of the scale.
-SATURATED = 0.01
+# Largest possible grey levels, since cameras with 10 to 14 bits store 16 bits. A picture is saturated if more
+# than the share SATURATED of its pixels, a hundredth of contacts that cover a tenth of it, is at an end.
+FULL_SCALE, SATURATED = tuple(2**bits - 1 for bits in (8, 10, 12, 14, 16, 32)), 1e-3
 
 # Degree of the ground's polynomial in each coordinate: a gradient, and a lens that is darker at its corners.
 DEGREE = 2
 
-# Number of blocks along the shorter side of the image, smallest size of a block [pixels], and number of
-# pixels that are read along each side of a block.
-BLOCKS, LEAST_BLOCK, READ = 96, 4, 7
+# Number of blocks along the shorter side of the image, and smallest size of a block [pixels].
+BLOCKS, LEAST_BLOCK = 96, 4
 
 # Largest distance between a block of the ground and the surface, in standard deviations; largest number of
-# iterations; weight of the blocks on the bright side of the surface in the initial guess, with which contacts
-# may cover up to two thirds of the image; smallest standard deviation over the range of the blocks.
-CLIPPED, ROUNDS, WEIGHT, EXACT = 3.0, 12, 50.0, 1e-4
+# iterations, of which the first ABOVE ones keep the blocks above the surface, so that contacts may cover two
+# thirds of the image; smallest standard deviation over the range of the blocks.
+CLIPPED, ROUNDS, ABOVE, EXACT = 3.0, 25, 2, 1e-4
 
 # Ratio of the median absolute deviation to the standard deviation of a normal distribution.
 MAD = 0.6745
@@ -71,8 +67,8 @@ MAD = 0.6745
 FAINT = 0.2
 
 # Smallest standard deviation of the smoothing [pixels], because pixels do not resolve narrower kernels, and
-# number of standard deviations at which the kernel is cut off. The variance includes the truncation.
-LEAST_SMOOTHING, CUT_OFF = 1.0, 3.0
+# number of standard deviations at which the kernel is cut off, which changes its variance by 1e-5.
+LEAST_SMOOTHING, CUT_OFF = 1.0, 5.0
 
 # Largest number of contacts used for the levels, and the smallest ratio of their depth to the largest depth.
 # The depth of a contact is the distance from its edge to its deepest pixel.
@@ -95,16 +91,10 @@ UNKNOWN_BLUR = 0.5
 # darkest region, found after smoothing by WIDE pixels. This is so if contacts cover less than about 0.5 %.
 IN_NOISE, SHALLOW, WIDE = 2.0, 0.25, 2.0
 
-# Smallest contrast of the contacts over the noise of the smoothed image; smallest radius of a measured
-# contact, in standard deviations of the smoothed edge, below which the half level encloses less than three
-# quarters of it.
+# Smallest contrast of the contacts over the noise and the structure of the smoothed ground; smallest radius
+# of a measured contact, in standard deviations of the smoothed edge, below which the half level encloses less
+# than three quarters of it.
 CONTRAST, SMALLEST = 6.0, 2.0
-
-# Structure of the ground over the contrast above which there is a note: the half level is then wrong by 1 %.
-UNEVEN = 0.02
-
-# Smallest share of the range of grey levels by which a frame differs from the image within it.
-FRAME = 0.1
 
 # Polygons from marching squares lie inside smooth contours, because the interpolation is linear and the sides
 # are chords. For any shape and blur, the lost area is pi times INTERPOLATION [pixels²]. The variance of an
@@ -118,27 +108,18 @@ INTERPOLATION, EDGE_INTERPOLATION, EDGE_CURVATURE = 0.21, 0.13, 0.5
 # order.
 COMPACT = 0.97
 
-# Attributes of `ContactAreas` that have one value for each contact.
-PER_CONTACT = (
-    "area", "area_error", "centre", "axes", "angle", "edge", "merged", "saturated", "holes",
-)  # fmt: skip
-
 # Pixels around a region in which its contours at other levels are sought.
 MARGIN = 4
 
-# Smallest share of the blocks for a fit without the neighbours of dark ones.
-ENOUGH = 0.03
+# Attributes of `ContactAreas` that have one value or point for each contact, and their types.
+NAMES = ("area", "area_error", "centre", "axes", "angle", "edge", "merged")
+CONTACT = np.dtype("f8, f8, 2f8, 2f8, f8, ?, ?")
 
-# What is said of levels in doubt, and what helps if contacts are bright.
-CUT = (
-    "all contacts are at the edge of the frame or merged: the blur is not measured; measure the image in one "
-    "series with one of whole contacts"
+# What is said of levels in doubt.
+DOUBT = (
+    "no whole contact is wide enough to show its dark level and its blur: areas may be wrong by more than "
+    "their errors; measure the image in one series with larger contacts"
 )
-NARROW = (
-    "no contact is wide enough to show its dark level: areas may be wrong by more than their errors; measure "
-    "the image in one series with larger contacts"
-)
-BRIGHT = "If contacts are brighter than the ground, give bright_contacts=True, or --bright-contacts. "
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -157,17 +138,12 @@ class ContactAreas(Value):
         Semi-axes of the ellipses with the second moments of the dark pixels, the longer axis first [mm].
     angle : ndarray, (n,)
         Angle of the longer axis from the x axis, anticlockwise, from -pi/2 to pi/2 [rad].
-    edge, merged, saturated : ndarray of bool, (n,)
-        Whether a contact is at the edge of the frame, consists of merged contacts, or is saturated: more than
-        1 % of the grey levels of the contact or of the ground are at an end of the scale.
-    holes : ndarray of int, (n,)
-        Number of bright spots within each contact, which do not count as contact area.
+    edge, merged : ndarray of bool, (n,)
+        Whether a contact is at the edge of the frame, or consists of merged contacts.
     dark_level : float
         Grey level of wide contacts over the grey level of the ground [-].
     blur : float
         Standard deviation of the Gaussian blur of the contact edges [mm].
-    noise : float
-        Standard deviation of the noise of a pixel over the contrast, measured at the scale of the blur [-].
     pixel_size : float
         Side of a pixel [mm].
     shape : tuple of int
@@ -193,11 +169,8 @@ class ContactAreas(Value):
     angle: FloatArray
     edge: NDArray[np.bool_]
     merged: NDArray[np.bool_]
-    saturated: NDArray[np.bool_]
-    holes: IntArray
     dark_level: float
     blur: float
-    noise: float
     pixel_size: float
     shape: tuple[int, int]
     smallest_area: float = 0.0
@@ -209,11 +182,6 @@ class ContactAreas(Value):
         return len(self.area)
 
     @property
-    def frame(self) -> FloatArray:
-        """Width and height of the image, (2,) [mm]."""
-        return self.pixel_size * np.array(self.shape[::-1])
-
-    @property
     def complete(self) -> NDArray[np.bool_]:
         """Whether each contact is neither at the edge of the frame nor merged, (n,)."""
         return ~(self.edge | self.merged)
@@ -222,35 +190,29 @@ class ContactAreas(Value):
 class Levels(NamedTuple):
     """Grey level of the ground, dark level of the contacts over it, and blur of the edges [pixels].
 
-    The errors are standard deviations; that of the dark level includes its scatter among contacts. `doubt` is
-    a sentence on levels that could not be measured.
+    The errors are standard deviations; that of the dark level includes its scatter among contacts.
     """
 
     ground: float
     dark: float
     blur: float
     dark_error: float = 0.0
-    blur_error: float = 0.0
-    doubt: str = ""
+    blur_error: float = UNKNOWN_BLUR
 
     @property
     def half(self) -> float:
-        """Grey level half-way between ground and dark level, in single precision like the images."""
-        return float(np.float32(0.5 * (1.0 + self.dark)))
+        """Grey level half-way between ground and dark level."""
+        return 0.5 * (1.0 + self.dark)
 
+    @property
+    def total(self) -> float:
+        """Standard deviation of the edges after the smoothing, s_t [pixels]."""
+        return math.hypot(self.blur, max(self.blur, LEAST_SMOOTHING))
 
-class Ground(NamedTuple):
-    """Image without the illumination: 1 on the ground, and smaller in the contacts.
-
-    `structure` is the standard deviation of the blocks of the ground about the polynomial, without noise,
-    `level` the mean grey level of the ground, and `span` the range of the blocks, extended by its own width
-    at both ends; bad pixels lie outside of it.
-    """
-
-    corrected: Grey
-    structure: float
-    level: float
-    span: tuple[float, float]
+    @property
+    def least(self) -> float:
+        """Smallest area of a contact [pixels²]."""
+        return math.pi * (SMALLEST * self.total) ** 2
 
 
 def contact_areas(image: Any, pixel_size: float, *, bright_contacts: bool = False) -> ContactAreas:
@@ -280,7 +242,7 @@ def contact_areas(image: Any, pixel_size: float, *, bright_contacts: bool = Fals
     Raises
     ------
     InvalidInput
-        If the image has values that are not finite grey levels, a frame of one grey level around it, or no
+        If the image has values that are not finite grey levels, a saturated frame around it, or no
         contacts.
 
     Notes
@@ -324,9 +286,8 @@ def stack_areas(
 
     Parameters
     ----------
-    images : sequence of array_like, (rows, columns)
-        Images as for `contact_areas`; the sequence may read an image from a file when ``images[i]`` is
-        evaluated.
+    images : sequence of array_like, (rows, columns), or of functions
+        Images as for `contact_areas`, or functions without arguments that read them.
     pixel_size : float
         Side of a pixel [mm].
     loads : array_like, (k,), optional
@@ -365,226 +326,164 @@ def stack_areas(
     name = names or [f"image {i + 1}" for i in range(count)]
     found: list[ContactAreas | None] = [None] * count
     notes: list[list[Note]] = [[]] * count
-    levels: Levels | None = None
+    levels = None
     for i in each("measuring image", np.argsort(-load, kind="stable").tolist()):
         try:
-            areas, levels = _measured(images[i], pixel, bright_contacts, levels)
+            image = images[i]
+            areas, levels = _measured(image() if callable(image) else image, pixel, bright_contacts, levels)
         except InvalidInput as error:
             notes[i] = [Note(f"{name[i]} is not measured: {error}")]
             continue
-        found[i], notes[i] = areas, [Note(f"{name[i]}: {note}", note.level) for note in areas.notes]
+        found[i], notes[i] = areas, [Note(f"{name[i]}: {note}") for note in areas.notes]
     said = [note for own in notes for note in own]
-    if levels is None:
-        raise InvalidInput(f"none of the images can be measured: {said[0]}")
+    refuse_if(levels is None, f"none of the images can be measured: {said[:1] and said[0]}")
     return found, said
 
 
 def grey_values(image: Any) -> NDArray[Any]:
     """Return the grey values of an image, (rows, columns), row 0 at the top, in the original data type."""
     try:
-        values = np.asarray(np.ma.getdata(image) if not np.ma.is_masked(image) else None)
-    except (TypeError, ValueError):
-        raise InvalidInput(f"image = {shown(image)} must be an array of grey values") from None
-    must = "image must be an array of grey values without mask"
+        values = np.asarray(image)
+    except ValueError:  # lists of different lengths
+        values = np.asarray(None)
+    wrong = values.dtype.kind not in "uif" or values.ndim != 2 or min(values.shape) < FEWEST
     refuse_if(
-        values.dtype.kind not in "uif",
-        f"{must}, not {values.dtype}: {shown(image)}; `metafem images` reads files",
+        wrong or np.ma.is_masked(image),
+        f"image = {shown(image)}, {values.dtype} of shape {values.shape}, must be grey values without mask, "
+        f"(rows, columns), at least {FEWEST} of each; `metafem images` reads files",
     )
-    wrong = values.ndim != 2 or min(values.shape) < FEWEST
-    refuse_if(wrong, f"image has shape {values.shape}; it must be (rows, columns), at least {FEWEST} of each")
     low, high = float(values.min()), float(values.max())
-    fits = max(abs(low), abs(high)) < float(np.finfo(np.float32).max) / values.size
     holds = f"image holds grey values from {low:g} to {high:g}"
-    refuse_if(not fits, f"{holds}; they must be finite, and not too large for single precision")
-    refuse_if(low == high, f"{holds}, all dark or all bright; it shows no contact")
+    refuse_if(not low < high < math.inf, f"{holds}, all dark, all bright or not finite: it shows no contact")
     return values
 
 
-def _refuse_frame(values: NDArray[Any]) -> None:
-    """Raise InvalidInput if one grey level frames the image on all sides, as of a saturated border."""
-    level, other = float(values[0, 0]), np.argwhere(values != values[0, 0])
-    width = int(min(other.min(axis=0).min(), (np.array(values.shape) - 1 - other.max(axis=0)).min()))
-    inner = np.concatenate([values[width], values[-1 - width], values[:, width], values[:, -1 - width]])
-    apart = abs(float(np.median(inner)) - level) > FRAME * float(np.ptp(values.astype(np.float64)))
-    refuse_if(
-        width and apart,
-        f"image has a frame of the grey level {level:g}, {width} pixels wide: crop it, since the ground is "
-        "sought up to the edges of the image",
-    )
-
-
 def _measured(
-    image: Any, pixel: float, bright: bool, found: Levels | None = None
+    image: Any, pixel: float, bright: bool, given: Levels | None = None
 ) -> tuple[ContactAreas, Levels]:
-    """Return the contacts of an image and its levels; if `found` is not None, these levels are used."""
+    """Return the contacts of an image and its levels, which may be those of another image."""
     values = grey_values(image)
-    _refuse_frame(values)
-    ground = without_illumination(values.astype(np.float32), bright)
-    levels = found or _levels(ground)
-    other = abs(ground.level / levels.ground - 1.0) > 0.5 * (1.0 - levels.dark)
+    ends = (values == 0) | ((values == values.max()) & (values.max() in FULL_SCALE))
+    framed = ends[[0, -1]].all() and ends[:, [0, -1]].all()
+    refuse_if(framed, "image has a saturated frame: crop it, since the ground is sought up to the edges")
+    corrected, ground, structure = without_illumination(values.astype(float), bright)
+    levels, notes = (given, []) if given else _levels(corrected, ground)
+    contrast, width = 1.0 - levels.dark, max(levels.blur, LEAST_SMOOTHING)
     refuse_if(
-        found and other,
+        abs(ground / levels.ground - 1.0) > 0.5 * contrast,
         f"image is all dark or bright, or has another exposure: the grey level of its ground is "
-        f"{ground.level:.4g}, and that of the image at the largest load is {levels.ground:.4g}",
+        f"{ground:.4g}, and that of the image at the largest load is {levels.ground:.4g}",
     )
-    width = max(levels.blur, LEAST_SMOOTHING)
-    smooth, variance = smoothed(ground.corrected, width)
-    labels, count = label(smooth < levels.half)
-    contrast, scatter = 1.0 - levels.dark, smoothed_noise(smooth, labels, width)
-    hint = "" if bright else BRIGHT
+    smooth = gaussian_filter(corrected, width, truncate=CUT_OFF)
+    labels, _ = label(smooth < levels.half)
+    regions, scatter = _regions(labels), smoothed_noise(smooth, labels, width)
+    around = any(region.bbox == (0, 0, *values.shape) for region in regions)
+    hint = "" if bright else "If contacts are brighter than the ground, give --bright-contacts. "
     refuse_if(
-        contrast < CONTRAST * max(scatter, 0.5 * ground.structure),
-        f"image shows no contacts, it is all dark or bright: its grey levels differ by {contrast:.2g} of "
-        f"the ground's, with noise of {scatter:.2g} after smoothing. {hint}If they are very small, measure "
-        "the image in a series with larger ones",
+        around or contrast < CONTRAST * max(scatter, structure),
+        "image is all dark or bright, or a dark region surrounds it: its grey levels differ by "
+        f"{contrast:.2g} of the ground's, with noise of {scatter:.2g} after smoothing. {hint}Crop a dark "
+        "frame; measure very small contacts in a series with larger ones",
     )
     # smoothing reduces white noise n to n/(2 sqrt(pi) w)
-    noise = 2.0 * math.sqrt(math.pi * variance) * scatter / contrast
-    total = math.sqrt(levels.blur**2 + variance)
-    least = math.pi * (SMALLEST * total) ** 2
-    at_level = 0.5 * math.hypot(levels.dark_error, ground.structure) / contrast
-    blur_error = levels.blur_error * levels.blur / total
-    clipped = _clipped(values, labels, bright)
-    rows = []
-    for region in _regions(labels):
-        top, left, bottom, right = region.bbox
-        around = top == left == 0 and (bottom, right) == values.shape
-        refuse_if(around, f"a dark region reaches all four sides of the image. {hint}Crop a dark frame")
-        outline = contour(_window(smooth, labels, region), levels.half)
-        area = enclosed(outline.area, outline.holes, total)
-        if area < least:
-            continue
-        error = of_contour(outline.length, noise, math.sqrt(variance), total, at_level, blur_error)
-        edge = _at_edge(region, values.shape, math.ceil(2.0 * total))
-        saturated = clipped[region.slice][region.image].mean() > SATURATED
-        centre = region.centroid[1] + 0.5, len(values) - 0.5 - region.centroid[0]
-        axes = 0.5 * region.axis_major_length, 0.5 * region.axis_minor_length
-        lengths = area * pixel**2, error * pixel**2, np.multiply(pixel, centre), np.multiply(pixel, axes)
-        angle = math.remainder(region.orientation + 0.5 * math.pi, math.pi)
-        flags = edge, not edge and not _single(region), saturated, outline.holes
-        rows.append((*lengths, angle, *flags))
-    none = (0.0, 0.0, (0.0, 0.0), (0.0, 0.0), 0.0, False, False, False, 0)
-    columns = [np.array(column)[: len(rows)] for column in zip(*(rows or [none]), strict=True)]
-    each_of: dict[str, Any] = dict(zip(PER_CONTACT, columns, strict=True))
-    each_of["saturated"] |= clipped[labels == 0].mean() > SATURATED
+    noise = 2.0 * math.sqrt(math.pi) * width * scatter / contrast
+    at_level = 0.5 * math.hypot(levels.dark_error, structure) / contrast
+    if values.dtype.kind in "ui" and ends.mean() > SATURATED:
+        notes = [*notes, Note("saturated: grey levels are at an end of the scale; lower the exposure")]
     result = ContactAreas(
-        **each_of,
+        **_contacts(smooth, labels, regions, levels, noise, at_level, pixel),
         dark_level=levels.dark,
         blur=levels.blur * pixel,
-        noise=noise,
         pixel_size=pixel,
         shape=values.shape,
-        smallest_area=least * pixel**2,
-        notes=tuple(_notes(levels, ground, count - len(rows), least * pixel**2, each_of["saturated"].any())),
+        smallest_area=levels.least * pixel**2,
+        notes=tuple(notes),
     )
     return result, levels
 
 
-def _notes(levels: Levels, ground: Ground, left_out: int, least: float, saturated: Any) -> Iterator[Note]:
-    """Yield notes on levels that are in doubt, and on regions that are left out."""
-    if levels.doubt:
-        yield Note(levels.doubt)
-    if left_out:
-        yield information(f"{left_out} dark spot{'s' * (left_out > 1)} below {least:.2g} mm^2 left out")
-    uneven = ground.structure / (1.0 - levels.dark)
-    if uneven > UNEVEN:
-        words = "of the contrast after removing the gradient"
-        yield Note(f"the ground is uneven by {percent(uneven)} {words}")
-    if saturated:
-        yield Note("saturated: grey levels are cut off at an end of the scale; lower the exposure")
+def _contacts(
+    smooth: FloatArray,
+    labels: NDArray[np.int32],
+    regions: list[Any],
+    levels: Levels,
+    noise: float,
+    at_level: float,
+    pixel: float,
+) -> dict[str, Any]:
+    """Return `NAMES` of the contacts among the regions, from the errors of a pixel and of the half level."""
+    rows, total, width = [], levels.total, max(levels.blur, LEAST_SMOOTHING)
+    blur_error = levels.blur_error * levels.blur / total
+    for region in regions:
+        inside, length, holes = contour(_window(smooth, labels, region), levels.half)
+        area = enclosed(inside, holes, total)
+        if area >= levels.least:
+            error = of_contour(length, noise, width, total, at_level, blur_error)
+            centre = pixel * np.array([region.centroid[1] + 0.5, len(smooth) - 0.5 - region.centroid[0]])
+            axes = 0.5 * pixel * np.array([region.axis_major_length, region.axis_minor_length])
+            angle = math.remainder(region.orientation + 0.5 * math.pi, math.pi)
+            edge = _at_edge(region, smooth.shape, math.ceil(2.0 * total))
+            merged = not edge and not _single(region)
+            rows.append((area * pixel**2, error * pixel**2, centre, axes, angle, edge, merged))
+    found = np.array(rows, dtype=CONTACT)
+    return {name: found[f"f{i}"].copy() for i, name in enumerate(NAMES)}
 
 
-def _clipped(values: NDArray[Any], labels: NDArray[np.int32], bright: bool) -> NDArray[np.bool_]:
-    """Return a mask of the pixels of contacts and of ground that are at their end of the scale."""
-    if values.dtype.kind not in "ui":
-        return np.zeros(values.shape, dtype=bool)
-    largest = int(values.max())
-    low, high = values == 0, (values == largest) & (largest in FULL_SCALE)
-    return np.asarray(np.where((labels > 0) != bright, low, high))
+def without_illumination(image: FloatArray, bright: bool) -> tuple[FloatArray, float, float]:
+    """Return the image with corrected illumination, the mean grey level of its ground, and its structure.
 
-
-def without_illumination(image: Grey, bright: bool) -> Ground:
-    """Return the image with corrected illumination, inverted if the contacts are bright.
-
-    The ground is a polynomial of degree 2 in each coordinate, fitted to the interquartile means of blocks;
-    clipping excludes the blocks that contain contacts.
+    The corrected image is 1 on the ground and smaller in the contacts; the structure is the standard
+    deviation of the ground about 1, without noise. The ground is a polynomial of degree 2 in each coordinate,
+    fitted to the interquartile means of blocks; clipping excludes the blocks that contain contacts.
     """
-    from skimage.measure import block_reduce
-
-    step = max(min(image.shape) // (BLOCKS * READ), 1)
-    thin = image[::step, ::step]
-    size = max(min(thin.shape) // BLOCKS, LEAST_BLOCK)
-    rows, columns = (n // size for n in thin.shape)
-    cut = thin[: rows * size, : columns * size]
-    blocks = block_reduce(cut, size, _middle)  # type: ignore[no-untyped-call]
-    y, x = (
-        legendre.legvander(2.0 * (step * (size * (np.arange(n) + 0.5) - 0.5) + 0.5) / length - 1.0, DEGREE)
-        for n, length in zip((rows, columns), image.shape, strict=True)
-    )
-    terms = np.einsum("ij,kl->ikjl", y, x).reshape(rows * columns, -1)
-    sign = -1.0 if bright else 1.0
-    coefficients, on_ground, scale = _fitted(terms, sign * blocks)
-    surface = sign * (terms @ coefficients).reshape(blocks.shape)
-    residual = blocks - surface
-    structure = _structure(np.where(on_ground, residual, np.nan), scale)
-    y, x = (legendre.legvander((2.0 * np.arange(n) + 1.0) / n - 1.0, DEGREE) for n in image.shape)
-    ground = sign * (y @ coefficients.reshape(DEGREE + 1, -1) @ x.T).astype(np.float32)
-    level, contrast = sign * float(coefficients[0]), float(np.abs(residual).max())
-    if float(ground.min()) > (FAINT * contrast if bright else FAINT**2 * level):
-        corrected, blocks, scale = image / ground, blocks / surface, abs(level)
-    else:
-        scale = contrast or 1.0
-        corrected, blocks = 1.0 + (image - ground) / np.float32(scale), 1.0 + residual / scale
-    if bright:
-        corrected, blocks = 2.0 - corrected, 2.0 - blocks
-    low, high = float(blocks.min()), float(blocks.max())
-    return Ground(corrected, structure / scale, level, (2.0 * low - high, 2.0 * high - low))
+    sign, size = -1.0 if bright else 1.0, max(min(image.shape) // BLOCKS, LEAST_BLOCK)
+    rows, columns = (length // size for length in image.shape)
+    parts = image[: rows * size, : columns * size].reshape(rows, size, columns, size).swapaxes(1, 2)
+    # the median of whole grey levels would be a whole one
+    blocks = sign * trim_mean(parts.reshape(rows, columns, -1), 0.25, axis=2)
+    y, x = (_along(length // size, size, length) for length in image.shape)
+    terms = legendre.legvander2d(*np.meshgrid(y, x, indexing="ij"), deg=[DEGREE, DEGREE])
+    coefficients, contrast, structure = _fitted(terms, blocks)
+    y, x = (_along(length, 1, length) for length in image.shape)
+    light = sign * legendre.leggrid2d(y, x, coefficients)
+    level = float(light.mean())
+    divided = float(light.min()) > (FAINT * contrast if bright else FAINT**2 * level)
+    scale = light if divided else contrast
+    return 1.0 + sign * (image - light) / scale, level, structure / (level if divided else contrast)
 
 
-def _middle(values: Grey, axis: Any) -> FloatArray:
-    """Return interquartile means over the last two axes; a median of whole grey levels is a whole one."""
-    pixels = np.sort(values.reshape(*values.shape[:-2], -1), axis=-1)
-    low = pixels.shape[-1] // 4
-    return np.asarray(pixels[..., low : pixels.shape[-1] - low].mean(axis=-1, dtype=np.float64))
+def _along(count: int, size: int, length: int) -> FloatArray:
+    """Return the centres of blocks along an axis, -1 to 1 from one edge of the image to the other."""
+    return 2.0 * size * (np.arange(count) + 0.5) / length - 1.0
 
 
-def _envelope(terms: FloatArray, levels: FloatArray) -> FloatArray:
-    """Return the coefficients of a surface near the brightest blocks (an expectile)."""
-    weight = np.ones(levels.size)
-    for _ in range(ROUNDS):
-        normal = terms.T * weight
-        coefficients = np.linalg.solve(normal @ terms, normal @ levels)
-        weight = np.where(levels > terms @ coefficients, WEIGHT, 1.0)
-    return np.asarray(coefficients, dtype=np.float64)
+def _fitted(terms: NDArray[Any], blocks: FloatArray) -> tuple[FloatArray, float, float]:
+    """Return the coefficients of the ground, the largest distance of a block from it, and the standard
+    deviation of its blocks without their noise.
 
-
-def _fitted(terms: FloatArray, blocks: FloatArray) -> tuple[FloatArray, NDArray[np.bool_], float]:
-    """Return the coefficients of the ground, a mask of the fitted blocks, and their standard deviation.
-
-    The first blocks of the ground are those that Otsu's threshold separates from a surface near the
-    brightest blocks.
+    Contacts lie below the surface. The first surfaces are fitted to the blocks above the one before.
     """
-    height = blocks - (terms @ _envelope(terms, blocks.ravel())).reshape(blocks.shape)
-    on_ground = _clear_of(height < otsu(height))
-    least = EXACT * float(np.ptp(blocks))
-    for _ in range(ROUNDS):
-        used = terms[on_ground.ravel()]
-        coefficients = np.asarray(np.linalg.lstsq(used, blocks[on_ground], rcond=None)[0], dtype=float)
-        height = blocks - (terms @ coefficients).reshape(blocks.shape)
-        # contacts lie below the surface, so blocks above it are ground
+    on_ground: NDArray[np.bool_] = np.ones(blocks.shape, dtype=bool)
+    exact, least = EXACT * float(np.ptp(blocks)), 2 * terms.shape[2]
+    for number in range(ROUNDS):
+        coefficients = np.linalg.lstsq(terms[on_ground], blocks[on_ground], rcond=None)[0]
+        height = blocks - terms @ coefficients
         above = height[on_ground & (height > 0.0)]
-        scale = max(float(np.median(above)) / MAD if above.size else 0.0, least)
-        before = on_ground
-        on_ground = _clear_of(height < -CLIPPED * scale) & (height < 2.0 * CLIPPED * scale)
-        if np.array_equal(before, on_ground) or on_ground.sum() < 2 * terms.shape[1]:
+        sd = max(float(np.median(above)) / MAD if above.size else 0.0, exact)
+        before, on_ground = on_ground, height > 0.0
+        if number >= ABOVE:
+            dark = height < -CLIPPED * sd
+            clear = ~binary_dilation(dark, np.ones((3, 3)))
+            on_ground = (clear if clear.sum() > least else ~dark) & (height < 2.0 * CLIPPED * sd)
+        if np.array_equal(before, on_ground) or on_ground.sum() < least:
             break
-    return coefficients, before, scale
-
-
-def _clear_of(dark: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Return which blocks are not dark and, if such blocks exist, have no dark neighbour."""
-    clear = ~binary_dilation(dark, np.ones((3, 3)))
-    return np.asarray(clear if clear.mean() > ENOUGH else ~dark)
+    # neighbouring blocks have independent noise, so that it cancels in their mean product
+    ground = np.where(before, height, np.nan)
+    products = ground[:, 1:] * ground[:, :-1]
+    products = products[np.isfinite(products)]
+    chance = 2.0 * sd**2 / math.sqrt(max(products.size, 1))
+    structure = math.sqrt(max(float(products.sum()) / max(products.size, 1) - chance, 0.0))
+    return np.reshape(coefficients, (DEGREE + 1, DEGREE + 1)), float(np.abs(height).max()), structure
 
 
 def otsu(values: NDArray[Any]) -> float:
@@ -594,27 +493,7 @@ def otsu(values: NDArray[Any]) -> float:
     return float(threshold_otsu(values))  # type: ignore[no-untyped-call]
 
 
-def _structure(residual: FloatArray, scale: float) -> float:
-    """Return the standard deviation of residuals (nan in contacts) without the noise of single blocks.
-
-    Neighbouring blocks have independent noise, so the noise cancels in the mean product of their residuals.
-    The error of this mean is subtracted.
-    """
-    products = np.append(residual[:, 1:] * residual[:, :-1], residual[1:] * residual[:-1])
-    products = products[~np.isnan(products)]
-    chance = 2.0 * scale**2 / math.sqrt(max(products.size, 1))
-    return math.sqrt(max(float(products.sum()) / max(products.size, 1) - chance, 0.0))
-
-
-def smoothed(corrected: Grey, width: float) -> tuple[Grey, float]:
-    """Return a smoothed image, and the variance of the truncated Gaussian kernel."""
-    place = np.arange(-int(CUT_OFF * width + 0.5), int(CUT_OFF * width + 0.5) + 1)
-    weight = np.exp(-0.5 * (place / width) ** 2)
-    smooth = gaussian_filter(corrected, width, mode="nearest", truncate=CUT_OFF)
-    return smooth, float((weight * place**2).sum() / weight.sum())
-
-
-def smoothed_noise(smooth: Grey, labels: NDArray[np.int32], width: float) -> float:
+def smoothed_noise(smooth: FloatArray, labels: NDArray[np.int32], width: float) -> float:
     """Return the standard deviation of the noise of a smoothed image, from differences on its ground."""
     apart = math.ceil(INDEPENDENT * width)
     clear = ~binary_dilation(labels > 0, iterations=apart)
@@ -645,23 +524,16 @@ def _single(region: Any) -> bool:
     return bool(filled.area**2 >= COMPACT * ellipse**2)
 
 
-def _window(smooth: Grey, labels: NDArray[np.int32], region: Any) -> Grey:
+def _window(smooth: FloatArray, labels: NDArray[np.int32], region: Any) -> FloatArray:
     """Return the part of an image around a region, without other regions and with a border of ground."""
     around = tuple(slice(max(s.start - MARGIN, 0), s.stop + MARGIN) for s in region.slice)
     own = (labels[around] == 0) | (labels[around] == region.label)
-    return np.pad(np.where(own, smooth[around], np.float32(1.0)), 1, constant_values=1.0)
+    return np.pad(np.where(own, smooth[around], 1.0), 1, constant_values=1.0)
 
 
-class Contour(NamedTuple):
-    """Area within the contour of a region, without holes, total length, and number of holes [pixels]."""
-
-    area: float
-    length: float
-    holes: int
-
-
-def contour(window: Grey, level: float) -> Contour:
-    """Return the contour of the one region of a window that is darker than the level.
+def contour(window: FloatArray, level: float) -> tuple[float, float, int]:
+    """Return the area of the one region of a window that is darker than the level, the length of its
+    contours, and the number of its holes [pixels].
 
     The contours are polygons from marching squares; they enclose less area than smooth contours
     (`INTERPOLATION`). The longest one is the boundary of the region, and the others are its holes.
@@ -672,7 +544,7 @@ def contour(window: Grey, level: float) -> Contour:
     area = [abs(np.sum(y[:-1] * x[1:] - y[1:] * x[:-1])) / 2.0 for y, x in (line.T for line in lines)]
     length = sum(float(np.hypot(*np.diff(line, axis=0).T).sum()) for line in lines)
     whole = 2.0 * max(area, default=0.0) - sum(area)  # below 0 in an image of noise alone
-    return Contour(max(float(whole), 0.0), length, max(len(lines) - 1, 0))
+    return max(float(whole), 0.0), length, max(len(lines) - 1, 0)
 
 
 def enclosed(area: float, holes: int, total: float) -> float:
@@ -690,70 +562,61 @@ def of_contour(
     return math.sqrt(from_noise + from_level**2 + (2.0 * math.pi * total * blur) ** 2)
 
 
-def _levels(ground: Ground) -> Levels:
-    """Return the levels of an image, measured in its widest contacts.
+def _levels(corrected: FloatArray, ground: float) -> tuple[Levels, list[Note]]:
+    """Return the levels of an image, measured in its widest contacts, and a note if they are in doubt.
 
     The blur follows from the areas within the contours at the two quarter levels, which are 2 x 0.6745
     standard deviations apart at a straight edge.
     """
-    smooth, variance = smoothed(ground.corrected, LEAST_SMOOTHING)
-    first = _darkness(ground, smooth)
-    levels = Levels(ground.level, first, LEAST_SMOOTHING)
-    labels, count = label(smooth < levels.half)
+    smooth = gaussian_filter(corrected, LEAST_SMOOTHING, truncate=CUT_OFF)
+    first = Levels(ground, _darkness(corrected, smooth), LEAST_SMOOTHING)
+    labels, count = label(smooth < first.half)
     if not count:
-        return levels._replace(doubt=NARROW)
-    regions = sorted(_regions(labels), key=lambda region: -region.area)
-    whole = [each for each in regions[: 2 * MOST] if not _at_edge(each, smooth.shape) and _single(each)]
-    used = whole[:MOST] or regions[:1]
-    depths = [distance_transform_edt(np.pad(region.image, 1))[1:-1, 1:-1] for region in used]
-    deepest = max(float(depth.max()) for depth in depths)
-    wide = [i for i, depth in enumerate(depths) if depth.max() >= AS_DEEP * deepest]
-    middles = [smooth[used[i].slice][depths[i] >= _core(depths[i])] for i in wide]
-    cores, pixels = np.array([[middle.mean(dtype=float), middle.size] for middle in middles]).T
-    scatter = _scatter(cores, smoothed_noise(smooth, labels, LEAST_SMOOTHING), pixels, variance)
-    levels = levels._replace(dark=float(np.median(cores)), dark_error=scatter)
+        return first, [Note(DOUBT)]
+    regions = sorted(_regions(labels), key=lambda region: -region.area)[:MOST]
+    whole = [region for region in regions if not _at_edge(region, smooth.shape) and _single(region)]
+    windows = {region.label: _window(smooth, labels, region) for region in whole or regions[:1]}
+    depth = distance_transform_edt(np.pad(np.isin(labels, [*windows]), 1))[1:-1, 1:-1]
+    deepest = maximum(depth, labels, np.arange(count + 1))
+    inner = np.maximum(0.5 * deepest, np.minimum(deepest - 1.0, CORE))[labels]
+    core = np.where((depth >= inner) & (depth >= 0.5 * AS_DEEP * deepest.max()), labels, 0)
+    number, pixels = np.unique(core[core > 0], return_counts=True)
+    cores = mean(smooth, core, number)
+    dark = float(np.median(cores))
+    scatter = _scatter(cores, smoothed_noise(smooth, labels, LEAST_SMOOTHING), pixels)
     if not whole:
-        return levels._replace(blur_error=UNKNOWN_BLUR, doubt=CUT)
-    windows = [_window(smooth, labels, used[i]) for i in wide]
+        return first._replace(dark=dark, dark_error=scatter), [Note(DOUBT)]
     for _ in range(CORRECTED):
-        edge, radius = np.array([_edge(window, levels.dark) for window in windows]).T
+        edge, radius = np.array([_edge(windows[i], dark) for i in number.tolist()]).T
         total = float(np.median(edge))
-        if deepest > 2.0 * DEEP * total:
-            break
         # mean share of the contrast that the middle pixels of a smoothed circle retain
-        shown = chndtr((radius / total) ** 2, 2.0, pixels / (2.0 * math.pi * total**2))
-        levels = levels._replace(dark=float(np.median(1.0 - (1.0 - cores) / shown)))
-    blur = math.sqrt(max(total**2 - variance, 0.0))
+        retained = chndtr((radius / total) ** 2, 2.0, pixels / (2.0 * math.pi * total**2))
+        dark = float(np.median(1.0 - (1.0 - cores) / retained))
+    blur = math.sqrt(max(total**2 - LEAST_SMOOTHING**2, 0.0))
     # the error of s follows from the error of s_t, since the variance of the smoothing is exact
     error = float(np.median(np.abs(edge - total))) / MAD / math.sqrt(edge.size)
     error *= total / max(blur, LEAST_SMOOTHING)
-    return levels._replace(blur=blur, blur_error=error, doubt=NARROW * (deepest < DEEP * total))
+    return Levels(ground, dark, blur, scatter, error), [Note(DOUBT)] * int(deepest.max() < DEEP * total)
 
 
-def _darkness(ground: Ground, smooth: Grey) -> float:
+def _darkness(corrected: FloatArray, smooth: FloatArray) -> float:
     """Return a first dark level: by Otsu's method or, within the noise, of the darkest region."""
-    clean = np.clip(ground.corrected, *ground.span)
-    threshold = otsu(clean)
-    noise = float(np.median(np.abs(ground.corrected - 1.0))) / MAD
-    darkest = float(gaussian_filter(clean, WIDE, mode="nearest").min())
+    darkest = float(gaussian_filter(corrected, WIDE).min())
+    # bad pixels and a bright frame lie outside of this range
+    threshold = otsu(np.clip(corrected, 2.0 * darkest - 1.0, 1.0))
+    noise = float(np.median(np.abs(corrected - 1.0))) / MAD
     if 1.0 - threshold <= min(IN_NOISE * noise, SHALLOW * (1.0 - darkest)):
         return darkest
-    return float(np.median(smooth[ground.corrected < threshold]))
+    return float(np.median(smooth[corrected < threshold]))
 
 
-def _core(depth: FloatArray) -> float:
-    """Return the depth beyond which the pixels of a contact show its grey level."""
-    deepest = float(depth.max())
-    return max(0.5 * deepest, min(deepest - 1.0, CORE))
-
-
-def _scatter(cores: FloatArray, noise: float, pixels: FloatArray, variance: float) -> float:
+def _scatter(cores: FloatArray, noise: float, pixels: IntArray) -> float:
     """Return the standard deviation of the dark level among contacts, including the error of their median.
 
     After smoothing by a Gaussian of variance w², the noise has one independent value per 4 pi w² pixels.
     """
     spread = float(np.median(np.abs(cores - np.median(cores)))) / MAD
-    by_noise = float(np.mean(noise**2 / np.maximum(pixels / (4.0 * math.pi * variance), 1.0)))
+    by_noise = float(np.mean(noise**2 / np.maximum(pixels / (4.0 * math.pi * LEAST_SMOOTHING**2), 1.0)))
     # the variance of a median is pi/2 times the variance of a mean
     error = 0.5 * math.pi * max(spread**2, by_noise) / cores.size
     # the square of a median absolute deviation of n values has the relative scatter 2.3/sqrt(n)
@@ -761,14 +624,14 @@ def _scatter(cores: FloatArray, noise: float, pixels: FloatArray, variance: floa
     return math.sqrt(max(spread**2 - chance, 0.0) + error)
 
 
-def _edge(window: Grey, dark: float) -> tuple[float, float]:
+def _edge(window: FloatArray, dark: float) -> tuple[float, float]:
     """Return the standard deviation of the edge of a contact, and the radius of the contact [pixels]."""
-    outer, middle, inner = (
-        contour(window, float(np.float32(dark + share * (1.0 - dark)))) for share in (0.75, 0.5, 0.25)
+    (outer, *_), (middle, length, _), (inner, *_) = (
+        contour(window, dark + share * (1.0 - dark)) for share in (0.75, 0.5, 0.25)
     )
-    if not inner.area:
-        return LEAST_SMOOTHING, math.sqrt(outer.area / math.pi)
-    variance = ((outer.area - inner.area) / (2.0 * MAD * middle.length)) ** 2
-    square = middle.area / math.pi + variance
+    if not inner:
+        return LEAST_SMOOTHING, math.sqrt(outer / math.pi)
+    variance = ((outer - inner) / (2.0 * MAD * length)) ** 2
+    square = middle / math.pi + variance
     variance -= EDGE_INTERPOLATION + EDGE_CURVATURE * variance**2 / square
     return math.sqrt(max(variance, 0.0)), math.sqrt(square)

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
 Points = NDArray[np.complex128]
+Pose = tuple[complex, complex, IntArray]
 
 # Sides from which the contacts may be viewed, and whether x is mirrored.
 SIDES = {"glass": False, "block": True}
@@ -44,33 +45,16 @@ ON_SITES = 0.6
 TURN, STRETCH, SLACK = math.radians(5.0), 0.1, 1.2
 
 # Largest distance between a contact and the image of its site, over the distance between neighbouring sites:
-# during the search, so that a contact is near one site only, and at its end, for errors of a few pixels. At
-# the end it is MEDIANS times the median distance, about 7 standard deviations of normal errors.
+# in general, so that a contact is near one site only, and in a match, for errors of a few pixels. In a match
+# it is MEDIANS times the median distance, about 7 standard deviations of normal errors.
 REACH, LEAST_REACH, MEDIANS = 0.2, 0.02, 6.0
-
-# Largest length of a pair of contacts, over the distance between neighbouring sites. Long pairs have small
-# errors of direction, but open contacts make many long pairs useless.
-LONGEST = 6.0
 
 # Number of compared pairs of contacts, number of contacts that rate a similarity, and number of refined
 # similarities. If a fifth of the regions are not contacts, a third of the pairs are useless.
-PAIRS, RATING, REFINED = 30, 40, 24
+PAIRS, RATING, REFINED = 40, 40, 24
 
 # Largest number of steps of a refinement; three or four usually suffice.
 STEPS = 20
-
-
-class Pose(NamedTuple):
-    """Similarity w -> factor w + shift of the sites to the image, and the site of each contact, -1: none."""
-
-    factor: complex
-    shift: complex
-    site: IntArray
-
-    @property
-    def matched(self) -> int:
-        """Number of contacts that have a site."""
-        return int(np.count_nonzero(self.site >= 0))
 
 
 def complex_points(points: Any, mirrored: bool = False) -> Points:
@@ -84,122 +68,85 @@ def real_points(points: Any) -> FloatArray:
     return np.column_stack([np.real(points), np.imag(points)])
 
 
-def similarity(points: Points, sites: Points) -> tuple[complex, complex]:
-    """Return factor and shift with the least squares of ``points - factor sites - shift``."""
-    middle, origin = points.mean(), sites.mean()
-    away = sites - origin
-    factor = np.vdot(away, points - middle) / np.vdot(away, away).real
-    return complex(factor), complex(middle - factor * origin)
+def spacing(points: Points) -> float:
+    """Return the median distance between nearest neighbours."""
+    where = real_points(points)
+    return float(np.median(cKDTree(where).query(where, k=2)[0][:, 1]))
 
 
-class Sites:
-    """The sites of a design in any arrangement, on which the contacts of an image are sought."""
-
-    def __init__(self, sites: Points) -> None:
-        self.sites, self.tree = sites, cKDTree(real_points(sites))
-        self.spacing = _spacing(self.tree)
-
-    def assigned(self, points: Points, factor: complex, shift: complex, reach: float) -> Any:
-        """Return the site of each contact, -1 for none, and its distance; a site has one contact at most."""
-        where = real_points((points - shift) / factor)
-        distance, nearest = self.tree.query(where, distance_upper_bound=reach)
-        site = np.full(len(points), -1, dtype=np.intp)
-        order = np.argsort(distance, kind="stable")
-        order = order[np.isfinite(distance[order])]
-        chosen = order[np.unique(nearest[order], return_index=True)[1]]
-        site[chosen] = nearest[chosen]
-        return site, distance
-
-    def refined(self, points: Points, factor: complex, shift: complex, rigid: bool = False) -> Pose:
-        """Return the pose that fits the contacts near sites; if `rigid`, only the shift is fitted."""
-        widest = REACH * self.spacing
-        site, _ = self.assigned(points, factor, shift, 0.5 * self.spacing if rigid else widest)
-        for _ in range(STEPS):
-            on = site >= 0
-            if on.sum() < 2 - rigid:
-                break
-            if rigid:
-                away = points[on] - self.sites[site[on]]
-                shift = complex(np.median(away.real), np.median(away.imag))
-            else:
-                factor, shift = similarity(points[on], self.sites[site[on]])
-            before, (site, distance) = site, self.assigned(points, factor, shift, widest)
-            near = distance[np.isfinite(distance)]
-            reach = max(MEDIANS * float(np.median(near)) if near.size else 0.0, LEAST_REACH * self.spacing)
-            site, _ = self.assigned(points, factor, shift, min(reach, widest))
-            if np.array_equal(site, before):
-                break
-        return Pose(factor, shift, site)
-
-    def search(self, points: Points, rotations: Sequence[float], turn: float) -> list[Pose]:
-        """Return the different poses with the most matched contacts, near one of the rotations.
-
-        They map a pair of sites to a pair of contacts, or then a site to the most central matched contact.
-        """
-        poses: list[Pose] = []
-        for rotation in rotations:
-            found = self._best(points, *self._pairs(points), rotation, turn)
-            if found:
-                best = max(found, key=lambda pose: pose.matched)
-                matched = points[best.site >= 0]
-                middle = matched[np.argmin(np.abs(matched - matched.mean()))]
-                factor = np.full(len(self.sites), best.factor)
-                found += self._best(points, factor, middle - factor * self.sites, rotation, turn)
-            poses += found
-        most = max((pose.matched for pose in poses), default=0)
-        if most < max(FEWEST, ON_SITES * len(points)):
-            own = _spacing(cKDTree(real_points(points)))
-            raise InvalidInput(
-                f"{len(points)} contacts or caps are not on the sites of the design: at best {most} of them; "
-                f"neighbours are {own:.3g} mm apart, and {self.spacing:.3g} mm in the design. Check the "
-                "design, the pixel size, the rotation and the viewing side"
-            )
-        different = {pose.site.tobytes(): pose for pose in reversed(poses) if pose.matched == most}
-        return list(different.values())[::-1]
-
-    def _pairs(self, points: Points) -> tuple[Points, Points]:
-        """Return factors and shifts of the similarities that map a pair of sites to a pair of contacts."""
-        first, second = _near_pairs(cKDTree(real_points(points)), LONGEST * self.spacing)
-        long = np.flatnonzero(np.abs(points[second] - points[first]) > REACH * self.spacing)
-        chosen = long[np.unique(np.linspace(0, len(long) - 1, min(PAIRS, len(long))).astype(int))]
-        one, two = _near_pairs(self.tree, SLACK * LONGEST * self.spacing)
-        site, other = np.append(one, two), np.append(two, one)
-        between = points[second[chosen]] - points[first[chosen]]
-        factor = between[:, None] / (self.sites[other] - self.sites[site])
-        return factor.ravel(), (points[first[chosen], None] - factor * self.sites[site]).ravel()
-
-    def _best(
-        self, points: Points, factor: Points, shift: Points, rotation: float, turn: float
-    ) -> list[Pose]:
-        """Return the refined poses of the similarities with the most contacts near sites."""
-        admitted = _admitted(factor, rotation, turn)
-        factor, shift = factor[admitted], shift[admitted]
-        some = points[np.unique(np.linspace(0, len(points) - 1, RATING).astype(int))]
-        where = ((some - shift[:, None]) / factor[:, None]).ravel()
-        reach = REACH * self.spacing
-        distance, _ = self.tree.query(real_points(where), distance_upper_bound=reach)
-        near = np.maximum(1.0 - (distance / reach) ** 2, 0.0).reshape(-1, len(some)).sum(axis=1)
-        best = np.argsort(-near, kind="stable")[:REFINED]
-        found = [self.refined(points, complex(factor[i]), complex(shift[i])) for i in best]
-        return [pose for pose in found if pose.matched > 1 and _admitted(pose.factor, rotation, turn)]
+def _nearest(points: Points, sites: Points, reach: float) -> tuple[IntArray, FloatArray]:
+    """Return the site of each contact, -1 for none, and its distance; both are nearest to each other."""
+    distance, site = cKDTree(real_points(sites)).query(real_points(points), distance_upper_bound=reach)
+    _, contact = cKDTree(real_points(points)).query(real_points(sites))
+    own = np.append(contact, -1)[site] == np.arange(len(points))
+    return np.where(own, site, -1), distance
 
 
-def _admitted(factor: Any, rotation: float, turn: float) -> Any:
-    """Return whether similarities are within the ranges of rotation and scale of the search."""
+def _refined(points: Points, sites: Points, factor: complex, shift: complex, reach: float) -> Pose:
+    """Return factor, shift and the site of each contact, by least squares of the contacts near sites."""
+    site = np.full(len(points), -2)
+    for _ in range(STEPS):
+        before, (site, distance) = site, _nearest(points, factor * sites + shift, reach)
+        median = float(np.median(distance[site >= 0])) if np.any(site >= 0) else 0.0
+        site = np.where(distance <= max(MEDIANS * median, LEAST_REACH / REACH * reach), site, -1)
+        on = site >= 0
+        if on.sum() < 2 or np.array_equal(site, before):
+            break
+        matrix = np.column_stack([sites[site[on]], np.ones(on.sum())])
+        factor, shift = np.linalg.lstsq(matrix, points[on], rcond=None)[0].tolist()
+    return factor, shift, site
+
+
+def _best(points: Points, sites: Points, factor: Points, shift: Points) -> list[Pose]:
+    """Return the refined poses of the similarities with the most contacts near sites."""
+    some = points[np.unique(np.linspace(0, len(points) - 1, RATING).astype(int))]
+    where, reach = ((some - shift[:, None]) / factor[:, None]).ravel(), REACH * spacing(sites)
+    distance, _ = cKDTree(real_points(sites)).query(real_points(where), distance_upper_bound=reach)
+    near = np.maximum(1.0 - (distance / reach) ** 2, 0.0).reshape(-1, len(some)).sum(axis=1)
+    best = np.argsort(-near, kind="stable")[:REFINED].tolist()
+    return [_refined(points, sites, complex(factor[i]), complex(shift[i]), reach) for i in best]
+
+
+def _pairs(points: Points, sites: Points, rotation: float, turn: float) -> tuple[Points, Points]:
+    """Return factors and shifts of the similarities that map a pair of sites to two neighbouring contacts."""
+    where = real_points(points)
+    second = cKDTree(where).query(where, k=FEWEST)[1][:, 1:].ravel()
+    first = np.repeat(np.arange(len(points)), FEWEST - 1)
+    chosen = np.unique(np.linspace(0, len(first) - 1, PAIRS).astype(int))
+    between, start = (points[second] - points[first])[chosen], points[first][chosen]
+    longest = float(np.abs(between).max()) / (1.0 - SLACK * STRETCH)
+    one, two = cKDTree(real_points(sites)).query_pairs(longest, output_type="ndarray").T
+    site, other = np.append(one, two), np.append(two, one)
+    factor = between[:, None] / (sites[other] - sites[site])
     angle = np.abs(np.angle(factor * np.exp(-1j * rotation)))
-    return (angle <= SLACK * turn) & (np.abs(np.abs(factor) - 1.0) <= SLACK * STRETCH)
+    pair, at = np.nonzero((angle <= SLACK * turn) & (np.abs(np.abs(factor) - 1.0) <= SLACK * STRETCH))
+    return factor[pair, at], start[pair] - factor[pair, at] * sites[site[at]]
 
 
-def _spacing(tree: Any) -> float:
-    """Return the median distance between nearest neighbours in a tree; infinite for one point."""
-    return float(np.median(tree.query(tree.data, k=2)[0][:, 1]))
+def _matched(pose: Pose) -> int:
+    """Return the number of contacts that have a site."""
+    return int(np.count_nonzero(pose[2] >= 0))
 
 
-def _near_pairs(tree: Any, reach: float) -> tuple[IntArray, IntArray]:
-    """Return the pairs of points closer than `reach`, in a reproducible order."""
-    pairs = tree.query_pairs(reach, output_type="ndarray")
-    pairs = pairs[np.lexsort(pairs.T[::-1])]
-    return pairs[:, 0], pairs[:, 1]
+def matches(points: Points, sites: Points, rotations: Sequence[float], turn: float) -> list[Pose]:
+    """Return the different poses with the most matched contacts, near one of the rotations."""
+    poses: list[Pose] = []
+    for rotation in rotations:
+        found = _best(points, sites, *_pairs(points, sites, rotation, turn))
+        if any(map(_matched, found)):
+            factor, _, site = max(found, key=_matched)
+            on = points[site >= 0]
+            central = on[np.argmin(np.abs(on - on.mean()))]  # any other site may be at this contact
+            poses += found + _best(points, sites, np.full(len(sites), factor), central - factor * sites)
+    most = max(map(_matched, poses), default=0)
+    refuse_if(
+        most < max(FEWEST, ON_SITES * len(points)),
+        f"{len(points)} contacts or caps are not on the sites of the design: at best {most} of them; "
+        f"neighbours are {spacing(points):.3g} mm apart, and {spacing(sites):.3g} mm in the design. Check "
+        "the design, the pixel size, the rotation and the viewing side",
+    )
+    different = {pose[2].tobytes(): pose for pose in reversed(poses) if _matched(pose) == most}
+    return list(different.values())[::-1]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -258,10 +205,9 @@ def match_sites(
 ) -> SiteMatch:
     """Return the sites of the contacts in an image, and the shift, rotation and scale of the image.
 
-    Pairs of contacts are compared with pairs of sites. Each similarity (shift, rotation, and scale from 0.9
-    to 1.1) that maps a pair of sites to a pair of contacts is rated by the number of contacts near sites. The
-    best similarities are refined by least squares. There may be open contacts, regions that are not contacts,
-    and sites outside the frame.
+    Each similarity (shift, rotation, and scale from 0.9 to 1.1) that maps a pair of sites to a pair of
+    neighbouring contacts is rated by the number of contacts near sites, and the best ones are refined by
+    least squares. There may be open contacts, regions that are not contacts, and sites outside the frame.
 
     Parameters
     ----------
@@ -307,43 +253,27 @@ def match_sites(
     places = check.array("site_position", site_position, shape=(None, 2))
     must = "must be 'glass', if the camera looks through the glass, or 'block', if it looks through the block"
     refuse_if(viewed_from not in SIDES, f"viewed_from = {shown(viewed_from)} {must}")
-    angle = check.number("rotation", rotation)
+    angle, mirrored = check.number("rotation", rotation), SIDES[viewed_from]
     for what, count in (("contacts", len(centres)), ("sites", len(places))):
         few = f"{count} {what} cannot be matched: shift, rotation and scale need at least {FEWEST}"
         refuse_if(count < FEWEST, few)
-    mirrored = SIDES[viewed_from]
-    points, design = complex_points(centres), Sites(complex_points(places, mirrored))
+    points, sites = complex_points(centres), complex_points(places, mirrored)
     coincident = "site_position holds coincident sites; each site must have a position of its own"
-    refuse_if(design.spacing == 0.0, coincident)
-    most = design.search(points, [angle], TURN)
+    refuse_if(spacing(sites) == 0.0, coincident)
+    poses = matches(points, sites, [angle], TURN)
     # of several places, the one at which the design is about the contacts
-    best = min(most, key=lambda one: abs((one.factor * design.sites + one.shift).mean() - points.mean()))
-    matched = best.site >= 0
-    away = points[matched] - best.factor * design.sites[best.site[matched]] - best.shift
+    factor, shift, site = min(poses, key=lambda one: abs(one[0] * sites.mean() + one[1] - points.mean()))
+    on = site >= 0
+    away = points[on] - factor * sites[site[on]] - shift
     return SiteMatch(
-        site=best.site,
-        shift=real_points([best.shift])[0],
-        rotation=float(np.angle(best.factor)),
-        scale=abs(best.factor),
+        site=site,
+        shift=real_points([shift])[0],
+        rotation=float(np.angle(factor)),
+        scale=abs(factor),
         mirrored=mirrored,
         residual=float(np.sqrt(np.mean(np.abs(away) ** 2))),
-        ambiguous=len(most) > 1,
+        ambiguous=len(poses) > 1,
     )
-
-
-class Placed(NamedTuple):
-    """Sites in an image: their positions (m, 2) [mm], the site of each contact (n,), -1 if it has none, and
-    the sites that could not be measured (m,): at the edge, outside the frame, merged, or beside a contact.
-    """
-
-    position: FloatArray
-    site: IntArray
-    unmeasured: NDArray[np.bool_]
-
-    def of(self, kept: NDArray[np.bool_]) -> Placed:
-        """Return the sites that are kept (m,), numbered anew."""
-        number = np.append(np.where(kept, np.cumsum(kept) - 1, -1), -1)
-        return Placed(self.position[kept], number[self.site], self.unmeasured[kept])
 
 
 class TrackedContacts(NamedTuple):
@@ -357,8 +287,6 @@ class TrackedContacts(NamedTuple):
         Name of the reference image, whose contacts were matched to the sites or, without sites, numbered.
     match : SiteMatch or None
         Match of the reference image; None without sites.
-    placed : dict of Placed
-        Sites in each image that could be measured, by its name.
     notes : list of Note
 
     Examples
@@ -369,14 +297,13 @@ class TrackedContacts(NamedTuple):
     >>> areas = {"1.tif": mf.calibration.contact_areas(image, 0.005)}
     >>> forces = pd.DataFrame({"image": ["1.tif"], "sheared_image": "", "test": "", "load": 0.05})
     >>> found = mf.calibration.track_contacts(areas, forces.assign(friction_force=0.1))
-    >>> found.name, found.match, found.placed["1.tif"].site, found.notes
-    ('1.tif', None, array([0]), [])
+    >>> found.name, found.match, found.notes
+    ('1.tif', None, [])
     """
 
     table: DataFrame
     name: str
     match: SiteMatch | None
-    placed: dict[str, Placed]
     notes: list[Note]
 
 
@@ -433,78 +360,65 @@ def track_contacts(
     >>> table[["image", "load", "contact", "area"]].round(3).values.tolist()
     [['1.tif', 0.05, 1, 0.032]]
     """
-    names, sheared = forces["image"].tolist(), forces["sheared_image"].tolist()
+    names = forces["image"].tolist()
     unknown = dict(zip(names, forces["load"].isna(), strict=True))
     complete = {name: int(one.complete.sum()) for name in names if (one := areas[name]) is not None}
     usable = [name for name, count in complete.items() if count]
     refuse_if(not usable, f"no contact can be measured in {listed(names) or 'an empty list of images'}")
     reference = min(usable, key=lambda name: (unknown[name], -complete[name]))
     first: Any = areas[reference]
-    match, number, notes = None, None, []
     if site_position is None:
-        known = first.complete | first.edge
-        position, cut = first.centre[known], first.edge[known]
-        where = position
+        position = first.centre[first.complete | first.edge]
+        match, number, where = None, None, position
     else:
         position = check.array("site_position", site_position, shape=(None, 2))
         number = np.arange(len(position)) if site_number is None else np.asarray(site_number)
         try:
-            match = match_sites(
-                first.centre[first.complete], position, viewed_from=viewed_from, rotation=rotation
-            )
+            centre = first.centre[first.complete]
+            match = match_sites(centre, position, viewed_from=viewed_from, rotation=rotation)
         except InvalidInput as error:
             raise InvalidInput(f"{reference}: {error}") from None
-        where, cut = match.to_image(position), np.zeros(len(position), dtype=bool)
-        text = f"{reference}: the contacts match the sites equally well in several places; an image in which"
-        notes += [Note(f"{text} more contacts close can decide")] * match.ambiguous
-    placed: dict[str, Placed] = {}
-    for pair in zip(names, sheared, strict=True):
-        before = where
-        for name in pair:
+        where = match.to_image(position)
+    text = f"{reference}: the contacts match the sites equally well in several places; an image in which"
+    notes = [Note(f"{text} more contacts close can decide")] * bool(match and match.ambiguous)
+    values = np.full((len(names), 4, len(where)), np.nan)
+    for row, pair in zip(values, zip(names, forces["sheared_image"], strict=True), strict=True):
+        before = complex_points(where)
+        for i, name in enumerate(pair):
             one = areas.get(name)
             if one is not None:
-                placed[name] = _placed(one, before, cut)
-                before = placed[name].position
-                strays = int((placed[name].site[one.complete] < 0).sum())
+                before, row[2 * i : 2 * i + 2], strays = _followed(one, before)
                 text = f"{name}: {strays} regions are on no site; dust, or the sample moved too far"
                 notes += [Note(text)] * (strays > 0)
-    columns = [*_at_sites(areas, placed, names, len(where)), *_at_sites(areas, placed, sheared, len(where))]
     if match is None:  # a contact at the edge has a number if another image shows all of it
-        seen: Any = (columns[0] > 0.0).any(axis=0) | (columns[2] > 0.0).any(axis=0)
-        position, columns = position[seen], [column[:, seen] for column in columns]
-        placed = {name: one.of(seen) for name, one in placed.items()}
-    return TrackedContacts(contact_table(forces, position, number, *columns), reference, match, placed, notes)
+        seen = np.any(values[:, [0, 2]] > 0.0, axis=(0, 1))
+        position, values = position[seen], values[:, :, seen]
+    return TrackedContacts(
+        contact_table(forces, position, number, *values.swapaxes(0, 1)), reference, match, notes
+    )
 
 
-def _placed(areas: ContactAreas, position: FloatArray, cut: NDArray[np.bool_]) -> Placed:
-    """Return the sites in an image, from their positions in another image [mm].
+def _followed(areas: ContactAreas, sites: Points) -> tuple[Points, FloatArray, int]:
+    """Return the places of sites in an image, from those in another image, the areas at the sites and their
+    errors (2, m), and the number of complete contacts that are on no site.
 
-    The positions of contacts that the edge has `cut` there (m,) are those of what is seen of them.
+    The error of an open site is the smallest area that can be measured.
     """
-    sites, points = Sites(complex_points(position)), complex_points(areas.centre[areas.complete])
-    pose = sites.refined(points, 1.0, 0.0, True)
-    near, _ = sites.assigned(points, 1.0, pose.shift, REACH * sites.spacing)
-    where = position + real_points([pose.shift])
-    site = np.full(areas.count, -1, dtype=np.intp)
-    site[areas.complete] = np.where(np.append(cut, False)[near], near, pose.site)
-    unmeasured = np.any((where < 0.0) | (where > areas.frame), axis=1)
-    for region in np.flatnonzero(site < 0):
-        away = complex_points(where - areas.centre[region]) * np.exp(-1j * areas.angle[region])
-        unmeasured |= np.hypot(*(real_points(away) / areas.axes[region]).T) <= 1.0
-    unmeasured[site[site >= 0]] = False
-    return Placed(where, site, unmeasured)
-
-
-def _at_sites(
-    areas: Mapping[str, ContactAreas | None], placed: dict[str, Placed], names: list[str], count: int
-) -> tuple[FloatArray, FloatArray]:
-    """Return areas at sites and their errors, (k, m); the error of an open site is the smallest area."""
-    area, error = np.full((2, len(names), count), np.nan)
-    for i, name in enumerate(names):
-        one = areas.get(name)
-        if one is not None:
-            site, unmeasured = placed[name].site, placed[name].unmeasured
-            on = site >= 0
-            area[i], error[i] = np.where(unmeasured, np.nan, [[0.0], [one.smallest_area]])
-            area[i, site[on]], error[i, site[on]] = one.area[on], one.area_error[on]
-    return area, error
+    points, apart = complex_points(areas.centre[areas.complete]), spacing(sites) if len(sites) > 1 else np.inf
+    site, _ = _nearest(points, sites, 0.5 * apart)
+    for _ in range(STEPS):
+        if np.any(site >= 0):
+            away = (points - sites[site])[site >= 0]
+            sites = sites + np.median(away.real) + 1j * np.median(away.imag)
+        before, (site, _) = site, _nearest(points, sites, REACH * apart)
+        if np.array_equal(site, before):
+            break
+    on, own = site[site >= 0], np.flatnonzero(areas.complete)[site >= 0]
+    where, frame = real_points(sites), areas.pixel_size * np.array(areas.shape[::-1])
+    unmeasured = np.any((where < 0.0) | (where > frame), axis=1)
+    for region in np.setdiff1d(np.arange(areas.count), own):
+        beside = (sites - complex_points(areas.centre[region])) * np.exp(-1j * areas.angle[region])
+        unmeasured |= np.hypot(*(real_points(beside) / areas.axes[region]).T) <= 1.0
+    values = np.where(unmeasured, np.nan, [[0.0], [areas.smallest_area]])
+    values[:, on] = areas.area[own], areas.area_error[own]
+    return sites, values, int((site < 0).sum())

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -21,11 +21,20 @@ from metafem.cli.options import (
     quantity,
     refuse_files,
 )
-from metafem.cli.output import Printed, notes_data, show
+from metafem.cli.output import Printed, in_columns, notes_data, show
 from metafem.cli.progress import progress
 from metafem.errors import refuse_if
 from metafem.notes import Note
 from metafem.progress import doing
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+    from metafem.calibration import TrackedContacts
+
+# Sums over the contacts of an image that are printed; the errors are last.
+SUMS = ["contacts", "open", "not_measured", "area_mm2", "sheared_area_mm2"]
+SUMS += ["area_error_mm2", "sheared_area_error_mm2"]
 
 # Difference of a matched lattice's scale from 1 above which a warning is given: areas are then wrong by 2 %.
 SCALE = 0.01
@@ -101,34 +110,35 @@ def images(
         within, "--picture is in the folder of the images, and would be one of them; give another folder"
     )
     with progress():
-        found = _measured(source, options)
-        tracked, failed = found["tracked"], found["failed"]
+        files, areas, tracked, notes = _measured(source, options)
         if output is not None:
             mf.files.write_text(output, mf.files.contacts_table(tracked.table), force=force)
         if picture is not None:
             with doing("drawing the picture"):
-                mf.files.write_figure(picture, *_figure(found), force=force)
-    files = [path for path in (output, picture) if path is not None]
+                figure = _figure(files[tracked.name](), areas[tracked.name], tracked)
+                mf.files.write_figure(picture, figure, tracked.name, force=force)
+    failed = [name for name, one in areas.items() if one is None]
+    written = [path for path in (output, picture) if path is not None]
     data = {
-        "files": [str(path) for path in files],
+        "files": [str(path) for path in written],
         "pixel_size_mm": options["pixel"],
         "images": _rows(tracked.table),
         "match": _match(tracked),
         "failed": failed,
-        "notes": notes_data(found["notes"]),
+        "notes": notes_data(notes),
     }
     tables = [printed(data["images"]), *([printed([data["match"]])] if data["match"] else [])]
-    show(as_json, data, tables=tables, notes=found["notes"], files=files)
+    show(as_json, data, tables=tables, notes=notes, files=written)
     if failed:
         click.get_current_context().exit(NOT_ACHIEVED)
 
 
-def _measured(source: tuple[Path, ...], options: dict[str, Any]) -> dict[str, Any]:
-    """Return the measured images with tracked contacts; images before and under shear share one threshold."""
+def _measured(source: tuple[Path, ...], options: dict[str, Any]) -> tuple[Any, Any, TrackedContacts, Any]:
+    """Return the images, their areas, the tracked contacts and notes; all images share one threshold."""
     import numpy as np
 
     with doing("opening the images"):
-        files = {file.name: file for file in mf.files.find_images(source)}
+        files = mf.files.find_images(source)
         table = options["forces"]
         if table is not None:
             table = mf.files.read_table(table, columns_of(options["column"]))
@@ -136,25 +146,22 @@ def _measured(source: tuple[Path, ...], options: dict[str, Any]) -> dict[str, An
     sheared = forces["sheared_image"] != ""
     names = [*forces["image"], *forces["sheared_image"][sheared]]
     load = np.append(forces["load"], forces["load"][sheared])
-    # the image at the largest load determines the threshold: images without a load get the smallest load, and
-    # without any loads `stack_areas` uses the last image
+    # images without a load come last; without any loads the last image determines the threshold
     order = np.nan_to_num(load, nan=np.nanmin(load) - 1.0) if np.isfinite(load).any() else None
-    images, bright = mf.files.Images([files[name] for name in names]), options["bright_contacts"]
-    areas, said = mf.calibration.stack_areas(
+    images, bright = [files[name] for name in names], options["bright_contacts"]
+    found, said = mf.calibration.stack_areas(
         images, options["pixel"], order, names=names, bright_contacts=bright
     )
-    found = dict(zip(names, areas, strict=True))
+    areas = dict(zip(names, found, strict=True))
     with doing("following the contacts"):
-        tracked = mf.calibration.track_contacts(found, forces, **_sites(options))
+        tracked = mf.calibration.track_contacts(areas, forces, **_sites(options))
     scale = 1.0 if tracked.match is None else tracked.match.scale
     text = (
         f"the sites are {scale:.4f} times as far apart as in the design: with pixels of "
         f"{1e3 * options['pixel'] / scale:.4g} um they would agree, and areas would be "
         f"{100.0 * (scale**-2 - 1.0):+.2g} % different"
     )
-    notes = [*tracked.notes, *notes, *said, *[Note(text)] * (abs(scale - 1.0) > SCALE)]
-    failed = [name for name, areas in found.items() if areas is None]
-    return {"tracked": tracked, "areas": found, "files": files, "notes": notes, "failed": failed}
+    return files, areas, tracked, [*tracked.notes, *notes, *said, *[Note(text)] * (abs(scale - 1.0) > SCALE)]
 
 
 def _sites(options: dict[str, Any]) -> dict[str, Any]:
@@ -168,65 +175,54 @@ def _sites(options: dict[str, Any]) -> dict[str, Any]:
     return {"site_position": position, "site_number": number, **view}
 
 
-def _figure(found: dict[str, Any]) -> tuple[Any, str]:
-    """Return the figure of the image with the most contacts, and its title."""
+def _figure(image: Any, areas: Any, tracked: TrackedContacts) -> Any:
+    """Return the figure of the image with the most contacts."""
     from metafem.calibration.figures import found_figure
 
-    tracked = found["tracked"]
-    name = tracked.name
-    areas, placed = found["areas"][name], tracked.placed[name]
-    what = "contact" if tracked.match is None else "site"
-    number = tracked.table[what][: len(placed.position)] + (what == "site")
-    title = f"{name}: numbers are those of the column {what}"
-    return found_figure(
-        mf.files.Images([found["files"][name]])[0], areas, placed, number.tolist(), title
-    ), name
+    rows, match = tracked.table[tracked.table["image"] == tracked.name], tracked.match
+    where = rows[["x", "y"]].to_numpy() if match is None else match.to_image(rows[["x", "y"]])
+    title = f"{tracked.name}: numbers are those of the column {'contact' if match is None else 'site'}"
+    return found_figure(image, areas, rows, where, title)
 
 
-def _rows(table: Any) -> list[dict[str, Any]]:
+def _rows(table: DataFrame) -> list[dict[str, Any]]:
     """Return forces, numbers of contacts and the sum of the measured areas of each image.
 
     The errors of closed contacts are independent, so that their squares are added.
     """
-    import numpy as np
-
-    from metafem.calibration.contact_table import by_image
-
-    rows, areas = by_image(table)
+    area = table["area"]
+    rows = table.assign(contacts=area > 0.0, open=area == 0.0, not_measured=area.isna())
     rows = rows.rename(columns={"load": "load_N", "friction_force": "friction_force_N"})
-    area, known = areas["area"], np.isfinite(areas["area"])
-    rows["contacts"], rows["open"] = (area > 0.0).sum(axis=1), (area == 0.0).sum(axis=1)
-    rows["not_measured"] = (~known).sum(axis=1)
     for name in ("area", "sheared_area"):
-        area, error = areas[name], areas[f"{name}_error"]
-        measured = np.isfinite(area).any(axis=1)
-        rows[f"{name}_mm2"] = np.where(measured, np.nansum(area, axis=1), np.nan)
-        squares = np.where(area > 0.0, error, 0.0) ** 2
-        rows[f"{name}_error_mm2"] = np.where(measured, np.sqrt(squares.sum(axis=1)), np.nan)
-    data: list[dict[str, Any]] = mf.files.plain_data(rows.to_dict("records"))
+        rows[f"{name}_mm2"] = table[name]
+        rows[f"{name}_error_mm2"] = table[f"{name}_error"].where(table[name] > 0.0) ** 2
+    by = ["image", "test", "load_N", "friction_force_N"]
+    sums = rows.groupby(by, sort=False, dropna=False)[SUMS].sum(min_count=1).reset_index()
+    for name in SUMS[-2:]:
+        sums[name] **= 0.5
+    data: list[dict[str, Any]] = mf.files.plain_data(sums.to_dict("records"))
     return data
 
 
-def _match(tracked: Any) -> dict[str, Any] | None:
+def _match(tracked: TrackedContacts) -> dict[str, Any] | None:
     """Return how the image with the most contacts was matched to the sites."""
     match = tracked.match
-    return match and {
-        "image": tracked.name,
-        "matched": int((match.site >= 0).sum()),
-        "viewed_from": "block" if match.mirrored else "glass",
-        "rotation_deg": math.degrees(match.rotation),
-        "scale": match.scale,
-        "residual_mm": match.residual,
-        "ambiguous": match.ambiguous,
-    }
+    return (
+        match
+        if match is None
+        else {
+            "image": tracked.name,
+            "matched": int((match.site >= 0).sum()),
+            "viewed_from": "block" if match.mirrored else "glass",
+            "rotation_deg": math.degrees(match.rotation),
+            "scale": match.scale,
+            "residual_mm": match.residual,
+            "ambiguous": match.ambiguous,
+        }
+    )
 
 
 def printed(rows: Sequence[Mapping[str, Any]]) -> Printed:
     """Return the printed table of rows of data, without columns that are empty."""
-    names = [name for name in rows[0] if any(row[name] not in (None, "") for row in rows)]
-    return names, [[_text(row[name]) for name in names] for row in rows], None
-
-
-def _text(value: Any) -> str:
-    """Return the text of an entry in a printed table."""
-    return f"{value:.4g}" if isinstance(value, float) else str("" if value is None else value)
+    columns = {name: [row[name] for row in rows] for name in rows[0]}
+    return in_columns({name: values for name, values in columns.items() if {*values} - {None, ""}})

@@ -14,8 +14,6 @@ from .disk import refuse_figure as refuse_figure
 from .disk import staged as staged
 from .disk import write_figure as write_figure
 from .disk import write_text as write_text
-from .images import ImageFile as ImageFile
-from .images import Images as Images
 from .images import find_images as find_images
 from .images import read_forces as read_forces
 from .images import read_height_map as read_height_map

@@ -53,34 +53,27 @@ def contacts_of(table: Table) -> DataFrame:
     site = [number - 1 for number in entries.whole("site", 1)] if matched else [pd.NA] * len(table.rows)
     found = pd.DataFrame(
         {name: entries.texts(name) for name in ("image", "test")}
-        | {"contact": entries.whole("contact", 1)}
-        | {"site": pd.array(site, dtype="Int64")}
+        | {"contact": entries.whole("contact", 1), "site": pd.array(site, dtype="Int64")}
         | {name: entries.numbers(name, empty=True) for name in COLUMNS.units}
     )[list(NAMES)]
     of_image, of_contact = found.groupby(["test", "image"], sort=False), found.groupby("contact", sort=False)
-    alike = [(name, of_image, "image") for name in ("load", "friction_force")]
-    alike += [(name, of_contact, "contact") for name in ("site", "x", "y")]
-    areas = [name for name in NAMES if "area" in name]
     rules = [
         ("image", found["image"] == "", "is empty; write the name of the image"),
         ("contact", found.duplicated(["test", "image", "contact"]), "is twice in this image; keep one"),
-        *((name, found[name].isna(), "is empty; write the contact's position") for name in ("x", "y")),
-        *((name, found[name] < 0.0, "must not be negative") for name in areas),
-        *(
-            (one, found[one].isna() & found[other].notna(), f"is empty, and {entries.title(other)} is not")
-            for name in areas[::2]
-            for one, other in ((name, f"{name}_error"), (f"{name}_error", name))
-        ),
-        *(
-            (
-                name,
-                group[name].transform("nunique", dropna=False) > 1,
-                f"differs from other lines of its {of}",
-            )
-            for name, group, of in alike
-        ),
         ("site", found.groupby("site")["contact"].transform("nunique") > 1, "belongs to another contact too"),
     ]
+    rules += [(name, found[name].isna(), "is empty; write the contact's position") for name in ("x", "y")]
+    for area in ("area", "sheared_area"):
+        for one, other in ((area, f"{area}_error"), (f"{area}_error", area)):
+            rules.append((one, found[one] < 0.0, "must not be negative"))
+            alone = found[one].isna() & found[other].notna()
+            rules.append((one, alone, f"is empty, and {entries.title(other)} is not"))
+    for names, group, of in (
+        (("load", "friction_force"), of_image, "image"), (("site", "x", "y"), of_contact, "contact")
+    ):  # fmt: skip
+        for name in names:
+            differs = group[name].transform("nunique", dropna=False) > 1
+            rules.append((name, differs, f"differs from other lines of its {of}"))
     for name, wrong, must in rules:
         for row in np.flatnonzero(wrong)[:1].tolist():
             text = shown(entries.texts(name)[row], 40)

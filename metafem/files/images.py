@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import re
 import warnings
-from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,8 +25,8 @@ from metafem.notes import Note
 if TYPE_CHECKING:
     from pandas import DataFrame
 
-# Extensions of the image files that are read.
-FORMATS = (".tif", ".tiff", ".png")
+# Extensions of the image files that are read, and errors of files that cannot be read.
+FORMATS, UNREADABLE = (".tif", ".tiff", ".png"), (OSError, ValueError, SyntaxError, EOFError)
 
 # Weights of red, green and blue in the luminance, from Recommendation ITU-R BT.709.
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
@@ -39,46 +39,32 @@ FORCES = Columns(
 )
 
 
-class ImageFile(NamedTuple):
-    """One image: its name, ``stack.tif:3`` for the third page of a file with several, its file and page."""
+def find_images(sources: Iterable[str | Path]) -> dict[str, Callable[[], NDArray[Any]]]:
+    """Return a function that reads each image in files and folders, by its name, in natural order.
 
-    name: str
-    path: Path
-    page: int = 0
-
-
-class Images(Sequence[NDArray[Any]]):
-    """A sequence of the grey values of images, (rows, columns) each, which are read on access."""
-
-    def __init__(self, files: Sequence[ImageFile]) -> None:
-        self.files = tuple(files)
-
-    def __len__(self) -> int:
-        return len(self.files)
-
-    def __getitem__(self, index: Any) -> Any:
-        return read_image(self.files[index])
-
-
-def find_images(sources: Iterable[str | Path]) -> list[ImageFile]:
-    """Return all images in files and folders, in natural order; every page of a file is one image.
-
-    A file that cannot be opened is one image, whose reading fails. Raise InvalidInput for a name that does
-    not exist, a file of another format, a folder without an image, or two images of one name.
+    Every page of a file is one image, with the name ``stack.tif:3``. A file that cannot be opened is one
+    image, whose reading fails. Raise InvalidInput for a name that does not exist, a file of another format, a
+    folder without an image, or two images of one name.
     """
     refuse_missing("imageio", "images", "reading images")
-    found: list[ImageFile] = []
+    from imageio.v3 import improps
+
+    everything: Any = ...
+    found: dict[str, Callable[[], NDArray[Any]]] = {}
     for source in map(Path, sources):
         refuse_if(not source.exists(), f"{file_label(source)}: no such file or folder")
         files = sorted(source.iterdir(), key=lambda path: natural(path.name)) if source.is_dir() else [source]
         paths = [path for path in files if path.suffix.lower() in FORMATS and not path.name.startswith(".")]
         refuse_if(not paths, f"{file_label(source)} is or holds no image that is read; save TIFF or PNG")
         for path in paths:
-            count = _pages(path)
-            pages = [ImageFile(f"{path.name}:{page + 1}", path, page) for page in range(count)]
-            found += pages if count > 1 else [ImageFile(path.name, path)]
-    for name, number in Counter(image.name for image in found).items():
-        refuse_if(number > 1, f"two images have the name {printable(name)}; give them different names")
+            try:
+                count = improps(path, index=everything, plugin="pillow").n_images or 1
+            except UNREADABLE:
+                count = 1
+            for page in range(count):
+                name = f"{path.name}:{page + 1}" if count > 1 else path.name
+                refuse_if(name in found, f"two images have the name {printable(name)}; rename one of them")
+                found[name] = partial(_read, path, page, name)
     return found
 
 
@@ -88,26 +74,15 @@ def natural(name: str) -> list[tuple[int, str]]:
     return [(int(part), "") if i % 2 else (-1, part) for i, part in enumerate(parts)]
 
 
-def _pages(path: Path) -> int:
-    """Return the number of pages of a file; 1 if it cannot be opened."""
-    from imageio.v3 import improps
-
-    everything: Any = ...
-    try:
-        return improps(path, index=everything, plugin="pillow").n_images or 1
-    except (OSError, ValueError, SyntaxError, EOFError):
-        return 1
-
-
-def read_image(image: ImageFile) -> NDArray[Any]:
+def _read(path: Path, page: int, name: str) -> NDArray[Any]:
     """Return the grey values, (rows, columns) with row 0 at the top; the luminance of an image in colour."""
     from imageio.v3 import imread
 
     try:
-        values = imread(image.path, index=image.page, plugin="pillow")
-    except (OSError, ValueError, SyntaxError, EOFError) as error:
+        values = imread(path, index=page, plugin="pillow")
+    except UNREADABLE as error:
         reason = printable(" ".join(str(error).split()), 200) or "it is damaged"
-        raise InvalidInput(f"{printable(image.name)} cannot be read: {reason}") from None
+        raise InvalidInput(f"{printable(name)} cannot be read: {reason}") from None
     if values.ndim == 2:
         return values.astype(values.dtype.newbyteorder("="), copy=False)
     colours = values[..., :3] if values.shape[2] > 2 else values[..., [0, 0, 0]]
@@ -126,18 +101,17 @@ def read_forces(names: Sequence[str], source: str | Path | Table | None) -> tupl
     """
     import pandas as pd
 
-    texts, numbers = ("image", "test", "sheared_image"), ("load", "friction_force")
     every = pd.DataFrame({"image": [*names], "test": "", "sheared_image": "", "load": np.nan})
     every["friction_force"] = np.nan
     if source is None:
         return every, []
     entries = FORCES.read(source)
     found = pd.DataFrame(
-        {name: entries.texts(name) for name in texts}
-        | {name: entries.numbers(name, empty=True) for name in numbers}
+        {name: entries.texts(name) for name in ("image", "test", "sheared_image")}
+        | {name: entries.numbers(name, empty=True) for name in ("load", "friction_force")}
     )
-    shown = pd.concat([found["image"], found["sheared_image"][found["sheared_image"] != ""]])
-    twice = shown[shown.duplicated()]
+    shown = pd.concat([found["image"], found["sheared_image"]])
+    twice = shown[shown.duplicated() & (shown != "")]
     for column, wrong, must in (
         ("image", found["image"] == "", "is empty; write the name of the image"),
         ("load", found["load"].isna(), "is empty; write the load of the image"),
@@ -146,16 +120,16 @@ def read_forces(names: Sequence[str], source: str | Path | Table | None) -> tupl
     ):
         for row in np.flatnonzero(wrong)[:1].tolist():
             raise InvalidInput(f"{entries.cell(row, column)} {must}")
-    absent = [name for name in shown if name not in names]
-    kept = found[found["image"].isin(names)]
-    table = entries.table.name
-    words = f"{table}: {listed(absent)} is not among the images {listed(names)}; a page is named a.tif:1"
+    absent = [name for name in shown if name not in ("", *names)]
+    words = (
+        f"{entries.table.name}: {listed(absent)} is not among the images {listed(names)}; a page is named "
+        "a.tif:1"
+    )
+    kept, without = found[found["image"].isin(names)], every[~every["image"].isin(shown)]
     refuse_if(kept.empty, words)
     kept = kept.assign(sheared_image=kept["sheared_image"].where(kept["sheared_image"].isin(names), ""))
-    without = every[~every["image"].isin(shown)]
-    order = {name: i for i, name in enumerate(names)}
-    result = pd.concat([kept, without]).sort_values("image", key=lambda image: image.map(order))
-    notes = [Note(words)] * (absent != [])
+    result = pd.concat([kept, without]).sort_values("image", key=lambda image: image.map([*names].index))
+    notes = [Note(words)] * bool(absent)
     text = f"{listed(without['image'])}: not in the table of forces, so that the load is empty"
     return result.reset_index(drop=True), notes + [Note(text)] * (not without.empty)
 
@@ -181,10 +155,13 @@ def read_height_map(
         If the file cannot be read or holds no map, if the pixel or the unit is stated nowhere, or if an
         argument states what the file already states.
     """
-    name, array = file_label(path), Path(path).suffix.lower() == ".npy"
+    name = file_label(path)
     refuse_unreadable(path)
     try:
-        heights, sides, unit = _array(path) if array else _instrument(path, name)
+        if Path(path).suffix.lower() == ".npy":
+            heights, sides, unit = np.load(path, allow_pickle=False).astype(float), None, None
+        else:
+            heights, sides, unit = _instrument(path, name)
     except (InvalidInput, MemoryError):
         raise
     except Exception as error:  # the readers raise exceptions of all types for damaged files
@@ -202,18 +179,11 @@ def read_height_map(
         size = float(factor(unit or height_unit or "", "mm"))
     except InvalidInput as error:
         raise InvalidInput(f'--height-unit {error}; write for example "um"') from None
-    if pixel is not None:
-        width = check.number("--pixel", quantity("--pixel", pixel, "mm"), above=0.0)
-        sides = width / size, width / size
-    middle = np.nanmedian(heights)
-    return ((heights - middle) * size).astype(np.float32), (sides[0] * size, sides[1] * size)
-
-
-def _array(path: str | Path) -> tuple[NDArray[Any], Any, str | None]:
-    """Return the heights in an .npy file, which states neither pixels nor unit."""
-    values = np.load(path, allow_pickle=False).astype(np.float64)
-    refuse_if(values.ndim != 2, f"{file_label(path)} holds no map of rows and columns of heights")
-    return values, None, None
+    if pixel is None:
+        width, height = (size * side for side in sides or ())
+    else:
+        width = height = check.number("--pixel", quantity("--pixel", pixel, "mm"), above=0.0)
+    return ((heights - np.nanmedian(heights)) * size).astype(np.float32), (width, height)
 
 
 def _instrument(path: str | Path, name: str) -> tuple[NDArray[Any], Any, str | None]:

@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import label
+from scipy.ndimage import gaussian_filter, label
 
 from metafem._validate import FloatArray
 from metafem._values import percent
 from metafem.calibration import ContactAreas, contact_areas
-from metafem.calibration.images import contour, otsu, smoothed
+from metafem.calibration.images import contour, otsu
 from metafem.drawing import ACHIEVED, QUIET, TARGET
 from validation.check import Claim, Picture, Row, below, near, reported, rms
 from validation.figures import panels
@@ -89,9 +89,9 @@ def uncorrected(radius: float) -> tuple[float, float]:
     enclosed = []
     for centre in side / 2.0 + rng.uniform(-0.5, 0.5, (20, 2)):
         covered = coverage((side, side), [centre], [radius], blur=BLUR)
-        image, variance = smoothed((1.0 - covered).astype(np.float32), EDGE)
-        enclosed.append(contour(np.pad(image, 1, constant_values=1.0), 0.5).area)
-    return float(np.mean(enclosed) / (math.pi * radius**2) - 1.0), by_curvature(radius, EDGE**2 + variance)
+        image = gaussian_filter(1.0 - covered, EDGE)
+        enclosed.append(contour(np.pad(image, 1, constant_values=1.0), 0.5)[0])
+    return float(np.mean(enclosed) / (math.pi * radius**2) - 1.0), by_curvature(radius, 2.0 * EDGE**2)
 
 
 def claim() -> Claim:

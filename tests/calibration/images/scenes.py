@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from metafem.calibration.images import without_illumination
 from validation.scenes.pictures import picture
 
 PIXEL = 0.005
@@ -34,9 +33,3 @@ def images(**changes):
         picture(SHAPE, CENTRE, np.maximum(radius, 1e-6), rng=i, **{"noise": 0.02, **changes})
         for i, radius in enumerate(RADII)
     ]
-
-
-def ground(centre, radius, bright_contacts=False, **changes):
-    """Return the ground of a picture."""
-    image = picture((240, 300), centre, radius, **{"noise": 0.02, **changes})
-    return without_illumination(image.astype(np.float32), bright_contacts)

@@ -13,7 +13,6 @@ def contacts(centre, radius, *, shape=(1400, 1400), pixel=0.01, edge=(), merged=
     centre = np.asarray(centre, dtype=float)
     n = len(centre)
     area = np.pi * np.broadcast_to(np.asarray(radius, dtype=float), n) ** 2
-    none = np.zeros(n, dtype=bool)
     values = {
         "area": area,
         "area_error": 0.01 * area,
@@ -22,11 +21,8 @@ def contacts(centre, radius, *, shape=(1400, 1400), pixel=0.01, edge=(), merged=
         "angle": np.zeros(n),
         "edge": np.isin(np.arange(n), edge),
         "merged": np.isin(np.arange(n), merged),
-        "saturated": none,
-        "holes": np.zeros(n, dtype=int),
         "dark_level": 0.3,
         "blur": 1.5 * pixel,
-        "noise": 0.01,
         "pixel_size": pixel,
         "shape": shape,
     }

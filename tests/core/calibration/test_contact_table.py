@@ -1,49 +1,39 @@
 """The images of compression and of shear tests that are used, and what is said of the others."""
 
 import numpy as np
+import pandas as pd
 import pytest
 
-from metafem.calibration import MeasurementErrors, shear
+from metafem.calibration import MeasurementErrors, contact_table, shear
 from metafem.calibration.contact_table import pressed_images, sheared_points
-from tests.calibration.contacts import table_of
 
 LIMIT = 0.01
 
 
-def pressed(area, load=None, matched=False):
-    area = np.array(area, dtype=float)
-    count, contacts = area.shape
-    none = np.full(area.shape, np.nan)
-    names = tuple(f"{i + 1}.tif" for i in range(count))
-    load = np.full(count, 0.1) if load is None else np.array(load)
-    position, site = np.zeros((contacts, 2)), 10 + np.arange(contacts)
-    return table_of(
-        names, ("",) * count, load, load * np.nan, position, site, matched, area, 0.01 * area, none, none
-    )
+def table(load, force, site, *areas):
+    """Return the table of images 1.tif, 2.tif and so on from areas and their errors."""
+    count, contacts = areas[0].shape
+    names = [f"{i + 1}.tif" for i in range(count)]
+    forces = pd.DataFrame({"image": names, "test": "", "load": load, "friction_force": force})
+    return contact_table(forces, np.zeros((contacts, 2)), site, *areas)
 
 
-def sheared(before, after, force=None):
-    before, after = np.array(before, dtype=float), np.array(after, dtype=float)
-    count, contacts = before.shape
-    force = np.full(count, 0.1) if force is None else np.array(force, dtype=float)
-    errors = [
-        np.where(area > 0.0, 0.01 * area, np.where(area == 0.0, LIMIT, np.nan)) for area in (before, after)
-    ]
-    names = tuple(f"{i + 1}.tif" for i in range(count))
-    return table_of(
-        *(names, ("",) * count, force * np.nan, force, np.zeros((contacts, 2)), np.arange(contacts), False),
-        *(before, errors[0], after, errors[1]),
-    )
+def pressed(area, load=0.1, matched=False):
+    area = np.array(area)
+    return table(load, np.nan, 10 + np.arange(area.shape[1]) if matched else None, area, 0.01 * area)
+
+
+def sheared(before, after, force=0.1):
+    areas = [np.array(before, dtype=float), np.array(after, dtype=float)]
+    errors = [np.where(area == 0.0, LIMIT, 0.01 * area) for area in areas]
+    return table(np.nan, force, None, areas[0], errors[0], areas[1], errors[1])
 
 
 PRESSED = [
     (pressed([[0.1, 0.2], [0.1, 0.0]]), [0, 1], [], []),
     (pressed([[0.1, 0.2], [0.1, np.nan], [0.2, 0.3]]), [0, 2], ["contact 2"], [True]),
     (pressed([[0.1, 0.2], [0.1, np.nan], [0.2, 0.3]], matched=True), [0, 2], ["site 11"], [True]),
-    (
-        pressed([[0.1, np.nan], [0.2, np.nan], [0.3, 0.3]], load=[0.1, 0.2, np.nan]),
-        *([], ["contact 2"], [True]),
-    ),
+    (pressed([[0.1, np.nan], [0.2, np.nan], [0.3, 0.3]], [0.1, 0.2, np.nan]), [], ["contact 2"], [True]),
     (pressed([[0.1, 0.2], [0.0, 0.0]]), [0], ["2.tif"], [True]),
 ]
 

@@ -168,7 +168,6 @@ REFUSALS = [
     (compared(parameters=["area_ratio"], covariance=[[-1.0]]), "covariance", "-1"),
     (lambda: compare(measured_on(linear_design(), np.array([9.0])), linear_design()), "load", "9"),
     (lambda: grey_values(np.zeros((4, 50, 50))), "image", "(4, 50, 50)"),
-    (lambda: grey_values(np.eye(50) * 1e38), "image", "1e+38"),
     (lambda: grey_values("picture.tif"), "image", "picture.tif"),
     (lambda: stack_areas([np.zeros(SHAPE), np.ones(SHAPE)], PIXEL), "image 1", "0"),
     (matched(viewed_from="below"), "viewed_from", "below"),

@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 
 from metafem.calibration import match_sites, track_contacts
 from metafem.calibration.contact_table import by_image
-from metafem.calibration.sites import complex_points, real_points, similarity
 from tests.calibration.sites.scenes import SITES, contacts, cropped, loading
 from validation.scenes.lattice_views import seen, trial
 
@@ -67,9 +66,6 @@ def test_areas_stand_at_their_sites_in_all_images():
     assert result.notes == []
     assert np.isnan(areas["sheared_area"]).all()
     np.testing.assert_array_equal(result.table[["x", "y"]][:64], SITES)
-    for one, placed in zip(found, result.placed.values(), strict=True):
-        distance = np.linalg.norm(one.centre - placed.position[placed.site], axis=1)
-        assert distance.max() < 0.03
     few = np.arange(3, 64, 2)
     own = contacts(seen(SITES[few])[::-1], 0.1 + 0.001 * few[::-1])
     result, areas = tracked([own], site_position=SITES[few], site_number=few)
@@ -109,17 +105,17 @@ def test_sheared_images_move_with_their_contacts():
 
 def test_what_cannot_be_measured_has_no_area():
     where = seen(SITES)
-    # at the edge, merged with its neighbour to the right, saturated, and a region between the sites
+    # at the edge, merged with its neighbour to the right, and a region between the sites
     centre = np.vstack([where[:61], [0.5 * (where[61] + where[62])], where[63:], [where[9] + 0.7]])
-    second = contacts(centre, 0.3, saturated=np.arange(64) == 20, edge=[0], merged=[61])
+    second = contacts(centre, 0.3, edge=[0], merged=[61])
     axes = second.axes.copy()
     axes[61] = [0.9, 0.3]
     second = replace(second, axes=axes)
     fourth = contacts(where[where[:, 1] < 12.0], 0.3, shape=(1200, 1400))
     beside = where.copy()
-    beside[5] += 0.15
+    beside[5] += 0.22
     result, areas = tracked(
-        [contacts(where, 0.3), second, None, fourth, contacts(beside, 0.3)], site_position=SITES
+        [contacts(where, 0.3), second, None, fourth, contacts(beside, 0.35)], site_position=SITES
     )
     assert [np.flatnonzero(np.isnan(area)).tolist() for area in areas["area"]] == [
         *([], [0, 61, 62], list(range(64)), list(range(56, 64)), [5]),
@@ -128,15 +124,14 @@ def test_what_cannot_be_measured_has_no_area():
 
 
 def test_through_the_block_heights_csv_is_mirrored():
-    """Three asperities of an L: two along +x, one along +y."""
+    """Four asperities of an L: three along +x, one along +y."""
     sites = np.array([[0.0, 0.0], [1.5, 0.0], [3.0, 0.0], [0.0, 1.5]])
-    above = match_sites(sites, sites, viewed_from="glass")
-    assert above.site.tolist() == [0, 1, 2, 3]
-    below = match_sites([[0.0, 0.0], [-1.5, 0.0], [-3.0, 0.0], [0.0, 1.5]], sites, viewed_from="block")
-    assert below.site.tolist() == [0, 1, 2, 3]
-    assert below.rotation == pytest.approx(0.0, abs=1e-15)
-    wrong = match_sites(sites, sites, viewed_from="block")
-    assert -1 in wrong.site  # the three in a row alone look the same from both sides
+    for side, sign in (("glass", 1.0), ("block", -1.0)):
+        found = match_sites(sites * [sign, 1.0], sites, viewed_from=side)
+        assert found.site.tolist() == [0, 1, 2, 3]
+        assert found.rotation == pytest.approx(0.0, abs=1e-15)
+    # the three in a row alone look the same from both sides
+    assert -1 in match_sites(sites, sites, viewed_from="block").site
 
 
 def test_an_image_without_load_does_not_number_the_contacts():
@@ -153,23 +148,6 @@ def test_a_shift_by_more_than_half_a_pitch_leaves_contacts_on_no_site_and_is_sai
         result, _ = tracked([moved, contacts(where, 0.2)], [0.0, 1.0], site_position=SITES)
         assert len(result.notes) == (strays > 0)
         assert not strays or f"{strays} regions are on no site" in str(result.notes[0])
-
-
-def test_the_fit_of_a_pose_has_the_least_squares():
-    """Any small change of the fitted numbers raises the sum of squares."""
-    rng = np.random.default_rng(0)
-    points, sites = rng.normal(size=(2, 8)) + 1j * rng.normal(size=(2, 8))
-    found = similarity(points, sites)
-
-    def squares(factor, shift):
-        return np.sum(np.abs(points - factor * sites - shift) ** 2)
-
-    least = squares(*found)
-    for step in (1e-3, -1e-3, 1e-3j, -1e-3j):
-        assert squares(found[0] + step, found[1]) > least
-        assert squares(found[0], found[1] + step) > least
-    plane = np.array([[1.0, 2.0], [-3.0, 0.5]])
-    np.testing.assert_array_equal(real_points(complex_points(plane, mirrored=True)), plane * [-1.0, 1.0])
 
 
 def test_contacts_cut_by_the_frame_at_large_load_do_not_shift_the_others():

@@ -15,7 +15,7 @@ from metafem import files
 from metafem.calibration import fit_compression, shear
 from metafem.drawing import new_figure
 from metafem.files.calibrated import calibration_data
-from metafem.files.images import natural, read_image
+from metafem.files.images import natural
 from metafem.progress import listening
 from tests.calibration.contacts import table_of
 from tests.core.files.specs import spec
@@ -272,22 +272,21 @@ def test_images_of_all_kinds_have_their_grey_levels(tmp_path):
     (tmp_path / "9.jpg").touch()
     (tmp_path / ".1.png").touch()
     images = files.find_images([tmp_path])
-    stack = files.Images(images)
     expected = {
         "2.png": grey[0], "3.png": luminance, **{f"4.tif:{i + 1}": grey[i] for i in range(3)},
         "5.tif": 255 - grey[0], "6.tif": grey[0], **{f"7.tiff:{i + 1}": grey[i] for i in range(3)},
         "8.tif": grey[0], "10.png": 257.0 * grey[0],
     }  # fmt: skip
-    assert [image.name for image in images] == list(expected)
-    for found, (name, values) in zip(stack, expected.items(), strict=True):
-        np.testing.assert_allclose(found, values, err_msg=name)
+    assert list(images) == list(expected)
+    for name, values in expected.items():
+        np.testing.assert_allclose(images[name](), values, err_msg=name)
     assert sorted(["a10", "a2", "A1", "b"], key=natural) == ["A1", "a2", "a10", "b"]
     (tmp_path / "4.tif").write_bytes((tmp_path / "4.tif").read_bytes()[:-40])
     (tmp_path / "5.tif").write_bytes(b"")
     (tmp_path / "2.png").write_bytes((tmp_path / "2.png").read_bytes()[:100])
     for name in ("4.tif", "5.tif", "2.png"):
         with pytest.raises(mf.InvalidInput, match=rf"^{name}(:3)? cannot be read"):
-            read_image(files.find_images([tmp_path / name])[-1])
+            [*files.find_images([tmp_path / name]).values()][-1]()
     (tmp_path / "empty").mkdir()
     for names in (["empty"], ["9.jpg"], ["none.tif"], ["3.png", "3.png"]):
         with pytest.raises(mf.InvalidInput, match=names[0]):
@@ -306,12 +305,11 @@ def test_height_maps_are_read_from_arrays(tmp_path):
         assert sides == pytest.approx((2e-3, 2e-3), rel=1e-12)
         np.testing.assert_allclose(heights, size * (HEIGHTS - np.nanmedian(HEIGHTS)), rtol=1e-6)
     (tmp_path / "t.npy").write_text("no")
-    np.save(tmp_path / "cube.npy", np.zeros((3, 3, 3)))
     for name, options, words in (
         ("none.npy", (), "no such file"), ("map.npy", (), '--pixel "2 um"'),
         ("map.npy", ("2", "um"), "--pixel"), ("map.npy", ("-2 um", "um"), "-0.002"),
         ("map.npy", ("2 um", "N"), '"N"'),
-        ("cube.npy", ("2 um", "um"), "rows and columns"), ("t.npy", ("2 um", "um"), "read as a height map"),
+        ("t.npy", ("2 um", "um"), "read as a height map"),
     ):  # fmt: skip
         with pytest.raises(mf.InvalidInput) as error:
             files.read_height_map(tmp_path / name, *options)
