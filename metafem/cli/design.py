@@ -173,7 +173,7 @@ def _tables(result: Design) -> list[Printed]:
 def spec(as_schema: bool, as_json: bool) -> None:
     """Print every section and key of a specification with its meaning and an example."""
     if as_json:
-        show(True, [{name: getattr(key, name) for name in SHOWN} for key in mf.files.all_keys()])
+        show(True, [{name: key[name] for name in SHOWN} for key in mf.files.all_keys()])
     else:
         click.echo(mf.files.schema_text() if as_schema else mf.files.manual(), nl=False)
 
