@@ -11,7 +11,8 @@ from metafem.errors import InvalidInput
 from metafem.explorer.answer import Answer
 from metafem.explorer.control import Control, Panel, Widget
 from metafem.explorer.history import State
-from metafem.explorer.table import order_of, section_of
+from metafem.explorer.table import section_of
+from metafem.files import section_forms
 
 # Name of the specification in a result folder.
 KEPT = "spec.toml"
@@ -40,50 +41,49 @@ def loaded(state: State, files: list[Given]) -> State:
     InvalidInput
         If no file is a specification or table that can be used; the message states the reason.
     """
-    unread = [f"{each.name} {each.why}." for each in files if each.why]
     texts = {each.name: each.text for each in files if not each.why}
     specifications = {name: text for name, text in texts.items() if name.lower().endswith(".toml")}
     tables = {name: text for name, text in texts.items() if name.lower().endswith((".csv", ".txt", ".tsv"))}
+    if KEPT in specifications:
+        specifications = {KEPT: specifications[KEPT]}
     if len(specifications) > 1:
-        specifications = {name: text for name, text in specifications.items() if name == KEPT}
-        if not specifications:
-            raise InvalidInput("These are several specifications. Load one of them, with its tables.")
-    if specifications:
-        ((name, text),) = specifications.items()
+        raise InvalidInput("These are several specifications. Load one of them, with its tables.")
+    for name, text in specifications.items():
         _refuse_foreign(name, text)
+        found = State(text)
         for each in files:
-            if each.why and _named(text, {each.name: ""}):
+            if each.why and _named(found, {each.name: ""}):
                 raise InvalidInput(f"{name} names the table {each.name}, which {each.why}.")
-        return replace(state, text=text, tables=_named(text, tables))
-    named = _named(state.text, tables)
-    if named:
+        return replace(state, text=text, tables=_named(found, tables))
+    if named := _named(state, tables):
         return replace(state, tables={**state.tables, **named})
     if tables:
-        table, known = next(iter(tables)), ", ".join(table_names(state.text)) or "no table"
+        table, known = next(iter(tables)), ", ".join(table_names(state)) or "no table"
         raise InvalidInput(
             f'{table} is a table. The specification names {known}. To use it, write file = "{table}" into '
             "[target] or [contact] first. To compare with a measured law, drop it onto the plot of the law."
         )
+    unread = [f"{each.name} {each.why}." for each in files if each.why]
     others = [f"{name} is no specification." for name in texts]
     remedy = f"Load a .toml file, such as the {KEPT} of a result folder, with the tables that it names."
     raise InvalidInput(" ".join([*unread, *others, remedy]))
 
 
-def table_names(text: str) -> tuple[str, ...]:
+def table_names(state: State) -> list[str]:
     """Return the file names of the tables that a specification refers to.
 
     Examples
     --------
-    >>> table_names('[target]\\nfile = "wanted.csv"')
-    ('wanted.csv',)
+    >>> table_names(State('[target]\nfile = "wanted.csv"'))
+    ['wanted.csv']
     """
-    found = [section_of(text, name).get("file") for name in ("target", "cap", "contact")]
-    return tuple(name for name in found if isinstance(name, str))
+    found = [section_of(state.known, name).get("file") for name in ("target", "cap", "contact")]
+    return [name for name in found if isinstance(name, str)]
 
 
-def _named(text: str, tables: Mapping[str, str]) -> dict[str, str]:
+def _named(state: State, tables: Mapping[str, str]) -> dict[str, str]:
     """Return the tables that a specification refers to, by the names in the specification."""
-    last = {name: re.split(r"[/\\]", name)[-1] for name in table_names(text)}
+    last = {name: re.split(r"[/\\]", name)[-1] for name in table_names(state)}
     return {name: tables[part] for name, part in last.items() if part in tables}
 
 
@@ -92,7 +92,7 @@ def _refuse_foreign(name: str, text: str) -> None:
 
     A specification with errors is accepted, because the user can correct it on the page.
     """
-    sections = "|".join(order_of(""))
+    sections = "|".join(section_forms())
     if not re.search(rf"^[ \t]*(\[[ \t]*({sections})\b|({sections})[ \t]*[.=])", text, re.MULTILINE):
         raise InvalidInput(
             f"{name} is no specification: it has none of the sections, such as [target]. "

@@ -8,9 +8,12 @@ import zlib
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field, fields, replace
+from functools import cached_property
 from typing import Any
 
 from metafem.errors import InvalidInput
+from metafem.explorer.table import Table, written
+from metafem.files import toml_table
 
 # Largest number of states in the history; each needs a few kilobytes.
 MOST_STATES = 200
@@ -23,7 +26,7 @@ class State:
     Attributes
     ----------
     text : str
-        The text of the specification.
+        The text of the specification: as the user has typed it or, after an edit, as its table is written.
     tables : mapping of str to str
         Names and texts of the table files that the specification refers to.
     measured, measured_name : str
@@ -40,6 +43,27 @@ class State:
     measured_name: str = ""
     newtons: bool = True
     load: float | None = None
+
+    @cached_property
+    def table(self) -> Table:
+        """The table of the specification; raise InvalidInput if the text is not valid TOML."""
+        return toml_table(self.text)
+
+    @property
+    def known(self) -> Table:
+        """The table of the specification; an empty one if the text is not valid TOML."""
+        with suppress(InvalidInput):
+            return self.table
+        return {}
+
+    def edited(self, table: Table) -> State:
+        """Return the state with another table; the same state, with its text, for an equal table."""
+        # repr distinguishes 1, 1.0 and true, and nan equals nan
+        if repr(table) == repr(self.table):
+            return self
+        state = replace(self, text=written(table))
+        vars(state)["table"] = table
+        return state
 
     def designs_the_same(self, other: State) -> bool:
         """Return whether another state has the same specification and tables, and so the same design."""

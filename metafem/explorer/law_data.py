@@ -153,7 +153,7 @@ def law_data(answer: Answer) -> dict[str, Any]:
     units = Units.of(answer.template, answer.state.newtons)
     own = Units.of_design(answer, answer.state.newtons)
     given = answer.specification
-    scene = None if given is None else scene_of(answer.state.text, given, answer.design)
+    scene = None if given is None else scene_of(answer.state, given, answer.design)
     target, many = (scene.target, scene.crowd) if scene else (None, 0)
     marked = isinstance(target, OperatingPoints) and not many
     law = None if answer.design is None else answer.design.law

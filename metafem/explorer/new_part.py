@@ -6,14 +6,13 @@ import re
 from collections.abc import Mapping
 from functools import cached_property
 
-import rtoml
 from nicegui import ui
 
 from metafem._values import MICROMETRES
 from metafem.errors import InvalidInput
 from metafem.explorer.control import Control
 from metafem.explorer.fields import with_points, with_unit
-from metafem.explorer.table import on_page
+from metafem.explorer.table import Table, on_page, written
 from metafem.files import quantity
 
 # The fields with their labels, units and first values, those of the paper's part.
@@ -34,8 +33,8 @@ HIGHEST, ERROR = 0.5, "0.9 um"
 SEPARATOR = re.compile(r"[\s×xX*;]+")
 
 
-def new_part(typed: Mapping[str, str]) -> str:
-    """Return the specification of a part from the texts of the fields; its lattice fills the block.
+def new_part(typed: Mapping[str, str]) -> Table:
+    """Return the table of a part from the texts of the fields; its lattice fills the block.
 
     Raises
     ------
@@ -44,10 +43,8 @@ def new_part(typed: Mapping[str, str]) -> str:
 
     Examples
     --------
-    >>> print(new_part(FIRST).partition("[lattice]")[2].partition("[limits]")[0].strip())
-    pitch = "2.5 mm"
-    radius = "526 um"
-    shape = [8, 8]
+    >>> new_part(FIRST)["lattice"]
+    {'shape': [8, 8], 'pitch': '2.5 mm', 'radius': '526 um'}
     """
     width, length, thickness = _numbers("size", typed, 3)
     rows, columns = _numbers("asperities", typed, 2)
@@ -56,7 +53,7 @@ def new_part(typed: Mapping[str, str]) -> str:
     quantities = ("radius", "modulus", "stress")
     radius, modulus, stress = (with_unit(typed[name], FIELDS[name][1]) for name in quantities)
     highest = HIGHEST * MICROMETRES * quantity("radius", radius, "mm")
-    sections = {
+    return {
         "target": {"kind": "linear", "friction_coefficient": _number(with_points(typed["coefficient"]))},
         "material": {"composite_modulus": modulus, "poisson_ratio": 0.5},
         "friction": {"shear_strength": stress, "area_ratio": 1.0},
@@ -69,7 +66,6 @@ def new_part(typed: Mapping[str, str]) -> str:
         "limits": {"max_height": f"{highest:.6g} um", "height_sd": ERROR},
         "model": {"kind": "independent"},
     }
-    return rtoml.dumps(sections)
 
 
 def _numbers(name: str, typed: Mapping[str, str], count: int) -> list[float]:
@@ -126,7 +122,7 @@ class NewPart:
     async def make(self) -> None:
         """Show the part as one step of the history, or which value cannot be read."""
         try:
-            text = new_part({name: field.value for name, field in self.fields.items()})
+            text = written(new_part({name: field.value for name, field in self.fields.items()}))
         except InvalidInput as error:
             self.words.text = on_page(str(error))
             self.words.set_visibility(True)

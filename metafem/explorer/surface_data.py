@@ -16,7 +16,7 @@ from metafem.caps import Cap, Caps
 from metafem.errors import InvalidInput
 from metafem.explorer.answer import Answer
 from metafem.explorer.fields import with_unit
-from metafem.explorer.table import Document, section_of
+from metafem.explorer.table import Table, section_of, with_values
 from metafem.inversion import Design, DesignStatus
 from metafem.inversion.result import misfit_text
 from metafem.models.interacting.influence import nearest_distance
@@ -32,26 +32,26 @@ class Asked:
     empty : frozenset of int
         Sites that stay empty.
     pinned : mapping of int to str
-        Heights, as written in the text, of the sites whose heights are fixed.
+        Heights, as written in the table, of the sites whose heights are fixed.
     """
 
     empty: frozenset[int]
     pinned: Mapping[int, str]
 
 
-def asked_sites(text: str) -> Asked:
-    """Return the fixed heights and empty sites in a text; entries of a wrong type are ignored."""
-    section = section_of(text, "sites")
+def asked_sites(table: Table) -> Asked:
+    """Return the fixed heights and empty sites in a table; entries of a wrong type are ignored."""
+    section = section_of(table, "sites")
     heights = section.get("heights")
     pairs = zip(_numbers(section.get("pinned")), heights if isinstance(heights, list) else (), strict=False)
     return Asked(frozenset(_numbers(section.get("empty"))), {site: str(height) for site, height in pairs})
 
 
 def with_sites(
-    text: str, pinned: Mapping[int, str], empty: Collection[int] = (), free: Collection[int] = ()
-) -> str:
-    """Return the text with sites fixed at heights such as "150 um", empty, or free."""
-    asked, changed = asked_sites(text), {*pinned, *empty, *free}
+    table: Table, pinned: Mapping[int, str], empty: Collection[int] = (), free: Collection[int] = ()
+) -> Table:
+    """Return the table with sites fixed at heights such as "150 um", empty, or free."""
+    asked, changed = asked_sites(table), {*pinned, *empty, *free}
     kept = {site: height for site, height in asked.pinned.items() if site not in changed}
     heights = dict(sorted({**kept, **pinned}.items()))
     values = {
@@ -59,11 +59,11 @@ def with_sites(
         "pinned": list(heights),
         "heights": list(heights.values()),
     }
-    return Document(text).with_values({f"sites.{name}": value or None for name, value in values.items()})
+    return with_values(table, {f"sites.{name}": value or None for name, value in values.items()})
 
 
-def edited(text: str, design: Design | None, given: Any) -> str:
-    """Return the text after an edit of sites, `given` as {"action", "sites", "height"}.
+def edited(table: Table, design: Design | None, given: Any) -> Table:
+    """Return the table after an edit of sites, `given` as {"action", "sites", "height"}.
 
     With the height "", the action "pin" fixes each site at its current height.
     """
@@ -71,18 +71,18 @@ def edited(text: str, design: Design | None, given: Any) -> str:
         raise InvalidInput("there is no surface yet whose sites could be changed")
     action, sites, typed = _checked(given, design.template.count)
     if action == "empty":
-        return with_sites(text, {}, empty=sites)
+        return with_sites(table, {}, empty=sites)
     if action == "release":
-        return with_sites(text, {}, free=sites)
+        return with_sites(table, {}, free=sites)
     if typed:
-        return with_sites(text, dict.fromkeys(sites, typed_height(typed)))
+        return with_sites(table, dict.fromkeys(sites, typed_height(typed)))
     shown = {site: kept_height(design, site) for site in sites}
     heights = {site: height for site, height in shown.items() if height is not None}
     if not heights:
         raise InvalidInput(
             "an empty site has no height that could be kept: type one, or let the design choose"
         )
-    return with_sites(text, heights)
+    return with_sites(table, heights)
 
 
 def typed_height(typed: str) -> str:
@@ -227,7 +227,7 @@ def site_data(answer: Answer) -> dict[str, Any]:
     design = answer.design
     if design is None:
         return data
-    asked = asked_sites(answer.state.text)
+    asked = asked_sites(answer.state.known)
     heights = MICROMETRES * design.surface.height
     radii = np.unique(design.surface.radius)
     limits, count = design.limits, design.template.count
@@ -264,7 +264,7 @@ def message(answer: Answer) -> str:
     """
     if answer.design is None:
         return "There is no surface yet." if answer.problems or answer.refusal else ""
-    asked = asked_sites(answer.state.text)
+    asked = asked_sites(answer.state.known)
     if answer.refusal or answer.problems:
         of_sites = [words for key, words in answer.problems.items() if key.startswith("sites")]
         reason = "\n".join(of_sites) or "The reason is given in the plot of the law."

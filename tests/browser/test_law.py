@@ -404,7 +404,7 @@ def test_a_law_becomes_a_mould_table(keys, tmp_path):
     keys.to("Leave this site empty")
     keys.changes("Enter")
     assert keys.focus["name"].startswith("Map of the heights")
-    asked = asked_sites(visit.text)
+    asked = asked_sites(State(visit.text).table)
     assert (set(asked.pinned), asked.empty) == ({9}, {10})
     keys.to("Largest height")
     keys.changes("ArrowUp")

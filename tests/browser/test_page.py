@@ -12,7 +12,7 @@ import metafem as mf
 from metafem.errors import Infeasible, InvalidInput
 from metafem.explorer.history import State, to_link
 from metafem.explorer.surface_data import asked_sites
-from metafem.explorer.table import Document
+from metafem.explorer.table import with_values, written
 from metafem.files import demo_text, parsed, result_tables
 from tests.browser import after, drop, hold
 from validation.page import write_report
@@ -332,7 +332,7 @@ def test_points_are_moved_added_and_removed_and_sites_kept(hand):
     page.wait_for_function("() => document.querySelectorAll('.handle').length === 3")
     page.locator('[data-site="20"]').tap()
     after(hand, page.get_by_role("button", name="Keep this height").tap)
-    assert set(asked_sites(hand.text).pinned) == {20}
+    assert set(asked_sites(State(hand.text).table).pinned) == {20}
 
 
 def test_the_page_is_scrolled_and_enlarged_over_the_pictures(hand):
@@ -388,9 +388,8 @@ def test_no_text_is_taken_for_html(visit):
     page.locator(".law-legend li", has_text="onerror").wait_for()
     drop(visit, ".explorer", name.replace(".csv", ".png"), bytes([137, 80, 78, 71]))
     page.get_by_text("onerror").last.wait_for()
-    text = Document(demo_text("operating-points")).with_values(
-        {"target.kind": HTML, "sites.empty": [HTML], HTML.replace(".", "-"): {"a": 1}}
-    )
+    wrong = {"target.kind": HTML, "sites.empty": [HTML], HTML.replace(".", "-"): {"a": 1}}
+    text = written(with_values(State(demo_text("operating-points")).table, wrong))
     link = to_link(State(text + f"\n# {HTML}\n", {HTML: HTML}, table.decode(), HTML, False))
     page.evaluate("link => { location.hash = link; }", link)
     page.locator(".chip", has_text="problems in the specification").wait_for()

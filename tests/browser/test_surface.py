@@ -5,7 +5,7 @@ import re
 import pytest
 
 from metafem.explorer.surface_data import asked_sites
-from metafem.files import parsed
+from metafem.files import parsed, toml_table
 from tests.browser import after
 from validation.scenes.browser import browser_path
 from validation.scenes.explorer import visited
@@ -23,7 +23,7 @@ def sites_after(visit, step):
     """Do a step and wait for its answer, and until the map has its place: other lines of text move it."""
     after(visit, step)
     visit.at_rest()
-    return asked_sites(visit.text)
+    return asked_sites(toml_table(visit.text))
 
 
 def heights(visit):

@@ -21,11 +21,10 @@ from metafem.explorer.files import (
     tables_of,
 )
 from metafem.explorer.history import State
-from metafem.explorer.kinds import without_section
 from metafem.explorer.new_part import FIRST, new_part
-from metafem.explorer.table import Document
-from metafem.files import demo_text, parsed, read_spec
-from tests.explorer.scenes import SAMPLED, WANTED
+from metafem.explorer.table import with_values
+from metafem.files import demo_text, of_table, read_spec
+from tests.explorer.scenes import SAMPLED, WANTED, changed
 
 TEXT = demo_text("operating-points")
 STATE = State(SAMPLED, {"wanted.csv": WANTED})
@@ -94,7 +93,7 @@ def test_what_hinders_a_file_is_told(answer):
     problem = "no part can be made: asperity 7 has the height 0 mm"
     assert hindered(answer, problem) == [name for name in every if name not in ("heights.csv", "law.csv")]
     assert "height 0 mm" in said_above(answer, problem)
-    bare = answered(State(without_section(without_section(TEXT, "part"), "block")), 2)
+    bare = answered(State(changed(TEXT, with_values, {"part": None, "block": None})), 2)
     assert hindered(bare) == ["block.stl", "mould.stl"]
     assert "“Block”" in hindrance("block.stl", bare)
     none = Answer(1, State(TEXT), refusal="the target ends above the reach")
@@ -103,13 +102,13 @@ def test_what_hinders_a_file_is_told(answer):
 
 
 def test_the_values_of_a_new_part_are_those_of_its_specification():
-    text = new_part(FIRST)
-    found = answered(State(text), 1)
+    table = new_part(FIRST)
+    found = answered(State("").edited(table), 1)
     assert (found.current, found.no_part, found.template.count) == (True, "", 64)
     assert found.design.law.friction_coefficient[50] == pytest.approx(1.5, rel=0.05)
-    assert Document(text).value("limits.max_height") == "263 um"
+    assert table["limits"]["max_height"] == "263 um"
     in_units = {"radius": "0,526 mm", "modulus": "1360 kPa", "size": "20 20 7,2", "coefficient": "1,5"}
-    assert parsed(new_part(FIRST | in_units)).template == found.template
-    assert Document(new_part(FIRST | {"asperities": "9 x 6"})).value("lattice.pitch") == "2.222 mm"
-    soft = answered(State(new_part(FIRST | {"modulus": "soft", "coefficient": "much"})), 2)
+    assert of_table(new_part(FIRST | in_units)).template == found.template
+    assert new_part(FIRST | {"asperities": "9 x 6"})["lattice"]["pitch"] == "2.222 mm"
+    soft = answered(State("").edited(new_part(FIRST | {"modulus": "soft", "coefficient": "much"})), 2)
     assert set(soft.problems) == {"material.composite_modulus", "target.friction_coefficient"}

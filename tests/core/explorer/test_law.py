@@ -10,8 +10,9 @@ from metafem.explorer.answer import answered
 from metafem.explorer.history import State
 from metafem.explorer.law import NO_FORCES, beside, tools_data
 from metafem.explorer.law_data import Units, law_data, measured_of, numbers, pinned_data, read_points
-from metafem.explorer.table import Document
+from metafem.explorer.table import with_kind, with_values
 from metafem.files import demo_text
+from tests.explorer.scenes import changed
 
 TEXT = demo_text("operating-points")
 PAIR = mf.Material(1.36), mf.Friction(0.37, 0.85)
@@ -66,7 +67,7 @@ def test_curves_are_thinned_and_crowds_of_points_are_lines():
         "target.rescaled_load": [f"{value:.6g} mm^2" for value in load],
         "target.rescaled_friction": [f"{7.0 * value:.6g} mm^2" for value in load],
     }
-    data = law_data(answered(State(Document(TEXT).with_values(crowd)), 1))
+    data = law_data(answered(State(changed(TEXT, with_values, crowd)), 1))
     assert (data["crowd"][:10], data["marked"], data["handles"]) == ("500 points", False, [])
 
 
@@ -78,7 +79,7 @@ def test_slopes_are_drawn_along_their_branches_and_open_laws_at_their_level():
         rise = wanted["y"][start + 1] - wanted["y"][start]
         assert rise / (wanted["x"][start + 1] - wanted["x"][start]) == pytest.approx(branch.slope, rel=1e-3)
     power = {"exponent": 1.1, "load_range": ["0.1 mm^2", "0.4 mm^2"]}
-    answer = answered(State(Document(TEXT).with_kind("target", "power", power), newtons=False), 1)
+    answer = answered(State(changed(TEXT, with_kind, "target", "power", power), newtons=False), 1)
     wanted, law = law_data(answer)["wanted"], answer.design.law
     assert np.polyfit(np.log(wanted["x"]), np.log(wanted["y"]), 1)[0] == pytest.approx(1.1, rel=1e-4)
     np.testing.assert_allclose(wanted["y"], np.interp(wanted["x"], law.rescaled_load, law.area), rtol=0.03)

@@ -84,5 +84,5 @@ def test_files_that_are_loaded_replace_the_text_and_the_named_tables():
     broken = "[limits]\nmax_height = \n"
     assert loaded(FIRST, [Given("mine.toml", broken)]).text == broken  # to be repaired
     cap = '[cap]\nkind = "profile"\nfile = "cap.csv"'
-    assert table_names(text + cap) == ("laws/wanted.csv", "cap.csv")
-    assert table_names("[target") == table_names("target = 3\n[contact]\nfile = 4") == ()
+    assert table_names(State(text + cap)) == ["laws/wanted.csv", "cap.csv"]
+    assert table_names(State("[target")) == table_names(State("target = 3\n[contact]\nfile = 4")) == []
