@@ -12,8 +12,8 @@ from metafem._validate import FloatArray
 from metafem.errors import Infeasible, InvalidInput, MetafemError
 from metafem.explorer.fields import shown
 from metafem.explorer.history import State
-from metafem.explorer.table import on_page
-from metafem.files import Specification, of_table, planned, section_forms, toml_table
+from metafem.explorer.table import on_page, places
+from metafem.files import Specification, of_table, planned, toml_table
 from metafem.inversion import Design, Target
 from metafem.models import Independent, Model
 from metafem.models.model import contact_of
@@ -208,13 +208,8 @@ def _problems(error: InvalidInput) -> dict[str, dict[str, str]]:
 def _known(key: str) -> str:
     """Return the longest leading part of a key that a specification can have; "" if there is none."""
     key = key.partition("[")[0]
-    while key and key not in section_forms():
-        section, _, name = key.rpartition(".")
-        form = section_forms().get(section, {"kinds": {}, "keys": {}})
-        names = {each["name"] for keys in form["keys"].values() for each in keys}
-        if name in names or (name == "kind" and form["kinds"]):
-            break
-        key = section
+    while key and places().get(key) != key:
+        key = key.rpartition(".")[0]
     return key
 
 

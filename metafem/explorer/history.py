@@ -7,11 +7,11 @@ import json
 import zlib
 from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import asdict, dataclass, field, fields, replace
+from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
-from metafem.errors import InvalidInput
+from metafem.errors import InvalidInput, refuse_if
 from metafem.explorer.table import Table, written
 from metafem.files import toml_table
 
@@ -78,23 +78,21 @@ class State:
     def from_json(cls, text: str) -> State:
         """Return the state that a JSON text describes; raise InvalidInput if the text describes no state."""
         try:
-            record = json.loads(text)
-        except (ValueError, RecursionError):
-            raise InvalidInput("the state of the page is damaged: it is not JSON") from None
-        if not isinstance(record, dict) or not record.keys() <= {member.name for member in fields(cls)}:
-            raise InvalidInput("the state of the page is damaged: it has other members")
-        found = cls(**record) if "text" in record else None
-        if found is None or not found.valid():
-            raise InvalidInput("the state of the page is damaged: a member is of another kind")
-        return found
+            state = cls(**json.loads(text))
+        except (ValueError, TypeError, RecursionError):
+            raise InvalidInput(
+                "the state of the page is damaged: it is not the JSON of its members"
+            ) from None
+        refuse_if(not state.valid(), "the state of the page is damaged: a member is of another kind")
+        return state
 
     def valid(self) -> bool:
         """Return whether every member has its type and the load is positive and finite."""
-        texts: list[Any] = [self.text, self.measured, self.measured_name]
-        tables = isinstance(self.tables, dict)
-        texts += [*self.tables, *self.tables.values()] if tables else []
+        if not isinstance(self.tables, dict):
+            return False
+        texts: list[Any] = [self.text, self.measured, self.measured_name, *self.tables, *self.tables.values()]
         number = self.load is None or (isinstance(self.load, float) and 0.0 < self.load < float("inf"))
-        return tables and number and isinstance(self.newtons, bool) and all(isinstance(t, str) for t in texts)
+        return number and isinstance(self.newtons, bool) and all(isinstance(each, str) for each in texts)
 
 
 @dataclass(frozen=True)

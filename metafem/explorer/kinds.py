@@ -15,8 +15,8 @@ from metafem.explorer.history import State
 from metafem.explorer.scene import NEWTON_KEYS, Keys, Numbers, members
 from metafem.explorer.table import Table, section_of, with_choice, with_kind, with_values
 from metafem.files import Specification
-from metafem.inversion import Design, Limits, OperatingPoints, SampledLaw, Target, achievable_load_range
-from metafem.inversion.wording import RESCALED, Wording, listed
+from metafem.inversion import Design, Limits, SampledLaw, Target, achievable_load_range
+from metafem.inversion.wording import RESCALED, Wording
 
 # Rescaled friction at rescaled loads [mm^2].
 Law = Callable[[FloatArray], FloatArray]
@@ -216,23 +216,7 @@ MEMBERS = (
 
 def offer(answer: Answer) -> str:
     """Return the label of the button that adopts the nearest law of an answer; "" if none is known."""
-    nearest = answer.nearest_target
-    if nearest is None or answer.specification is None:
-        return ""
-    target = answer.specification.target
-    if not isinstance(nearest, OperatingPoints) or not isinstance(target, OperatingPoints):
-        return "Use the nearest law"
-    kept, count = len(nearest.rescaled_load), len(target.rescaled_load)
-    moved = np.flatnonzero(nearest.rescaled_friction != target.rescaled_friction[:kept]) + 1
-    words = f"Move {_numbered(moved.tolist())} to the nearest law"
-    if kept < count:
-        words += f" and drop {_numbered(list(range(kept + 1, count + 1)))}"
-    return words
-
-
-def _numbered(numbers: list[int]) -> str:
-    """Return the numbers of points in words, such as ``points 1 and 2``."""
-    return f"{'points' if len(numbers) > 1 else 'point'} {listed(list(map(str, numbers)))}"
+    return "" if answer.nearest_target is None or answer.specification is None else "Use the nearest law"
 
 
 def reachable(answer: Answer) -> Table:

@@ -64,21 +64,21 @@ def on_page(message: str) -> str:
 
 def _named(found: re.Match[str]) -> str:
     section, name, entry = found.groups()
-    place = _places().get(section or name)
+    place = places().get(section or name)
     if place is None or not (section or entry or re.search(r"[._]", name)):
         return found[0]
     return f"“{title_of(place)}”" + (f", entry {int(entry) + 1}" if entry else "")
 
 
 @cache
-def _places() -> Mapping[str, str]:
+def places() -> Mapping[str, str]:
     """Return each section, and each key with its section, by its name and, where it is first, by its last."""
     found = {name: name for name in section_forms()} | {"height_sd": "limits.height_sd"}
     for section, form in section_forms().items():
-        for key in (key for keys in form["keys"].values() for key in keys):
-            place = f"{section}.{key['name']}"
-            found[place] = place
-            found.setdefault(key["name"], place)
+        names = [key["name"] for keys in form["keys"].values() for key in keys]
+        for name in [*names, *["kind"] * bool(form["kinds"])]:
+            found[f"{section}.{name}"] = f"{section}.{name}"
+            found.setdefault(name, f"{section}.{name}")
     return found
 
 

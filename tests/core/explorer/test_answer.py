@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import metafem as mf
 from metafem.explorer.answer import answered
 from metafem.explorer.header import STOPPED, header_data
 from metafem.explorer.history import State
@@ -124,20 +123,6 @@ def test_a_refusal_has_the_nearest_law_which_can_be_taken(forces):
     )
     assert ("friction_force" in found["target"]) == forces
     assert to(reachable(refused)).current
-
-
-@pytest.mark.slow
-def test_buttons_say_which_points_the_nearest_law_moves_or_drops():
-    for old, new, words in (
-        ('"1.68 mm^2"', '"2.9 mm^2"', "Move points 1, 2 and 3 to the nearest law"),
-        ('"4.12 mm^2"', '"14.12 mm^2"', "Move points 1, 2 and 3 to the nearest law"),
-        ('max_height = "270 um"', 'max_height = "120 um"', "Move points 1, 2 and 3 to the nearest law"),
-    ):
-        refused = to(TEXT.replace(old, new))
-        assert refused.refusal
-        assert offer(refused) == words
-    short = replace(refused, nearest_target=mf.OperatingPoints([0.144, 0.336], [0.84, 1.7]))
-    assert offer(short) == "Move point 2 to the nearest law and drop point 3"
 
 
 def test_the_nearest_law_keeps_the_kind_of_the_target():

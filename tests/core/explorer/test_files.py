@@ -9,16 +9,16 @@ import pytest
 from click.testing import CliRunner
 
 from metafem.cli import main
+from metafem.errors import MetafemError
 from metafem.explorer.answer import Answer, answered
 from metafem.explorer.files import (
     NO_DESIGN,
     archive,
     command_of,
     hindrance,
-    law_picture,
+    quick_files,
     said_above,
     specification_file,
-    tables_of,
 )
 from metafem.explorer.history import State
 from metafem.explorer.new_part import FIRST, new_part
@@ -51,8 +51,11 @@ def files_of_command(tmp_path, monkeypatch):
 
 def test_the_tables_are_those_of_the_command_that_the_page_shows(tmp_path, monkeypatch):
     assert sorted(names_of(specification_file(STATE)[1])) == ["spec.toml", "wanted.csv"]
-    tables = tables_of(answered(STATE, 1))
-    assert list(tables) == ["heights.csv", "law.csv", "mould.csv"]
+    tables = quick_files(answered(STATE, 1))
+    assert list(tables) == ["heights.csv", "law.csv", "mould.csv", "law.svg"]
+    picture = tables.pop("law.svg").decode("utf-8")
+    assert ElementTree.fromstring(picture).tag == "{http://www.w3.org/2000/svg}svg"
+    assert answered(STATE, 1).design.target.title in picture
     assert tables.items() <= files_of_command(tmp_path, monkeypatch).items()
 
 
@@ -77,17 +80,15 @@ def test_texts_archives_and_pictures(answer):
     assert {name: read.read(name) for name in read.namelist()} == files
     assert archive(files) == archive(dict(files))
     refused = State(demo_text("linear").replace("6.87", "-1.0"))
-    assert tables_of(answered(refused, 1, answer)) == {}
-    picture = law_picture(answer.design).decode("utf-8")
-    assert ElementTree.fromstring(picture).tag == "{http://www.w3.org/2000/svg}svg"
-    assert answer.design.target.title in picture
+    with pytest.raises(MetafemError, match="no design"):
+        quick_files(answered(refused, 1, answer))
 
 
 def test_what_hinders_a_file_is_told(answer):
     every = ["mould.csv", "heights.csv", "law.csv", "block.stl", "mould.stl", "surface.zip"]
 
     def hindered(answer, problem=""):
-        return [name for name in every if hindrance(name, answer, problem)]
+        return [name for name in every if hindrance(name, answer, problem) is not None]
 
     assert (hindered(answer), said_above(answer)) == ([], "")
     problem = "no part can be made: asperity 7 has the height 0 mm"

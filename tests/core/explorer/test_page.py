@@ -39,7 +39,7 @@ LONG = [
     "surface.layout_data", "surface.contact_data", "surface.press_data",
     "surface.edited", "header.header_data", "header.with_field",
     "form.contents", "form.with_kind_near", "files.specification_file",
-    "files.tables_of",
+    "files.quick_files",
 ]  # fmt: skip
 
 

@@ -98,7 +98,7 @@ TEXTS = [
 ]
 STATES = [
     (lambda: State.from_json("[" * 10**5), "state", "JSON"),
-    (state(other=1), "state", "other members"),
+    (state(other=1), "state", "its members"),
     (state(load=-1.0), "state", "another kind"),
     (state(load=math.nan), "state", "another kind"),
     (state(tables={"a": 1}), "state", "another kind"),
