@@ -195,13 +195,14 @@ def _problems(error: InvalidInput) -> dict[str, dict[str, str]]:
     problems, reasons, offers = dict[str, str](), dict[str, str](), dict[str, str]()
     for each in error.problems or (error,):
         key = _known(each.key)
-        words = on_page(_sentence(key, each))
+        section, _, name = key.rpartition(".")
+        line = each.example if " = " in each.example else f"{name} = {each.example}" * bool(each.example)
+        examples = {f"{section}.{other}": shown(value) for other, value in toml_table(line).items()}
+        words = on_page(_sentence(key, each, ", ".join(examples.values())))
         problems[key] = f"{problems[key]}\n{each}" if key in problems else str(each)
         reasons[key] = f"{reasons[key]}\n{words}" if key in reasons else words
-        section, _, name = each.key.rpartition(".")
-        if each.example and "[" not in each.key and name != "file":
-            line = each.example if " = " in each.example else f"{name} = {each.example}"
-            offers |= {f"{section}.{other}": shown(value) for other, value in toml_table(line).items()}
+        if each.key == key and name != "file":
+            offers |= examples
     return {"problems": problems, "reasons": reasons, "offers": offers}
 
 
@@ -213,11 +214,12 @@ def _known(key: str) -> str:
     return key
 
 
-def _sentence(key: str, problem: InvalidInput) -> str:
+def _sentence(key: str, problem: InvalidInput, example: str) -> str:
     """Return a problem as a sentence; without the key if its field shows it, and with the entry of a list."""
     if "." not in key:
         return str(problem)
-    words, place = problem.must, ENTRY.fullmatch(problem.key.removeprefix(key))
+    words, place = str(problem.args[0]), ENTRY.fullmatch(problem.key.removeprefix(key))
+    words += f"; write for example {example}" * bool(example)
     if words.startswith("and ") or place is None:
         return f"{problem}."
     if place[1]:

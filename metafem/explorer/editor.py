@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
-from metafem.errors import InvalidInput
+from metafem.errors import InvalidInput, refuse_if
 from metafem.explorer.answer import Answer
 from metafem.explorer.control import Control, Panel, Widget
 from metafem.explorer.history import State
@@ -18,19 +18,13 @@ from metafem.files import section_forms
 KEPT = "spec.toml"
 
 
-@dataclass(frozen=True)
-class Given:
-    """A file that the user selected or dropped: its name, and its text or why it could not be read."""
-
-    name: str
-    text: str = ""
-    why: str = ""
+# A file that the user selected or dropped: its ``name``, and its ``text`` or ``why`` it could not be read.
+Given = Mapping[str, str]
 
 
-async def load(page: Control, files: list[dict[str, Any]]) -> None:
+async def load(page: Control, files: list[Given]) -> None:
     """Show the specification in loaded files, or a message why they cannot be used."""
-    given = [Given(**each) for each in files]
-    await page.told(page.step(lambda state: loaded(state, given)))
+    await page.told(page.step(lambda state: loaded(state, files)))
 
 
 def loaded(state: State, files: list[Given]) -> State:
@@ -41,19 +35,19 @@ def loaded(state: State, files: list[Given]) -> State:
     InvalidInput
         If no file is a specification or table that can be used; the message states the reason.
     """
-    texts = {each.name: each.text for each in files if not each.why}
+    unread = {each["name"]: each["why"] for each in files if each.get("why")}
+    texts = {each["name"]: each["text"] for each in files if each["name"] not in unread}
     specifications = {name: text for name, text in texts.items() if name.lower().endswith(".toml")}
     tables = {name: text for name, text in texts.items() if name.lower().endswith((".csv", ".txt", ".tsv"))}
     if KEPT in specifications:
         specifications = {KEPT: specifications[KEPT]}
-    if len(specifications) > 1:
-        raise InvalidInput("These are several specifications. Load one of them, with its tables.")
+    words = "These are several specifications. Load one of them, with its tables."
+    refuse_if(len(specifications) > 1, words)
     for name, text in specifications.items():
         _refuse_foreign(name, text)
         found = State(text)
-        for each in files:
-            if each.why and _named(found, {each.name: ""}):
-                raise InvalidInput(f"{name} names the table {each.name}, which {each.why}.")
+        for each, why in unread.items():
+            refuse_if(_named(found, {each: ""}), f"{name} names the table {each}, which {why}.")
         return replace(state, text=text, tables=_named(found, tables))
     if named := _named(state, tables):
         return replace(state, tables={**state.tables, **named})
@@ -63,10 +57,10 @@ def loaded(state: State, files: list[Given]) -> State:
             f'{table} is a table. The specification names {known}. To use it, write file = "{table}" into '
             "[target] or [contact] first. To compare with a measured law, drop it onto the plot of the law."
         )
-    unread = [f"{each.name} {each.why}." for each in files if each.why]
-    others = [f"{name} is no specification." for name in texts]
+    reasons = [f"{name} {why}." for name, why in unread.items()]
+    reasons += [f"{name} is no specification." for name in texts]
     remedy = f"Load a .toml file, such as the {KEPT} of a result folder, with the tables that it names."
-    raise InvalidInput(" ".join([*unread, *others, remedy]))
+    raise InvalidInput(" ".join([*reasons, remedy]))
 
 
 def table_names(state: State) -> list[str]:

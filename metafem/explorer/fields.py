@@ -8,10 +8,10 @@ import re
 from typing import Any
 
 from metafem.errors import InvalidInput
-from metafem.files import Form, quantity
+from metafem.files import Form
 
 # A number, the space after it, and its unit.
-QUANTITY = re.compile(r"\s*[+-]?[\d.]+(?:[eE][+-]?\d+)?(\s*)(.*?)\s*", re.DOTALL)
+QUANTITY = re.compile(r"\s*([+-]?[\d.]+(?:[eE][+-]?\d+)?)(\s*)(.*?)\s*", re.DOTALL)
 
 # Number of significant digits that double precision always preserves.
 ALL_DIGITS = 15
@@ -43,25 +43,19 @@ def rounded(value: float, resolution: float) -> float:
     return number
 
 
-def stated(rescaled: float, like: str, stress: float | None, resolution: float) -> str:
-    """Return a rescaled load or friction [mm^2] as a quantity in the unit of the quantity `like`.
-
-    For a unit of force, `stress` is the force per rescaled value [MPa]: E* for loads, sigma B for friction.
+def scaled(text: str, ratio: float, resolution: float) -> str:
+    """Return a quantity so many times as large, with the digits of a resolution, in its unit.
 
     Examples
     --------
-    >>> stated(0.25, "140 mN", 1.36, 1e-3), stated(0.25, "0.14mm^2", None, 1e-3)
-    ('340 mN', '0.25mm^2')
+    >>> scaled("0.14mm^2", 25 / 14, 1e-3)
+    '0.25mm^2'
     """
-    match = QUANTITY.fullmatch(like)
-    space, unit = match.groups() if match else (" ", "mm^2")
-    try:
-        value = rescaled / quantity("value", f"1 {unit}", "mm^2")
-    except InvalidInput:
-        if stress is None:
-            raise
-        value = rescaled * stress / quantity("value", f"1 {unit}", "N")
-    return f"{rounded(value, resolution):.{ALL_DIGITS}g}{space}{unit}"
+    found = QUANTITY.fullmatch(text)
+    if found is None:
+        raise InvalidInput(f"{text} is not a quantity")
+    number, space, unit = found.groups()
+    return f"{rounded(float(number) * ratio, resolution):.{ALL_DIGITS}g}{space}{unit}"
 
 
 def between(value: float, low: float, high: float, resolution: float) -> tuple[float, float]:
@@ -124,7 +118,7 @@ def unit_of(value: Any) -> str:
     ('mN', 'N', '', '')
     """
     parts = [part for part in re.split(r"[,\[\]]", shown(value)) if part.strip()]
-    units = {found[2] if (found := QUANTITY.fullmatch(part)) else "" for part in parts}
+    units = {found[3] if (found := QUANTITY.fullmatch(part)) else "" for part in parts}
     return units.pop() if len(units) == 1 else ""
 
 

@@ -66,8 +66,7 @@ def _section(name: str, forms: Mapping[str, Form]) -> dict[str, Any]:
 def _field(name: str, key: Form) -> dict[str, Any]:
     """Return what the browser shows of a key: label, explanation, example, default and choices."""
     label, example, default = title_of(name), shown(key["example"]), shown(key["default"])
-    if key["value"] == "quantity" and default == "0":
-        default = f"0 {key['example'].partition(' ')[2]}"
+    default = f"{default} {key['unit']}" if default and key["value"] == "quantity" else default
     meaning = re.sub("^(either|or|with it): ", "", key["meaning"]).removesuffix(".")
     words = [f"{label[:1].upper()}{label[1:]} ({name}): {meaning}."]
     words += [f"{word}: {value}." for word, value in (("Default", default), ("Example", example)) if value]

@@ -86,7 +86,8 @@ class Header(Panel):
     async def _begin(self, name: str) -> None:
         """Start again from a demo, or from the first state of the page, as one step of the history."""
         if name in (FIRST, *DEMOS):
-            await self.page.alter(**vars(self.page.first if name == FIRST else State(demo_text(name))))
+            begun = self.page.first if name == FIRST else State(demo_text(name))
+            await self.page.step(lambda _: begun)
 
     async def _choose(self, model: str) -> None:
         """Change the model of the design."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from functools import cached_property
+from typing import Any
 
 from nicegui import ui
 
@@ -21,8 +22,10 @@ FIELDS = {
     "asperities": ("Asperities: rows × columns", "", "8 × 8"),
     "radius": ("Radius of curvature", "um", "526"),
     "modulus": ("Composite modulus E*", "MPa", "1.36"),
+    "young": ("or Young's modulus E", "MPa", ""),
     "stress": ("Friction per contact area σB", "MPa", "0.31"),
     "coefficient": ("Friction coefficient μ", "", "1.5"),
+    "loads": ("over the loads, such as 0.1 – 0.5; empty: any", "N", ""),
 }
 FIRST = {name: first for name, (_, _, first) in FIELDS.items()}
 
@@ -30,7 +33,7 @@ FIRST = {name: first for name, (_, _, first) in FIELDS.items()}
 HIGHEST, ERROR = 0.5, "0.9 um"
 
 # What separates numbers.
-SEPARATOR = re.compile(r"[\s×xX*;]+")
+SEPARATOR = re.compile(r"(?:[\s×xX*;–]|(?<![eE])-)+")
 
 
 def new_part(typed: Mapping[str, str]) -> Table:
@@ -50,12 +53,24 @@ def new_part(typed: Mapping[str, str]) -> Table:
     rows, columns = _numbers("asperities", typed, 2)
     if not (rows.is_integer() and columns.is_integer()):
         raise InvalidInput(f"asperities = {typed['asperities']} must be whole numbers, such as 8 × 8")
-    quantities = ("radius", "modulus", "stress")
-    radius, modulus, stress = (with_unit(typed[name], FIELDS[name][1]) for name in quantities)
+    stiffness = "young" if typed["young"].strip() else "modulus"
+    radius, modulus, stress = (
+        with_unit(typed[name], FIELDS[name][1]) for name in ("radius", stiffness, "stress")
+    )
     highest = HIGHEST * MICROMETRES * quantity("radius", radius, "mm")
+    target: dict[str, Any] = {
+        "kind": "linear",
+        "friction_coefficient": _number(with_points(typed["coefficient"])),
+    }
+    if typed["loads"].strip():
+        target["load_range"] = [f"{load:g} N" for load in _numbers("loads", typed, 2)]
+    material = {
+        "young_modulus" if stiffness == "young" else "composite_modulus": modulus,
+        "poisson_ratio": 0.5,
+    }
     return {
-        "target": {"kind": "linear", "friction_coefficient": _number(with_points(typed["coefficient"]))},
-        "material": {"composite_modulus": modulus, "poisson_ratio": 0.5},
+        "target": target,
+        "material": material,
         "friction": {"shear_strength": stress, "area_ratio": 1.0},
         "block": {"width": f"{width:g} mm", "length": f"{length:g} mm", "thickness": f"{thickness:g} mm"},
         "lattice": {

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from metafem._validate import FloatArray
-from metafem.explorer.fields import EXACT, rounded, stated
+from metafem.explorer.fields import ALL_DIGITS, EXACT, rounded, scaled
 from metafem.explorer.history import State
 from metafem.explorer.table import Table, section_of, with_kind
 from metafem.files import Specification
@@ -163,28 +163,32 @@ class Scene:
             found[key] = None if number is None else _like(number, before, (like or {}).get(key), write)
         return found
 
-    def _entry(self, name: str, resolution: float, units: Wording, number: float, like: Any) -> Any:
-        """Return a number of a target as one entry of the table."""
+    def _entry(
+        self, name: str, resolution: float, units: Wording, number: float, before: float, old: str | None
+    ) -> Any:
+        """Return a number of a target as an entry of the table: like an old entry, or in the units."""
         if name in (*PLAIN, *SLOPES):
             return rounded(number if name in PLAIN else units.coefficient(number), resolution)
-        template = self.specification.template
-        stress: float | None = template.material.composite_modulus
-        if name in FRICTIONS:
-            stress = None if template.friction is None else template.friction.stress
-        newtons = units.per_slope if name in NEWTON_KEYS else units.composite_modulus
-        return stated(number, like or ("1 N" if newtons else "1 mm^2"), stress, resolution)
+        if old is not None:
+            return scaled(old, number / before, resolution)
+        template, factor, unit = self.specification.template, 1.0, "mm^2"
+        if units.per_slope if name in NEWTON_KEYS else units.composite_modulus:
+            factor, unit = template.material.composite_modulus, "N"
+            if name in FRICTIONS and template.friction is not None:
+                factor = template.friction.stress
+        return f"{rounded(factor * number, resolution):.{ALL_DIGITS}g} {unit}"
 
 
-def _like(number: Any, before: Any, old: Any, write: Callable[[float, Any], Any]) -> Any:
+def _like(number: Any, before: Any, old: Any, write: Callable[[Any, Any, Any], Any]) -> Any:
     """Return a number, or numbers, as written by `write` in the form of the `old` value of `before`."""
     if old is not None and number == before:
         return old
     if not isinstance(number, Sequence):
-        return write(number, old)
+        return write(number, before, old)
     if old is None:
-        return [write(each, None) for each in number]
+        return [write(each, None, None) for each in number]
     if not isinstance(old, list):  # one load in place of a pair of equal loads
-        return write(number[0], old)
+        return write(number[0], before[0], old)
     known = dict(zip(before, old, strict=True))
     places = [min(i, len(old) - 1) for i in range(len(number))]  # a point may have been added
     pairs = zip(number, places, strict=True)

@@ -65,6 +65,12 @@ def text_of(target):
     return f"[target]\n{TARGETS.get(target, target)}\n[material]{rest}"
 
 
+def files(**texts):
+    """Return loaded files by their names, of which the last underscore is the point."""
+    named = {".".join(name.rsplit("_", 1)): text for name, text in texts.items()}
+    return [{"name": name, "text": text} for name, text in named.items()]
+
+
 def changed(text, change, *given):
     """Return a text after a change of its table."""
     state = State(text)

@@ -110,6 +110,9 @@ def test_the_values_of_a_new_part_are_those_of_its_specification():
     assert table["limits"]["max_height"] == "263 um"
     in_units = {"radius": "0,526 mm", "modulus": "1360 kPa", "size": "20 20 7,2", "coefficient": "1,5"}
     assert of_table(new_part(FIRST | in_units)).template == found.template
+    young = of_table(new_part(FIRST | {"young": "1,02", "loads": "0,1-1e-0"}))
+    assert young.template.material.composite_modulus == pytest.approx(1.36)
+    assert young.target.load_range == pytest.approx((0.1 / 1.36, 1.0 / 1.36))
     assert new_part(FIRST | {"asperities": "9 x 6"})["lattice"]["pitch"] == "2.222 mm"
     soft = answered(State("").edited(new_part(FIRST | {"modulus": "soft", "coefficient": "much"})), 2)
     assert set(soft.problems) == {"material.composite_modulus", "target.friction_coefficient"}

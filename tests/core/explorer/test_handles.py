@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from metafem.explorer.answer import answered
-from metafem.explorer.fields import between, digits_of, rounded, stated
+from metafem.explorer.fields import between, digits_of, rounded, scaled
 from metafem.explorer.handles import MOST, added, moved, removed, scene_of
 from metafem.explorer.history import State
 from metafem.explorer.kinds import with_point
@@ -130,8 +130,7 @@ def test_numbers_have_the_digits_of_the_resolution_and_stay_between_their_neighb
         assert new["target"]["rescaled_load"][1] == load
     assert [digits_of(r) for r in (0.1, 1e-3, 1e-30)] == [2, 4, 15]
     assert rounded(12345.6, 1e-3) == 12350.0
-    assert stated(1e-7, "1 mm^2", None, 1e-3) == "1e-07 mm^2"
-    assert stated(0.25, "140 mN", 1.36, 1e-3) == "340 mN"
+    assert scaled("1 mm^2", 1e-7, 1e-3) == "1e-07 mm^2"
     for point, to, load, friction in (
         ("point-1", 9.0, 0.649 * 0.998, 4.12 * 0.998),
         ("point-1", 0.0, 0.144 * 1.002, 0.84 * 1.002),

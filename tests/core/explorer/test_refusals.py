@@ -12,7 +12,7 @@ import pytest
 
 from metafem.errors import InvalidInput
 from metafem.explorer.answer import Answer, answered
-from metafem.explorer.editor import Given, loaded
+from metafem.explorer.editor import loaded
 from metafem.explorer.fields import rounded
 from metafem.explorer.handles import added, moved, removed, scene_of
 from metafem.explorer.history import LARGEST, LONGEST, State, from_link
@@ -25,10 +25,9 @@ from metafem.explorer.table import with_field, with_values
 from metafem.files import demo_text, parsed
 from metafem.material import Material
 from metafem.surface import Friction
-from tests.explorer.scenes import SAMPLED, text_of
+from tests.explorer.scenes import SAMPLED, files, text_of
 
 TEXT = demo_text("operating-points")
-SPECIFIED = Given("a.toml", SAMPLED)
 PAIR = Material(1.36), Friction(0.37, 0.85)
 TITLES = "load_N,friction_force_N\n"
 
@@ -61,6 +60,10 @@ def sites(action, numbers, height="", design=demo):
         demo().design if design else None,
         {"action": action, "sites": numbers, "height": height},
     )
+
+
+def load(given, *more):
+    return lambda: loaded(State(TEXT), [*given, *more])
 
 
 def part(**typed):
@@ -123,11 +126,11 @@ FILES = [
     (sites("pin", [64]), "sites", "select"),
     (sites("pin", [True]), "sites", "select"),
     (lambda: typed_height("-3"), "height", "-3"),
-    (lambda: loaded(State(TEXT), [SPECIFIED, Given("b.toml", SAMPLED)]), "specifications", "several"),
-    (lambda: loaded(State(TEXT), [SPECIFIED, Given("wanted.csv", why="is bad")]), "wanted.csv", "is bad"),
-    (lambda: loaded(State(TEXT), [Given("law.csv", TITLES)]), "law.csv", "table"),
-    (lambda: loaded(State(TEXT), [Given("p.toml", "[project]")]), "p.toml", "sections"),
-    (lambda: loaded(State(TEXT), [Given("p.png", why="is no text")]), "p.png", "is no text"),
+    (load(files(a_toml=SAMPLED, b_toml=SAMPLED)), "specifications", "several"),
+    (load(files(a_toml=SAMPLED), {"name": "wanted.csv", "why": "is bad"}), "wanted.csv", "is bad"),
+    (load(files(law_csv=TITLES)), "law.csv", "table"),
+    (load(files(p_toml="[project]")), "p.toml", "sections"),
+    (load([], {"name": "p.png", "why": "is no text"}), "p.png", "is no text"),
 ]
 PARTS = [
     (part(size="20 × 20"), "size", "20 × 20"),

@@ -237,7 +237,7 @@ def test_the_form_has_a_field_for_each_key_and_the_names_of_messages():
     largest = fields["limits.max_height"]
     assert largest["help"].startswith("Largest height (limits.max_height): ")
     assert largest["help"].endswith(f"Example: {largest['example']}.")
-    assert fields["limits.offset"]["default"] == "0 um"
+    assert fields["part.feed"]["default"] == "20 mm/min"
     assert parts["target"]["kind_names"] == {
         kind: KINDS[kind][0] for kind in section_forms()["target"]["kinds"]
     }
