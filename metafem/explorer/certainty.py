@@ -72,13 +72,17 @@ def tables_of(answer: Answer) -> str:
     """Return what a report states of the design of an answer: its numbers, fitted slopes and notes."""
     design = answer.design
     if design is None:
-        return _paragraph(NO_DESIGN)
+        return f"<p>{NO_DESIGN}</p>"
     columns, rows = fit_table(design)
-    fits = _table(zip(columns, *rows, strict=True)) if rows else ""
     notes = remarks(answer)
-    above = "" if answer.current else _paragraph(NOT_CURRENT, "warn")
-    texts = "".join(map(_note, notes))
-    return f"{above}{_table(numbers_of(answer, design))}{fits}<p>{counted(notes)} on the design</p>{texts}"
+    texts = [
+        f'<p class="{"warn" if note.warns else "note"}">{"Warning" if note.warns else "Note"}: '
+        f"{escape(str(note))}</p>"
+        for note in notes
+    ]
+    above = "" if answer.current else f'<p class="warn">{NOT_CURRENT}</p>'
+    tables = [numbers_of(answer, design), [*zip(columns, *rows, strict=True)] if rows else []]
+    return "".join([above, *map(_table, tables), f"<p>{counted(notes)} on the design</p>", *texts])
 
 
 def remarks(answer: Answer) -> tuple[Note, ...]:
@@ -102,12 +106,6 @@ def numbers_of(answer: Answer, design: Design) -> list[tuple[str, str]]:
     ]
 
 
-def chip(warnings: Sequence[str]) -> str:
-    """Return the number of warnings in a chip."""
-    count = f"{len(warnings)} warning{'s' * (len(warnings) > 1)}"
-    return f'<span class="chip warn"><span aria-hidden="true">▲</span>{count}</span>'
-
-
 def _base(design: Design) -> str:
     """Return the load at which the plane touches the base, and the largest load of the law."""
     try:
@@ -119,24 +117,13 @@ def _base(design: Design) -> str:
 
 
 def _table(rows: Iterable[Sequence[str]]) -> str:
-    """Return rows as a table whose first cells are headings."""
-    lines = (
-        f'<tr><th scope="row">{escape(first)}</th>{"".join(map(_cell, others))}</tr>'
-        for first, *others in rows
-    )
-    return f'<div class="scroll"><table class="figure-table"><tbody>{"".join(lines)}</tbody></table></div>'
-
-
-def _cell(words: str) -> str:
-    return f"<td>{escape(words)}</td>"
-
-
-def _note(note: Note) -> str:
-    return _paragraph(f"{'Warning' if note.warns else 'Note'}: {note}", "warn" if note.warns else "note")
-
-
-def _paragraph(words: str, kind: str = "") -> str:
-    return f'<p class="{kind}">{escape(words)}</p>'
+    """Return rows as a table whose first cells are headings; nothing without rows."""
+    lines = []
+    for first, *others in rows:
+        cells = "".join(f"<td>{escape(each)}</td>" for each in others)
+        lines.append(f'<tr><th scope="row">{escape(first)}</th>{cells}</tr>')
+    body = f'<table class="figure-table"><tbody>{"".join(lines)}</tbody></table>'
+    return f'<div class="scroll">{body}</div>' if lines else ""
 
 
 # Remedies of notes that concern the surface, not the law, and keys that are not the first of their name.
@@ -205,8 +192,10 @@ class PlaceWarnings(Panel):
     def warn(self, places: Mapping[str, list[str]]) -> None:
         """Show the warnings of this part."""
         texts = [text[:1].upper() + text[1:] for text in places.get(self.place, [])]
+        count = f"{len(texts)} warning{'s' * (len(texts) > 1)}"
+        chip = f'<span class="chip warn"><span aria-hidden="true">▲</span>{count}</span>'
         brief = re.split(r"[.:;] ", texts[0])[0] if texts else ""
-        self.brief.content = f'{chip(texts)}<span class="small">{escape(brief)}</span>' if texts else ""
+        self.brief.content = f'{chip}<span class="small">{escape(brief)}</span>' if texts else ""
         self.words.content = "".join(f'<p class="warn small">{escape(text)}</p>' for text in texts)
 
 

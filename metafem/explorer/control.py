@@ -237,12 +237,8 @@ class Control:
         return await self.step(lambda state: replace(state, **members), by=by)
 
     async def moved(self, steps: int) -> None:
-        """Undo (-1) or redo (1) a step of the history."""
+        """Undo (-1) or redo (1) a step of the history, or answer the state anew (0)."""
         await self.change(lambda session: session.moved(steps))
-
-    async def compute(self) -> None:
-        """Answer the current state, whose computation was stopped."""
-        await self.change(lambda session: session)
 
     async def stop(self) -> None:
         """End the computations of the page, and go to the nearest state whose answer is shown, if any."""

@@ -12,7 +12,6 @@ from metafem.explorer.answer import Answer
 from metafem.explorer.control import Control, Panel, Widget
 from metafem.explorer.history import State
 from metafem.explorer.table import section_of
-from metafem.files import section_forms
 
 # Name of the specification in a result folder.
 KEPT = "spec.toml"
@@ -44,7 +43,6 @@ def loaded(state: State, files: list[Given]) -> State:
     words = "These are several specifications. Load one of them, with its tables."
     refuse_if(len(specifications) > 1, words)
     for name, text in specifications.items():
-        _refuse_foreign(name, text)
         found = State(text)
         for each, why in unread.items():
             refuse_if(_named(found, {each: ""}), f"{name} names the table {each}, which {why}.")
@@ -79,19 +77,6 @@ def _named(state: State, tables: Mapping[str, str]) -> dict[str, str]:
     """Return the tables that a specification refers to, by the names in the specification."""
     last = {name: re.split(r"[/\\]", name)[-1] for name in table_names(state)}
     return {name: tables[part] for name, part in last.items() if part in tables}
-
-
-def _refuse_foreign(name: str, text: str) -> None:
-    """Raise InvalidInput for a text without any section of a specification.
-
-    A specification with errors is accepted, because the user can correct it on the page.
-    """
-    sections = "|".join(section_forms())
-    if not re.search(rf"^[ \t]*(\[[ \t]*({sections})\b|({sections})[ \t]*[.=])", text, re.MULTILINE):
-        raise InvalidInput(
-            f"{name} is no specification: it has none of the sections, such as [target]. "
-            "The menu of the page has examples to start over from."
-        )
 
 
 # Line number in a message of the TOML parser.

@@ -15,8 +15,8 @@ from nicegui import ui
 from nicegui.element import Element
 
 from metafem.drawing import svg
-from metafem.errors import InvalidInput, MetafemError
-from metafem.explorer.answer import Answer, specification_of
+from metafem.errors import MetafemError
+from metafem.explorer.answer import Answer
 from metafem.explorer.control import Control, Panel
 from metafem.explorer.history import State
 from metafem.files import result_tables, staged, write_all
@@ -78,19 +78,14 @@ COPIED = (
 def specification_file(state: State) -> tuple[str, bytes]:
     """Return name and content of the specification file or, if it has tables, of a zip archive with them.
 
-    A link can contain table names that point outside the folder of the archive, where the tables would be
-    unpacked. In this case, all tables are renamed as in a result folder, without folders. A lone surrogate,
-    which has no UTF-8 bytes, becomes a question mark.
+    The tables stand beside the specification, as in a result folder: a link can contain names that point
+    elsewhere. A lone surrogate, which has no UTF-8 bytes, becomes a question mark.
     """
     text = state.text.encode("utf-8", "replace")
     if not state.tables:
         return SPECIFICATION, text
-    files = {name: table.encode("utf-8", "replace") for name, table in state.tables.items()}
-    if not all(map(_lies_within, state.tables)):
-        try:
-            return ZIPPED, archive(specification_of(state).files)
-        except InvalidInput:  # the text cannot be read, so the tables that it needs are unknown
-            files = {}
+    tables = {re.split(r"[/\\:]", name)[-1]: table for name, table in state.tables.items()}
+    files = {name: table.encode("utf-8", "replace") for name, table in tables.items() if name.strip(" .")}
     return ZIPPED, archive({**files, SPECIFICATION: text})
 
 
@@ -98,11 +93,6 @@ def command_of(state: State) -> str:
     """Return the command that creates the result folder from the downloaded specification."""
     unpack = f"unzip {ZIPPED} && " if state.tables else ""
     return f"{unpack}metafem design {SPECIFICATION} -o surface"
-
-
-def _lies_within(name: str) -> bool:
-    """Return whether a file is unpacked inside the folder of its archive and is not the specification."""
-    return name != SPECIFICATION and not re.search(r"^[/.]|\\|:|(^|/)\.\.?(/|$)|/$|^$", name)
 
 
 def quick_files(answer: Answer) -> dict[str, bytes]:

@@ -64,7 +64,7 @@ class Header(Panel):
             part=part.open,
             model=self._choose,
             stop=lambda _: page.stop(),
-            compute=lambda _: page.compute(),
+            compute=lambda _: page.moved(0),
         )
         timer = app.timer(LATE, self._wait)  # `ui.timer` would be an element, with a file of its own
         page.client.on_delete(lambda: timer.cancel())

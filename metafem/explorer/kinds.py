@@ -147,22 +147,10 @@ def _with_bends(numbers: Numbers, law: Law, target: Target) -> Numbers:
     return _along(law, load)
 
 
-def _points(law: Law, low: float, high: float) -> Numbers:
-    return _along(law, np.linspace(low, high, POINTS))
-
-
-def _sampled(law: Law, low: float, high: float) -> Numbers:
-    return _along(law, np.geomspace(low, high, SAMPLES))
-
-
 def _band(law: Law, low: float, high: float) -> Numbers:
     load = np.geomspace(low, high, SAMPLES)
     lowest, highest = ((factor * law(load)).tolist() for factor in (1.0 - HALF_WIDTH, 1.0 + HALF_WIDTH))
     return {"rescaled_load": load.tolist(), "lowest": lowest, "highest": highest}
-
-
-def _linear(law: Law, low: float, high: float) -> Numbers:
-    return {"slope": _slope(law, low, high)}
 
 
 def _bilinear(law: Law, low: float, high: float) -> Numbers:
@@ -190,12 +178,15 @@ def _slope(law: Law, low: float, high: float) -> float:
 
 # Name of each kind on the page, and the target of the kind near a law between two loads.
 KINDS: Mapping[str, tuple[str, Callable[[Law, float, float], Numbers]]] = {
-    "operating-points": ("operating points", _points),
-    "linear": ("straight line (linear)", _linear),
+    "operating-points": (
+        "operating points",
+        lambda law, low, high: _along(law, np.linspace(low, high, POINTS)),
+    ),
+    "linear": ("straight line (linear)", lambda *law: {"slope": _slope(*law)}),
     "bilinear": ("two branches (bilinear)", _bilinear),
     "multilinear": ("several branches (multilinear)", _multilinear),
     "power": ("power law", _power),
-    "sampled": ("curve (sampled)", _sampled),
+    "sampled": ("curve (sampled)", lambda law, low, high: _along(law, np.geomspace(low, high, SAMPLES))),
     "band": ("between two curves (band)", _band),
 }
 

@@ -2,7 +2,6 @@
 
 import io
 import zipfile
-from dataclasses import replace
 from xml.etree import ElementTree
 
 import pytest
@@ -51,11 +50,12 @@ def files_of_command(tmp_path, monkeypatch):
 
 def test_the_tables_are_those_of_the_command_that_the_page_shows(tmp_path, monkeypatch):
     assert sorted(names_of(specification_file(STATE)[1])) == ["spec.toml", "wanted.csv"]
-    tables = quick_files(answered(STATE, 1))
+    found = answered(STATE, 1)
+    tables = quick_files(found)
     assert list(tables) == ["heights.csv", "law.csv", "mould.csv", "law.svg"]
     picture = tables.pop("law.svg").decode("utf-8")
     assert ElementTree.fromstring(picture).tag == "{http://www.w3.org/2000/svg}svg"
-    assert answered(STATE, 1).design.target.title in picture
+    assert found.design.target.title in picture
     assert tables.items() <= files_of_command(tmp_path, monkeypatch).items()
 
 
@@ -64,16 +64,13 @@ def test_tables_of_a_link_are_not_unpacked_elsewhere(name, tmp_path):
     state = State(SAMPLED.replace('"wanted.csv"', f"'{name}'"), {name: WANTED})
     content = specification_file(state)[1]
     names = names_of(content)
-    assert (names[0], len(set(names))) == ("spec.toml", 2)
-    assert not any("/" in each or ".." in each for each in names)
+    assert names == ["wanted.csv", "spec.toml"]
     zipfile.ZipFile(io.BytesIO(content)).extractall(tmp_path)
     assert read_spec(tmp_path / "spec.toml").target.rescaled_load[-1] == 0.05
-    assert names_of(specification_file(replace(state, text=state.text + "["))[1]) == ["spec.toml"]
 
 
 def test_texts_archives_and_pictures(answer):
-    inner = State(SAMPLED.replace("wanted.csv", "tables/wanted.csv"), {"tables/wanted.csv": WANTED})
-    assert sorted(names_of(specification_file(inner)[1])) == ["spec.toml", "tables/wanted.csv"]
+    assert names_of(specification_file(State(TEXT, {"..": WANTED}))[1]) == ["spec.toml"]
     assert specification_file(State("# \ud800")) == ("spec.toml", b"# ?")
     files = {"a.csv": b"1\n" * 1000, "b.csv": b"2\n"}
     read = zipfile.ZipFile(io.BytesIO(archive(files)))

@@ -129,7 +129,6 @@ FILES = [
     (load(files(a_toml=SAMPLED, b_toml=SAMPLED)), "specifications", "several"),
     (load(files(a_toml=SAMPLED), {"name": "wanted.csv", "why": "is bad"}), "wanted.csv", "is bad"),
     (load(files(law_csv=TITLES)), "law.csv", "table"),
-    (load(files(p_toml="[project]")), "p.toml", "sections"),
     (load([], {"name": "p.png", "why": "is no text"}), "p.png", "is no text"),
 ]
 PARTS = [

@@ -104,10 +104,8 @@ def test_sites_are_kept_emptied_and_released(design):
     free = next(each for each in range(64) if each not in design.sites)
     assert kept_height(design, free) is None
     for damaged in ("sites = 3", "[sites]\nempty = 'all'", "[sites]\npinned = [1, 2]", "[sites"):
-        assert (asked_sites(State(damaged).known).empty, asked_sites(State(damaged).known).pinned) == (
-            set(),
-            {},
-        )
+        found = asked_sites(State(damaged).known)
+        assert (found.empty, found.pinned) == (set(), {})
 
 
 def surface_of(cap, radius=0.5):
