@@ -66,7 +66,7 @@ def table_names(state: State) -> list[str]:
 
     Examples
     --------
-    >>> table_names(State('[target]\nfile = "wanted.csv"'))
+    >>> table_names(State('[target]\\nfile = "wanted.csv"'))
     ['wanted.csv']
     """
     found = [section_of(state.known, name).get("file") for name in ("target", "cap", "contact")]

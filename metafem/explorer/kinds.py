@@ -13,7 +13,7 @@ from metafem.explorer.answer import Answer, answered, specification_of
 from metafem.explorer.handles import RESOLUTION, added, scene_of
 from metafem.explorer.history import State
 from metafem.explorer.scene import NEWTON_KEYS, Keys, Numbers, members
-from metafem.explorer.table import Table, section_of, with_choice, with_kind, with_values
+from metafem.explorer.table import Table, section_of, with_only, with_section, with_values
 from metafem.files import Specification
 from metafem.inversion import Design, Limits, SampledLaw, Target, achievable_load_range
 from metafem.inversion.wording import RESCALED, Wording
@@ -67,7 +67,7 @@ def with_kind_near(state: State, design: Design | None, kind: str) -> Table:
             return near_design(state, specification_of(state), design, kind)
     except MetafemError:
         pass  # the state has problems
-    return with_kind(state.table, "target", kind)
+    return with_section(state.table, "target", kind)
 
 
 def near_design(state: State, specification: Specification, design: Design, kind: str = "") -> Table:
@@ -80,7 +80,7 @@ def near_design(state: State, specification: Specification, design: Design, kind
         numbers["load_range"] = [low, high]
     if "rescaled_friction" in numbers:
         numbers = _with_bends(numbers, law, target)
-    return with_kind(state.table, "target", kind, scene.stated(numbers, RESOLUTION))
+    return with_only(state.table, "target", {"kind": kind, **scene.stated(numbers, RESOLUTION)})
 
 
 def with_units(state: State, section: str, choice: int, specification: Specification | None) -> Table:
@@ -89,15 +89,16 @@ def with_units(state: State, section: str, choice: int, specification: Specifica
     A friction coefficient without a load range is then F/P over the widest range of loads in which
     independent asperities reach it. All other new keys have the examples of the manual.
     """
+    kind = section_of(state.table, section).get("kind", "")
     if section != "target" or specification is None:
-        return with_choice(state.table, section, choice)
+        return with_section(state.table, section, kind, choice)
     template, same, given = specification.template, Keys(), section_of(state.table, "target")
     if choice != FORCES or template.friction is not None:
         scene, wording = scene_of(state, specification, None), RESCALED
         if choice == FORCES and template.friction is not None:
             wording = Wording.of(template.material, template.friction)
         same = scene.stated(members(scene.target, NEWTON_KEYS), RESTATED, wording=wording)
-    table = with_choice(state.table, section, choice, same)
+    table = with_section(state.table, section, kind, choice, same)
     if choice == FORCES and "slope" in given and "load_range" not in given:
         table = with_values(table, {"target.load_range": _reached_forces(specification)})
     return table
@@ -252,5 +253,5 @@ def with_nearest(answer: Answer) -> Table:
     scene = scene_of(answer.state, specification, answer.design)
     numbers = members(target, MEMBERS)
     if isinstance(target, SampledLaw) and scene.kind != "sampled":  # no law of the kind is near
-        return with_kind(answer.state.table, "target", "sampled", scene.stated(numbers, CLOSE))
+        return with_only(answer.state.table, "target", {"kind": "sampled", **scene.stated(numbers, CLOSE)})
     return scene.written(numbers, CLOSE)

@@ -12,7 +12,7 @@ import numpy as np
 from metafem._validate import FloatArray
 from metafem.explorer.fields import ALL_DIGITS, EXACT, rounded, scaled
 from metafem.explorer.history import State
-from metafem.explorer.table import Table, section_of, with_kind
+from metafem.explorer.table import Table, section_of, with_only
 from metafem.files import Specification
 from metafem.inversion import Design
 from metafem.inversion.wording import Wording
@@ -145,7 +145,7 @@ class Scene:
         Numbers that do not change remain as they are written; the number None removes its key.
         """
         values = {**self.section, **self.stated(numbers, resolution, self.section)}
-        return with_kind(self.state.table, "target", kind or self.kind, values)
+        return with_only(self.state.table, "target", {**values, "kind": kind or self.kind})
 
     def stated(
         self, numbers: Numbers, resolution: float, like: Keys | None = None, wording: Wording | None = None

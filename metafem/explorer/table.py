@@ -6,7 +6,7 @@ A table has the values of TOML by section and key. No function changes the table
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from functools import cache
 from typing import Any
 
@@ -131,32 +131,53 @@ def _with(table: Table, key: str, value: Any, outer: str = "") -> dict[str, Any]
     return others if value is None else {**others, name: value}
 
 
-def with_kind(table: Table, section: str, kind: str, values: Mapping[str, Any] | None = None) -> Table:
-    """Return the table with a section changed to another kind.
+def with_only(table: Table, section: str, values: Mapping[str, Any]) -> Table:
+    """Return the table with these keys and values of a section alone."""
+    values = {**dict.fromkeys(section_of(table, section)), **values}
+    return with_values(table, {f"{section}.{name}": value for name, value in values.items()})
 
-    `values` are the keys and values of the new section. Default: the present values of the keys that the new
-    kind has, and the examples of the manual for missing required keys. If a list is missing, all lists are
-    those of the examples. All other keys are removed.
+
+def with_section(
+    table: Table,
+    section: str,
+    kind: str = "",
+    choice: int | None = None,
+    same: Mapping[str, Any] | None = None,
+) -> Table:
+    """Return the table with a section of a kind, default: the first, and of an alternative set of its keys.
+
+    It has the present values of the keys that the kind and the set have. The required keys that it lacks have
+    the values `same` or the examples of the manual; if another kind lacks a list, all its lists are examples.
+
+    Examples
+    --------
+    >>> with_section({"target": {"kind": "linear", "slope": 7.0}}, "target", "linear", 1)
+    {'target': {'kind': 'linear', 'friction_coefficient': 1.5}}
     """
-    given, forms = section_of(table, section), keys_of(section, kind)
-    if values is None:
-        kept = {form["name"]: given[form["name"]] for form in forms if form["name"] in given}
-        if any(isinstance(value, list) for value in _examples(forms, kept).values()):
-            kept = {name: value for name, value in kept.items() if not isinstance(value, list)}
-        values = kept | _examples(forms, kept)
-    keys = dict.fromkeys(given) | dict(values) | {"kind": kind}
-    return with_values(table, {f"{section}.{name}": value for name, value in keys.items()})
+    given, form = section_of(table, section), section_forms()[section]
+    kind = kind or next(iter(form["kinds"]), "")
+    keys = keys_of(section, kind)
+    if choice is None:
+        of_given = [key["choice"] for key in keys if key["name"] in given and key["choice"] is not None]
+        choice = of_given[0] if of_given else 0
+    fit = [key for key in keys if key["choice"] in (None, choice)]
+    for lists in (True, False):
+        kept = {key["name"]: given[key["name"]] for key in fit if key["name"] in given}
+        kept = {name: value for name, value in kept.items() if lists or not isinstance(value, list)}
+        lacks = [key for key in fit if not key["optional"] or key["choice"] == choice]
+        lacks = [key for key in lacks if key["name"] not in kept]
+        values = {key["name"]: (same or {}).get(key["name"], key["example"]) for key in lacks}
+        if kind == given.get("kind", kind) or not any(isinstance(each, list) for each in values.values()):
+            break
+    if not kept and not values and keys:
+        values = {keys[0]["name"]: keys[0]["example"]}
+    values = {**kept, **values, **({"kind": kind} if kind else {})}
+    return _with_radius(with_only(table, section, values), section)
 
 
-def _examples(forms: Iterable[Form], kept: Mapping[str, Any]) -> dict[str, Any]:
-    """Return example values for the required keys that are not in `kept`."""
-    choices = [form["choice"] for form in forms if form["choice"] is not None and form["name"] in kept]
-    choice = [*choices, 0][0]
-    return {
-        form["name"]: form["example"]
-        for form in forms
-        if form["name"] not in kept and (not form["optional"] or form["choice"] == choice)
-    }
+def without_section(table: Table, section: str) -> Table:
+    """Return the table without a section."""
+    return _with_radius(with_only(table, section, {}), section)
 
 
 def with_field(table: Table, key: str, typed: str) -> Table:
@@ -187,48 +208,11 @@ def with_field(table: Table, key: str, typed: str) -> Table:
     if not typed:
         return with_values(table, {key: None})
     if is_kind:
-        return with_kind(table, section, typed)
+        return with_section(table, section, typed)
     form = forms[name]
     others = [each for each in forms.values() if None not in (form["choice"], each["choice"])]
     values = {f"{section}.{each['name']}": None for each in others if each["choice"] != form["choice"]}
     return with_values(table, {**values, key: typed_value(form, typed, unit_of(old))})
-
-
-def with_choice(table: Table, section: str, choice: int, same: Mapping[str, Any] | None = None) -> Table:
-    """Return the table with the keys of another choice of a section, of the values `same` or examples.
-
-    Examples
-    --------
-    >>> with_choice({"target": {"kind": "linear", "slope": 7.0}}, "target", 1)
-    {'target': {'kind': 'linear', 'friction_coefficient': 1.5}}
-    """
-    given, values = section_of(table, section), dict[str, Any]()
-    for key in keys_of(section, given.get("kind")):
-        if key["choice"] == choice and key["name"] not in given:
-            values[f"{section}.{key['name']}"] = (same or {}).get(key["name"], key["example"])
-        elif key["choice"] not in (None, choice):
-            values[f"{section}.{key['name']}"] = None
-    return _with_radius(with_values(table, values), section)
-
-
-def with_section(table: Table, section: str) -> Table:
-    """Return the table with a new section, whose required keys have the example values of the manual."""
-    form = section_forms().get(section)
-    if form is None or value_of(table, section) is not None:
-        return table
-    if form["kinds"]:
-        return with_kind(table, section, next(iter(form["kinds"])))
-    keys = keys_of(section)
-    needed = [key for key in keys if key["needed"]] or keys[:1]
-    return _with_radius(
-        with_values(table, {f"{section}.{key['name']}": key["example"] for key in needed}), section
-    )
-
-
-def without_section(table: Table, section: str) -> Table:
-    """Return the table without a section."""
-    values = dict.fromkeys(f"{section}.{key}" for key in section_of(table, section))
-    return _with_radius(with_values(table, values), section)
 
 
 def _with_radius(table: Table, section: str) -> Table:

@@ -12,7 +12,7 @@ from metafem.explorer.header import STOPPED, header_data
 from metafem.explorer.history import State
 from metafem.explorer.kinds import offer, reachable, with_kind_near, with_nearest
 from metafem.explorer.law_data import law_data
-from metafem.explorer.table import with_field, with_kind
+from metafem.explorer.table import with_field, with_only
 from metafem.files import demo_text, of_table, parsed
 from tests.explorer.scenes import SAMPLED, WANTED, changed
 
@@ -30,7 +30,7 @@ def to(given, **how):
 
 
 def line(**values):
-    return changed(TEXT, with_kind, "target", "linear", values)
+    return changed(TEXT, with_only, "target", {"kind": "linear", **values})
 
 
 def test_an_answer_is_the_design_of_the_command_once_for_each_text():
@@ -77,7 +77,7 @@ def test_files_of_the_machine_are_not_read(tmp_path, monkeypatch):
         raise AssertionError(f"a file is opened: {given}")
 
     for section, kind, name in (("target", "sampled", "secret.csv"), ("cap", "profile", "/etc/passwd")):
-        text = changed(TEXT, with_kind, section, kind, {"file": name})
+        text = changed(TEXT, with_only, section, {"kind": kind, "file": name})
         with monkeypatch.context() as patched:
             patched.setattr(io, "open", refused)
             patched.setattr(builtins, "open", refused)
@@ -138,8 +138,13 @@ def test_the_nearest_law_keeps_the_kind_of_the_target():
 
 
 def test_samples_are_offered_where_no_law_of_the_kind_is_near():
-    line = {"slopes": [1.0], "crossover_loads": [], "load_range": ["0.1 mm^2", "0.4 mm^2"]}
-    refused = to(changed(TEXT, with_kind, "target", "multilinear", line))
+    line = {
+        "kind": "multilinear",
+        "slopes": [1.0],
+        "crossover_loads": [],
+        "load_range": ["0.1 mm^2", "0.4 mm^2"],
+    }
+    refused = to(changed(TEXT, with_only, "target", line))
     assert to(with_nearest(refused)).current
 
 

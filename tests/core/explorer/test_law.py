@@ -10,7 +10,7 @@ from metafem.explorer.answer import answered
 from metafem.explorer.history import State
 from metafem.explorer.law import NO_FORCES, beside, tools_data
 from metafem.explorer.law_data import Units, law_data, measured_of, numbers, pinned_data, read_points
-from metafem.explorer.table import with_kind, with_values
+from metafem.explorer.table import with_only, with_values
 from metafem.files import demo_text
 from tests.explorer.scenes import changed
 
@@ -78,8 +78,8 @@ def test_slopes_are_drawn_along_their_branches_and_open_laws_at_their_level():
     for start, (branch, _) in zip((0, gap + 1), answer.design.fits, strict=True):
         rise = wanted["y"][start + 1] - wanted["y"][start]
         assert rise / (wanted["x"][start + 1] - wanted["x"][start]) == pytest.approx(branch.slope, rel=1e-3)
-    power = {"exponent": 1.1, "load_range": ["0.1 mm^2", "0.4 mm^2"]}
-    answer = answered(State(changed(TEXT, with_kind, "target", "power", power), newtons=False), 1)
+    power = {"kind": "power", "exponent": 1.1, "load_range": ["0.1 mm^2", "0.4 mm^2"]}
+    answer = answered(State(changed(TEXT, with_only, "target", power), newtons=False), 1)
     wanted, law = law_data(answer)["wanted"], answer.design.law
     assert np.polyfit(np.log(wanted["x"]), np.log(wanted["y"]), 1)[0] == pytest.approx(1.1, rel=1e-4)
     np.testing.assert_allclose(wanted["y"], np.interp(wanted["x"], law.rescaled_load, law.area), rtol=0.03)

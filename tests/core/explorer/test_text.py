@@ -15,9 +15,8 @@ from metafem.explorer.kinds import KINDS, with_kind_near, with_units
 from metafem.explorer.table import (
     title_of,
     value_of,
-    with_choice,
     with_field,
-    with_kind,
+    with_only,
     with_section,
     with_values,
     without_section,
@@ -27,7 +26,7 @@ from metafem.files import demo_text, of_table, section_forms, toml_table
 from tests.explorer.scenes import changed
 
 LINEAR, POINTS = (State(demo_text(name)).table for name in ("linear", "operating-points"))
-MULTILINEAR, ADHESIVE = with_kind(LINEAR, "target", "multilinear"), with_kind(LINEAR, "contact", "jkr")
+MULTILINEAR, ADHESIVE = with_section(LINEAR, "target", "multilinear"), with_section(LINEAR, "contact", "jkr")
 TEXTS = [
     demo_text("operating-points"),
     "# one\ntarget = {kind = 'linear', slope=6.87}\nlimits={ max_height=\"120 um\" } # two",
@@ -134,7 +133,7 @@ def test_each_kind_and_choice_of_a_section_can_be_read_and_removed(section):
         assert set(table.get(section, ())) <= {"kind", *(key["name"] for key in keys)}
         of_table(table, source=tables)
         for choice in {key["choice"] for key in keys} - {None}:
-            of_table(with_choice(table, section, choice), source=tables)
+            of_table(with_section(table, section, kind, choice), source=tables)
         for key in (key for key in keys if key["value"] != "section"):  # each takes its example
             name, example = f"{section}.{key['name']}", shown(key["example"])
             new = with_field(table, name, example)
@@ -145,7 +144,7 @@ def test_each_kind_and_choice_of_a_section_can_be_read_and_removed(section):
         table = without_section(with_field(POINTS, "contact.kind", "jkr"), section)
         assert section not in table
         added = with_section(table, section)
-        assert with_section(added, section) is added
+        assert with_section(added, section, added[section].get("kind", "")) == added
         assert without_section(added, section) == table
 
 
@@ -154,7 +153,7 @@ def test_tools_replace_the_radius_and_a_kind_the_keys_of_another():
     assert "radius" not in table["lattice"]
     assert of_table(table).tools == (0.3, 0.526)
     assert without_section(table, "tools")["lattice"]["radius"] == "526 um"
-    elastic = with_kind(ADHESIVE, "contact.cap", "elastic")
+    elastic = with_section(ADHESIVE, "contact.cap", "elastic")
     assert elastic["contact"]["cap"] == {"kind": "elastic"}
     assert of_table(elastic).model.contact == mf.JKR(9e-6, mf.Elastic())
 
@@ -258,7 +257,7 @@ def test_a_target_of_another_kind_is_near_the_law(kinds):
 
 
 def test_units_and_crossovers_stay_with_another_kind_and_examples_serve_without_a_design():
-    state = State("").edited(with_kind(LINEAR, "target", "linear", {"friction_coefficient": 1.55}))
+    state = State("").edited(with_only(LINEAR, "target", {"kind": "linear", "friction_coefficient": 1.55}))
     design = of_table(state.table).design()
     keys = {kind: with_kind_near(state, design, kind)["target"] for kind in KINDS}
     assert keys["operating-points"].keys() == {"kind", "load", "friction_force"}
@@ -267,12 +266,12 @@ def test_units_and_crossovers_stay_with_another_kind_and_examples_serve_without_
     assert keys["linear"] == {"kind": "linear", "friction_coefficient": 1.55}
     for table, known in ((LINEAR, None), (with_values(LINEAR, {"limits.max_height": "120"}), design)):
         found = with_kind_near(State("").edited(table), known, "power")
-        assert found == with_kind(table, "target", "power")
+        assert found == with_section(table, "target", "power")
 
 
 def test_operating_points_of_a_bilinear_law_have_its_crossover():
     values = {"slopes": [6.0, 9.0], "crossover_load": "0.08 mm^2", "load_range": ["0.04 mm^2", "0.2 mm^2"]}
-    state = State(changed(demo_text("bilinear"), with_kind, "target", "bilinear", values))
+    state = State(changed(demo_text("bilinear"), with_only, "target", {"kind": "bilinear", **values}))
     design = of_table(state.table).design()
     found = of_table(with_kind_near(state, design, "operating-points")).target
     row = int(np.abs(found.rescaled_load - 0.08).argmin())
