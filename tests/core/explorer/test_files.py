@@ -15,6 +15,7 @@ from metafem.explorer.files import (
     archive,
     command_of,
     hindrance,
+    made_files,
     quick_files,
     said_above,
     specification_file,
@@ -57,6 +58,13 @@ def test_the_tables_are_those_of_the_command_that_the_page_shows(tmp_path, monke
     assert ElementTree.fromstring(picture).tag == "{http://www.w3.org/2000/svg}svg"
     assert found.design.target.title in picture
     assert tables.items() <= files_of_command(tmp_path, monkeypatch).items()
+
+
+@pytest.mark.slow
+def test_all_files_are_those_of_the_command_to_the_byte(tmp_path, monkeypatch):
+    made = made_files(answered(STATE, 1))
+    assert made == files_of_command(tmp_path, monkeypatch)
+    assert {"report.html", "spec.toml", "wanted.csv"} <= made.keys()
 
 
 @pytest.mark.parametrize("name", ["../wanted.csv", "/etc/wanted.csv", "..\\wanted.csv", "C:wanted.csv"])

@@ -33,12 +33,10 @@ UNIT = 1.0 / (0.37 * 0.85)
 
 # What takes long where texts are long or surfaces large.
 LONG = [
-    "control.answered", "control.to_link", "law.law_data", "law.moved", "law.removed",
-    "law.with_point", "law.read_points",
-    "law.tolerance_band", "surface.site_data",
-    "surface.layout_data", "surface.contact_data", "surface.press_data",
-    "surface.edited", "header.header_data", "header.with_field",
-    "form.contents", "form.with_kind_near", "files.specification_file",
+    "control.answered", "control.to_link", "law.law_data", "law.moved", "law.removed", "law.with_point",
+    "law.read_points", "law.tolerance_band", "surface.site_data", "surface.layout_data",
+    "surface.contact_data", "surface.press_data", "surface.edited", "header.header_data",
+    "header.with_field", "form.contents", "form.with_kind_near", "files.specification_file",
     "files.quick_files",
 ]  # fmt: skip
 
