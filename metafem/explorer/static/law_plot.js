@@ -137,7 +137,8 @@ export default {
         if (curve.low) return { kind, d: area(curve, across, up) };
         const squares = path(curve, across, up, true);
         if (kind === "measured") return { kind, d: squares };
-        return [{ kind, d: path(curve, across, up) }, { kind: `${kind} marks`, d: curve.marked ? squares : "" }];
+        const line = { kind, d: path(curve, across, up) };
+        return curve.marked ? [line, { kind: `${kind} marks`, d: squares }] : line;
       });
     },
     // The load at which contacts are shown: the chosen one, or the last of the law; and the one under the pointer.

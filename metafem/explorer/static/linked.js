@@ -39,10 +39,10 @@ export function remember(key, text) {
 // Directions of the arrow keys: to the right and up.
 export const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 
-// Files that were chosen or dropped, as texts. A dropped folder gives its specification and its tables.
+// Files that were chosen or dropped, as texts.
 // Characters of a text as it is sent, where each end of a line has two: the server takes a megabyte.
 export const LARGEST = 900_000;
-const MOST = 40;          // files of a folder
+const MOST = 40; // files
 
 // The length of a text in a message.
 export const sent = (text) => JSON.stringify(text).length;
@@ -58,31 +58,9 @@ async function textOf(file) {
   }
 }
 
-const inFolder = (entry) => new Promise((done) => {
-  const [reader, found] = [entry.createReader(), []];
-  const next = () => reader.readEntries((entries) => {
-    found.push(...entries);
-    if (entries.length && found.length < 1000) next();
-    else done(found.filter((each) => each.isFile && /^spec\.toml$|\.csv$/i.test(each.name)).slice(0, MOST));
-  }, () => done(found));
-  next();
-});
-
-export async function textsIn(folder) {
-  const found = await inFolder(folder);
-  if (!found.some((entry) => entry.name.toLowerCase() === "spec.toml")) return [{ name: folder.name, why: "is a folder without a spec.toml" }];
-  return textsOf(await Promise.all(found.map((entry) => new Promise((done, failed) => entry.file(done, failed)))));
-}
-
-// Those that cannot be read say why; together they fit into one message, the specification first.
+// Those that cannot be read say why; together they fit into one message.
 export async function textsOf(files) {
   const texts = await Promise.all([...files].slice(0, MOST).map(textOf));
-  texts.sort((one, other) => /\.toml$/i.test(other.name) - /\.toml$/i.test(one.name));
-  let room = LARGEST;
-  return texts.map((each) => {
-    const size = sent(each.text ?? "");
-    if (size > room) return { name: each.name, why: `is too large beside the others, which may have ${LARGEST / 1000} kB together` };
-    room -= size;
-    return each;
-  });
+  if (sent(texts) <= LARGEST) return texts;
+  return texts.map(({ name }) => ({ name, why: `is too large: all files together may have ${LARGEST / 1000} kB` }));
 }

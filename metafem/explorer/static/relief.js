@@ -1,10 +1,8 @@
 // The surface in three dimensions: undeformed caps on the block, cut off at the glass, with the contacts on it.
 import { capOf, colouring, range, widthAt } from "metafem/contacts.js";
 
-// Most caps: more would be smaller than a pixel, and hold up a browser without a graphics card for seconds.
-export const MOST_CAPS = 20000;
-// Segments of a cap, and which part of the points of its meridian: fewer for many caps, of which each is small.
-const FINE = [[1500, 40, 1], [MOST_CAPS, 10, 4]];
+// Number of caps above which each is so small that fewer segments, and a part of the points of its meridian, are enough.
+const MANY = 1500;
 // Direction from which the camera looks first, and its field of view [degrees].
 const [FROM, FIELD] = [[-0.55, -1, 0.8], 32];
 // Speed of the arrow keys, and step of the wheel that plus and minus are.
@@ -12,14 +10,10 @@ const [TURN, WHEEL] = [5, 100];
 // Milliseconds between pictures while the surface is changed: one with each step of a drag would delay the law where the
 // graphics are computed by the processor.
 const PACE = 300;
-// Radii of the ring around a site that is pointed at, over the least distance between sites.
-const RING = [0.36, 0.43];
-
 export class Relief {
   things = [];
 
-  // `marks` has the sites that are pointed at, `on` the function hover(site, event).
-  constructor(box, marks, on) { Object.assign(this, { box, marks, on }); }
+  constructor(box) { this.box = box; }
 
   // Loads three.js from the machine itself; throws where there is no WebGL.
   async start() {
@@ -46,10 +40,6 @@ export class Relief {
     canvas.addEventListener("keydown", (event) => this.key(event));
     this.controls.listenToKeyEvents(canvas);
     this.controls.keyRotateSpeed = TURN;
-    this.ray = new THREE.Raycaster();
-    canvas.addEventListener("pointermove", (event) => { if (!event.buttons) this.on.hover(this.siteAt(event), event); });
-    canvas.addEventListener("click", (event) => this.on.hover(this.siteAt(event), event)); // a finger does not hover
-    for (const name of ["pointerdown", "pointerleave"]) canvas.addEventListener(name, () => this.on.hover(null));
     this.cut = [new THREE.Plane(new THREE.Vector3(0, 0, 1), 0), new THREE.Plane(new THREE.Vector3(0, 0, -1), 1)]; // base and glass
   }
 
@@ -102,14 +92,15 @@ export class Relief {
       this.build(surface.caps);
     }
     if (moved) this.reset();
-    const { THREE, block, glass, caps, lids, contacts: discs, rings } = this;
+    const { THREE, block, glass, caps, lids, contacts: discs } = this;
     const colours = colouring(surface, contacts, look);
     const separation = (contacts?.separation ?? 1e3 * layout.spacing) / 1e3;
     this.cut[1].constant = glass.position.z = times * separation;
     glass.visible = contacts?.separation > 0;
     const style = getComputedStyle(this.box);
     const of = (name) => style.getPropertyValue(name).trim();
-    for (const [mesh, name] of [[block, "--line"], [discs, "--target"], [rings, "--ink"]]) mesh.material.color.set(of(name));
+    block.material.color.set(of("--line"));
+    discs.material.color.set(of("--target"));
     this.sites = [...layout.x.keys()].filter((site) => surface.height[site] !== null);
     const [at, colour, plain] = [new THREE.Matrix4(), new THREE.Color(), of("--faint")];
     this.sites.forEach((site, k) => {
@@ -127,31 +118,10 @@ export class Relief {
     });
     for (const mesh of [...caps, lids, discs]) {
       mesh.count = this.sites.length;
-      mesh.boundingSphere = null; // where rays look for the caps
       mesh.instanceMatrix.needsUpdate = true;
       if (mesh.instanceColor) mesh.instanceColor.needsUpdate = true;
     }
-    this.mark();
-  }
-
-  // Rings around the sites that are pointed at.
-  mark() {
-    if (!this.layout) return;
-    const { layout: { x, y, spacing }, marks: { pointed }, rings } = this;
-    const at = new this.THREE.Matrix4();
-    rings.count = 0;
-    for (const site of pointed) rings.setMatrixAt(rings.count++, at.makeScale(spacing, spacing, 1).setPosition(x[site], y[site], 0));
-    rings.instanceMatrix.needsUpdate = true;
     this.render();
-  }
-
-  // The site whose cap is under the pointer; null if there is none.
-  siteAt({ clientX, clientY }) {
-    if (!this.sites) return null;
-    const { left, top, width, height } = this.renderer.domElement.getBoundingClientRect();
-    this.ray.setFromCamera(new this.THREE.Vector2((2 * (clientX - left)) / width - 1, 1 - (2 * (clientY - top)) / height), this.camera);
-    const seen = ({ point: { z } }) => z >= 0 && z <= this.glass.position.z; // what the planes do not cut off
-    return this.sites[this.ray.intersectObjects(this.caps).find(seen)?.instanceId] ?? null;
   }
 
   // Meshes for the sites of a layout and the shapes of caps.
@@ -163,7 +133,7 @@ export class Relief {
     this.middle = [(west + east) / 2, (south + north) / 2];
     const [width, length, thickness] = block ?? [...sites, 0.5 * spacing];
     this.size = Math.hypot(width, length);
-    const [, around, step] = FINE.find(([most]) => x.length <= most);
+    const [around, step] = x.length > MANY ? [10, 4] : [40, 1];
     const both = { side: THREE.DoubleSide };
     const flat = (factor, units) => ({ ...both, polygonOffset: true, polygonOffsetFactor: factor, polygonOffsetUnits: units });
     const instanced = (geometry, material) => Object.assign(new THREE.InstancedMesh(geometry, material, x.length), { frustumCulled: false });
@@ -176,12 +146,10 @@ export class Relief {
     });
     this.lids = instanced(new THREE.CircleGeometry(1, around), new THREE.MeshLambertMaterial(flat(-1, -2)));
     this.contacts = instanced(new THREE.CircleGeometry(1, around), new THREE.MeshBasicMaterial(flat(-3, -8)));
-    this.rings = instanced(new THREE.RingGeometry(...RING, 40), new THREE.MeshBasicMaterial({ ...both, depthTest: false }));
-    this.rings.renderOrder = 1;
     const pane = { ...both, color: 0x7fb4cc, transparent: true, opacity: 0.22, depthWrite: false };
     this.glass = new THREE.Mesh(new THREE.PlaneGeometry(...sites), new THREE.MeshBasicMaterial(pane));
     this.glass.position.set(...this.middle, 0);
-    this.things = [this.block, ...this.caps, this.lids, this.contacts, this.rings, this.glass];
+    this.things = [this.block, ...this.caps, this.lids, this.contacts, this.glass];
     this.scene.add(...this.things);
   }
 

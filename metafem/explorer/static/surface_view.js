@@ -7,6 +7,8 @@ import SiteMap, { neighbour } from "metafem/map.js";
 const EXAGGERATION = { first: 4, most: 20 };
 // Milliseconds from the smallest to the largest load; steps of the slider; and steps instead of motion.
 const [PLAY, SLIDER, STILL] = [6000, 250, 5];
+// Most caps in 3D: more would be smaller than a pixel, and hold up a browser without a graphics card for seconds.
+const MOST_CAPS = 20000;
 // Distance of the tip from the pointer [pixels].
 const GAP = 14;
 const ACTIONS = { p: "pin", e: "empty", r: "release" };
@@ -16,7 +18,7 @@ export default {
   template: `
     <div :class="['surface-view', 'fill', { old }]" data-answered="0">
       <div class="head"><h2>Surface</h2>
-        <q-tabs v-model="tab" dense no-caps aria-label="View of the surface" @update:model-value="open"><q-tab name="map" label="Map"/><q-tab name="relief" label="3D"/></q-tabs>
+        <q-tabs v-model="tab" dense no-caps aria-label="View of the surface" @update:model-value="open"><q-tab name="map" label="Map"/><q-tab name="relief" label="3D" :disable="many"/></q-tabs>
         <label class="small">Colour <select class="text" v-model="what" @change="recolour" aria-label="Colour of the sites">
           <option value="height">height</option><option v-if="radii" value="radius">radius</option><option value="pressure">contact pressure</option><option value="sensitivity">sensitivity</option>
         </select></label>
@@ -40,7 +42,6 @@ export default {
           <form @submit.prevent="send('pin', typed)"><label>Height <input class="text" v-model="typed" required inputmode="decimal" :placeholder="menu.kept || '150.0 µm'" aria-label="Height in micrometres"></label>
             <button type="submit" class="act" data-action="type">Set</button></form>
           <button v-if="menu.filled" type="button" class="act" data-action="empty" @click="send('empty')">Leave {{ menu.these }} empty</button>
-          <label class="small"><input type="checkbox" v-model="adding"> Select more sites</label>
         </div>
       </div>
       <div class="press">
@@ -54,7 +55,7 @@ export default {
     </div>`,
   data() {
     return {
-      tab: "map", what: "height", line: "", message: "", old: false, note: "", lines: [], at: null, menu: null, typed: "", adding: false,
+      tab: "map", what: "height", line: "", message: "", old: false, note: "", lines: [], at: null, menu: null, typed: "",
       missing: "", times: EXAGGERATION.first, playing: false, place: 0,
       surface: null, contacts: null, press: null, // frozen, so that Vue does not follow thousands of numbers
     };
@@ -62,6 +63,7 @@ export default {
   computed: {
     // What is said of the sites that are not at the pointer, where the tip says it.
     spoken() { return this.at ? "" : this.lines.join(", "); },
+    many() { return (this.surface?.height.length ?? 0) > MOST_CAPS; },
     radii() { return Array.isArray(this.surface?.radius); },
     told() { return this.contacts ? told(this.contacts, this.surface.modulus) : ""; },
   },
@@ -139,7 +141,7 @@ export default {
     async play() {
       if (this.playing) return tell("load", { load: this.contacts.load, moving: false });
       this.playing = true;
-      if (this.tab === "map") await this.open("relief");
+      if (this.tab === "map" && !this.many) await this.open("relief");
       if (this.missing) this.open("map");
       if (this.press) this.run();
     },
@@ -188,7 +190,7 @@ export default {
     async start() {
       try {
         const { Relief } = await import("metafem/relief.js");
-        const relief = new Relief(this.$refs.relief, this.marks, this);
+        const relief = new Relief(this.$refs.relief);
         await relief.start();
         this.solid = relief;
       } catch (error) {
@@ -217,7 +219,7 @@ export default {
       if (!this.surface) return;
       this.marks.pointed = new Set(sites);
       this.describe();
-      this.picture()?.mark();
+      this.$refs.map.mark();
     },
     describe() {
       const [first, ...others] = this.marks.pointed;
@@ -226,16 +228,16 @@ export default {
     },
     pick(sites, add) {
       const { marks } = this;
-      if (!(add || this.adding)) marks.selected = new Set();
+      if (!add) marks.selected = new Set();
       const single = sites.length === 1 && marks.selected.has(sites[0]);
       sites.forEach((site) => (single ? marks.selected.delete(site) : marks.selected.add(site)));
       if (sites.length) marks.active = sites.at(-1);
       this.hover(null);
       if (marks.selected.size) this.openMenu(); else this.close();
-      this.picture().mark();
+      this.$refs.map.mark();
     },
     openMenu() {
-      const [x, y] = this.picture().placeOf(this.marks.active);
+      const [x, y] = this.$refs.map.placeOf(this.marks.active);
       const { clientWidth: width, clientHeight: height } = this.$refs.box;
       this.typed = "";
       // in the corner away from the site, where the sites around it stay free
@@ -256,9 +258,9 @@ export default {
     },
     close() {
       const inside = this.$refs.menu?.contains(document.activeElement);
-      Object.assign(this, { menu: null, adding: false });
+      this.menu = null;
       this.marks.selected = new Set();
-      this.picture()?.mark();
+      this.$refs.map.mark();
       if (inside) this.$refs.map.$refs.svg.focus();
     },
     send(action, height = "") {
