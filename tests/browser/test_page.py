@@ -181,8 +181,7 @@ def test_nothing_moves_under_the_hand(visit, width):
     still("refusal under the hand")
     after(visit, page.mouse.up)
     still("release")
-    page.evaluate("() => document.querySelector('.load-knob').focus({ preventScroll: true })")
-    after(visit, page.keyboard.press, "Shift+ArrowLeft")
+    after(visit, page.get_by_label("Load", exact=True).press, "ArrowLeft")
     still("load")
     for model in ("layer", "independent"):
         after(visit, page.get_by_label("Model", exact=True).select_option, model)

@@ -104,7 +104,7 @@ export function colouring(surface, contacts, { what, dark }) {
   const signed = low < 0 && what !== "height";
   const most = Math.max(high, -low);
   const scale = what === "height" ? surface.limits : [signed ? -most : 0, most];
-  return { name, unit, values, present, shown, scale: scaleOf(...scale, signed, dark) };
+  return { name, unit, values, shown, scale: scaleOf(...scale, signed, dark) };
 }
 
 // Scales of colour whose lightness rises in equal steps, in the colour space Oklab; along blue and yellow, and blue and

@@ -69,12 +69,11 @@ export default {
       }
       this.dirty = false;
       this.count += 1;
-      this.$emit("changed", { text: this.crlf ? text.replaceAll("\n", "\r\n") : text, count: this.count });
+      this.$emit("changed", { text, count: this.count });
     },
     show({ text, problems, tables, taken }) {
       if (!this.editor || this.dirty || taken < this.count) return;  // what is typed, or sent but not yet taken, stays
       Object.assign(this, { problems, tables });
-      this.crlf = text.includes("\r\n");
       this.replace(text.replaceAll("\r\n", "\n"));
     },
     replace(text) {  // only what differs, so that the cursor and the scrolled place stay

@@ -1,5 +1,5 @@
 // The head of the page: the target in words, the status, the model, undo and redo, and the menu.
-// It also takes the files that are dropped, and hands those on the plot of the law to it.
+// It also takes the files that are dropped, and hands a table to the plot of the law.
 import { remember, tell, textsOf } from "metafem/linked.js";
 
 const THEMES = { light: "Light", auto: "Auto", dark: "Dark" };
@@ -103,10 +103,8 @@ export default {
       const files = [...event.dataTransfer.files];
       event.preventDefault();
       event.stopPropagation();
-      event.target.closest?.(".dropping")?.dispatchEvent(new Event("dragleave"));
-      const given = files.some((file) => /\.toml$/i.test(file.name));
-      if (event.target.closest?.(".law-plot") && !given) return tell("table", files);
-      this.$emit("load", { files: await textsOf(files) });
+      if (files.some((file) => /\.toml$/i.test(file.name))) this.$emit("load", { files: await textsOf(files) });
+      else tell("table", files);
     },
   },
 };

@@ -13,13 +13,11 @@ const FINGERS = matchMedia("(pointer: coarse)").matches;
 // Pixels that a pointer may move during a click; and from the achieved law to a point that is added on it. Two clicks are
 // one double click within these milliseconds and pixels, the width of a finger.
 const [STILL, SNAP, TWICE] = [4, 8, { time: 500, far: 40 }];
-// Steps of the arrow keys along an axis for a handle and for the load; with Shift they are ten times as long.
-const [STEPS, LOADS, LONG] = [400, 100, 10];
+// Steps of the arrow keys along an axis; with Shift they are ten times as long.
+const [STEPS, LONG] = [400, 10];
 // The part of the axes that a key shows, 0 for all; the units of the wheel for a step; and what a zoom shows at least and
 // at most of the fitted axes. `law.py` has the least, too.
 const [ZOOMS, WHEEL, LEAST, MOST] = [{ "+": 0.8, "=": 0.8, "-": 1.25, 0: 0 }, 400, 1e-3, 10];
-// What is drawn, from the back to the front, by the first words of its keys.
-const LAYERS = ["tolerance", "pinned", "nearest", "wanted", "achieved", "measured"];
 // Buttons in the legend: their words, and the event that they emit.
 const ACTS = { achieved: ["Pin", "pin", { on: true }], pinned: ["Unpin", "pin", { on: false }], measured: ["Remove", "measured", {}] };
 // What the line below the plot says at the first visit.
@@ -27,7 +25,7 @@ const [HINT, WELCOME] = ["metafem-hint", "Drag the points of the target law: the
 
 export default {
   template: `
-    <div :class="['law-plot', { dropping }]" :data-answered="answer?.number ?? 0" :data-beside="beside" @dragover="dropping = $event.dataTransfer?.types.includes('Files')" @dragleave="dropping = false">
+    <div class="law-plot" :data-answered="answer?.number ?? 0" :data-beside="beside">
       <div class="law-tools head"><h2>Law</h2>
         <span class="choice law-axes" role="group" aria-label="Axes">
           <button type="button" title="Load P and friction F in newtons" :aria-pressed="newtons" :aria-disabled="tools.no_forces !== ''" @click="forces">N</button>
@@ -43,7 +41,7 @@ export default {
       </div>
       <div class="law-stage" ref="stage">
         <svg class="law-svg" ref="svg" role="group" aria-label="Target law and achieved law. Points can be dragged, or moved with the arrow keys; the key a adds one, Delete removes one; + and - zoom, 0 shows all."
-             @pointerdown="pressed = placeOf($event)" @pointermove="follow" @pointerup="letGo" @pointercancel="letGo" @pointerleave="over = null; markTicks()" @wheel.ctrl="wheel" @click="click" @keydown="key">
+             @pointerdown="pressed = placeOf($event)" @pointermove="follow" @pointerup="release($event.pointerId)" @pointercancel="release($event.pointerId)" @pointerleave="over = null; markTicks()" @wheel.ctrl="wheel" @click="click" @keydown="key">
           <template v-if="answer">
             <defs><clipPath :id="clip"><rect :x="box.left" :y="box.top" :width="box.right - box.left" :height="box.bottom - box.top"/></clipPath></defs>
             <g class="axes" aria-hidden="true">
@@ -64,9 +62,7 @@ export default {
             <g v-for="[name, at] in [['hair', hover], ['load', load]]" :key="name" aria-hidden="true"><template v-if="x.has(at)">
               <line :class="name" :x1="x.px(at)" :x2="x.px(at)" :y1="box.top" :y2="box.bottom"/>
               <circle v-if="y.has(lawAt(at))" :class="name + '-dot'" :cx="x.px(at)" :cy="y.px(lawAt(at))" :r="name === 'load' ? 5 : 4"/></template></g>
-            <g class="load-knob" tabindex="0" role="slider" aria-label="load at which contacts are shown" :aria-valuenow="load ?? 0" aria-valuemin="0" :aria-valuetext="load === null ? '' : told({ x: load, y: lawAt(load) })"
-               :visibility="x.has(load) ? null : 'hidden'" :transform="'translate(' + x.px(load ?? 0).toFixed(2) + ' ' + box.bottom + ')'" @pointerdown.stop="hold" @keydown="slide">
-              <rect class="touch" x="-22" y="0" width="44" height="44"/><path class="mark" d="M0 0L6 9H-6Z"/></g>
+            <path v-if="x.has(load)" class="load-mark" :d="'M' + x.px(load) + ' ' + box.bottom + 'l6 9h-12z'" aria-hidden="true"/>
           </template>
         </svg>
         <q-resize-observer debounce="0" @resize="resize"></q-resize-observer>
@@ -89,7 +85,7 @@ export default {
       answer: null, tolerance: null, beside: null, tools: { no_forces: "" }, // the answers are frozen: Vue does not follow thousands of numbers
       x: new Axis(), y: new Axis(), unit: null, zoomed: false, box: { ...MARGIN }, clip: `law-clip-${Math.random().toString(36).slice(2)}`,
       handles: [], inactive: false, drags: new Drags((request) => this.$emit("drag", { ...request, part: this.part }), this.ended), // inactive while the text has problems
-      over: null, chosen: null, entry: [], exact: true, sites: [], dropping: false, // where the pointer is [px], and the load that was chosen
+      over: null, chosen: null, entry: [], exact: true, sites: [], // where the pointer is [px], and the load that was chosen
       away: false, offer: "Use the nearest law", offered: false, words: "", wrong: false, live: "polite", pointed: "",
       acts: ACTS, arrows: ARROWS, touch: TOUCH,
     };
@@ -132,8 +128,8 @@ export default {
     legend() { return this.entries.map((each) => each.slice(0, 3)); },
     curves() {
       const [across, up] = [this.x.px, this.y.px];
-      const layers = LAYERS.flatMap((layer) => this.entries.filter(([kind]) => kind.split(" ")[0] === layer));
-      return layers.flatMap(([kind, , , curve]) => {
+      return this.entries.toReversed().flatMap(([kind, , , curve]) => { // the band is at the back
+        if (kind === "point") return []; // it has handles
         if (curve.low) return { kind, d: area(curve, across, up) };
         const squares = path(curve, across, up, true);
         if (kind === "measured") return { kind, d: squares };
@@ -270,23 +266,17 @@ export default {
     follow(event) {
       const at = this.over = this.placeOf(event);
       if (this.drags.by(event.pointerId)) this.move({ x: this.x.at(at.x - this.apart.x), y: this.y.at(at.y - this.apart.y) });
-      else if (this.knob === event.pointerId) this.chooseLoad(this.x.at(at.x), true);
       else this.markTicks();
-    },
-    letGo({ pointerId }) {
-      this.release(pointerId);
-      if (this.knob === pointerId) this.chooseLoad(this.load);
-      this.knob = null;
     },
     click(event) {
       const [at, before] = [this.placeOf(event), this.clicked];
       const near = (place, far) => place && Math.hypot(at.x - place.x, at.y - place.y) < far;
       const still = near(this.pressed, STILL);
-      if (event.target.closest(".handle, .load-knob")) return;
+      if (event.target.closest(".handle")) return;
       const twice = before && event.timeStamp - before.time < TWICE.time && near(before.at, TWICE.far);
       this.clicked = twice ? null : { at, time: event.timeStamp };
       if (twice) this.add(at);
-      else if (still) this.chooseLoad(this.x.at(at.x));
+      else if (still && this.answer?.achieved) this.chooseLoad(this.x.at(at.x));
     },
     key(event) {
       const free = !event.ctrlKey && !event.metaKey && !event.altKey;
@@ -410,19 +400,9 @@ export default {
       if (sites.join() !== this.ticked) tell("sites", sites);
       this.ticked = sites.join();
     },
-    hold({ pointerId }) {
-      this.knob = pointerId;
-      this.$refs.svg.setPointerCapture(pointerId);
-    },
-    slide(event) {
-      if (!ARROWS[event.key]) return;
-      const [right, up] = ARROWS[event.key];
-      event.preventDefault();
-      this.chooseLoad(this.load + ((right + up) * (event.shiftKey ? LONG : 1) * this.x.span) / LOADS);
-    },
-    chooseLoad(load, moving = false) {
-      const law = this.answer?.achieved;
-      if (law) tell("load", { load: this.x.rounded(Math.min(law.x.at(-1), Math.max(law.x[0], load))) / this.answer.load_scale, moving });
+    chooseLoad(load) {
+      const { answer: { achieved, load_scale: scale }, x } = this;
+      tell("load", { load: x.rounded(Math.min(achieved.x.at(-1), Math.max(achieved.x[0], load))) / scale, moving: false });
     },
     // A load that was chosen here or beside the surface. The server computes the contacts where it stays.
     take(to) {
@@ -444,7 +424,6 @@ export default {
       target.value = ""; // the same file can be chosen again
     },
     async read(files) {
-      this.dropping = false;
       const [table, ...others] = await textsOf(files);
       if (table.why || others.length) this.say(others.length ? "Drop one file: a table with columns such as load_N,friction_force_N." : `${table.name} ${table.why}.`, true);
       else this.$emit("dropped", table);

@@ -2,7 +2,7 @@
 //   load     { load, moving }   rescaled load [mm²] at which the contacts are shown; `moving` while it is dragged or played
 //   entries  { entry, exact }   rescaled load at which each site comes into contact; null while it is not known
 //   sites    sites              the sites under the pointer or in focus
-//   table    files              files that were dropped onto the plot of the law
+//   table    files              files that were dropped, none of them a specification
 const links = new EventTarget();
 
 export function tell(name, detail) { links.dispatchEvent(new CustomEvent(name, { detail })); }

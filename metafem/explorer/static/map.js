@@ -3,11 +3,11 @@ import { colouring, range } from "metafem/contacts.js";
 import { Axis, digits, ticks } from "metafem/plot.js";
 
 // What is free around the map, with the bar of its colours below it [pixels], and pixels for a number at an axis.
-const [MARGIN, ROOM] = [{ left: 44, right: 8, top: 8, bottom: 94 }, 45];
+const [MARGIN, ROOM] = [{ left: 44, right: 8, top: 8, bottom: 90 }, 45];
 // Part of the least distance between sites that is free around them, and that a marker covers.
 const [EDGE, MARKER] = [0.62, 0.42];
-// The bar of colours: where it is below the map, its height and largest width, and classes and height of its histogram.
-const BAR = { below: 64, height: 10, most: 420, classes: 48, counts: 14 };
+// The bar of colours: where it is below the map, its height, largest width and number of colours.
+const BAR = { below: 50, height: 10, most: 420, classes: 48 };
 // Smallest radius of a contact that is drawn, of what a pointer finds, and shortest drag that is no click [pixels].
 const [SEEN, REACH, CLICK] = [0.5, 12, 5];
 
@@ -44,7 +44,6 @@ export default {
         </g>
         <g v-if="bar" class="axes">
           <rect v-for="each in bar.classes" :x="each.x" :y="bar.y" :width="each.width + 0.5" height="${BAR.height}" :fill="each.fill"/>
-          <rect v-for="each in bar.classes" class="count" :x="each.x" :y="bar.y - each.count" :width="each.width" :height="each.count"/>
           <text v-for="{ at, words } in bar.marks" :x="at" :y="bar.y + 22" text-anchor="middle">{{ words }}</text>
           <text :x="middle" :y="bar.y + 37" text-anchor="middle">{{ bar.title }}</text>
         </g>
@@ -56,19 +55,16 @@ export default {
   data() { return { frame: null, colours: null, drawn: null, layout: null }; },
   computed: {
     middle() { return (this.frame.x.ends[0] + this.frame.x.ends[1]) / 2; },
-    // The bar of colours, with the number of sites of each class.
     bar() {
       const { frame, colours } = this;
       if (!frame || !colours?.scale) return null;
-      const { name, unit, present, scale: { low, high, css } } = colours;
+      const { name, unit, scale: { low, high, css } } = colours;
       const room = Math.min(BAR.most, this.$refs.box.clientWidth - 2 * MARGIN.left);
       const axis = Object.assign(new Axis(), { low, high: high > low ? high : low + 1, ends: [this.middle - room / 2, this.middle + room / 2] });
-      const [counts, part] = [new Array(BAR.classes).fill(0), axis.span / BAR.classes];
-      for (const value of present) counts[Math.min(BAR.classes - 1, Math.floor((value - low) / part))] += 1;
-      const most = Math.max(1, ...counts);
-      const classes = counts.map((count, i) => ({ x: axis.px(low + i * part), width: room / BAR.classes, fill: css(low + (i + 0.5) * part), count: (BAR.counts * count) / most }));
+      const part = axis.span / BAR.classes;
+      const classes = Array.from({ length: BAR.classes }, (_, i) => ({ x: axis.px(low + i * part), width: room / BAR.classes, fill: css(low + (i + 0.5) * part) }));
       const marks = ticks(low, axis.high, 5).map(({ value }) => ({ at: axis.px(value), words: digits(value) }));
-      return { y: frame.y.ends[0] + BAR.below - BAR.counts + 4, classes, marks: high > low ? marks : [], title: `${name} [${unit}]` };
+      return { y: frame.y.ends[0] + BAR.below, classes, marks: high > low ? marks : [], title: `${name} [${unit}]` };
     },
   },
   methods: {

@@ -5,8 +5,8 @@ import { capOf, colouring, range, widthAt } from "metafem/contacts.js";
 const MANY = 1500;
 // Direction from which the camera looks first, and its field of view [degrees].
 const [FROM, FIELD] = [[-0.55, -1, 0.8], 32];
-// Speed of the arrow keys, and step of the wheel that plus and minus are.
-const [TURN, WHEEL] = [5, 100];
+// Speed of the arrow keys.
+const TURN = 5;
 // Milliseconds between pictures while the surface is changed: one with each step of a drag would delay the law where the
 // graphics are computed by the processor.
 const PACE = 300;
@@ -25,7 +25,7 @@ export class Relief {
     const canvas = this.renderer.domElement;
     canvas.tabIndex = 0;
     canvas.setAttribute("role", "application");
-    canvas.setAttribute("aria-label", "Surface in three dimensions. Arrow keys turn it, plus and minus change the distance, Home resets the view.");
+    canvas.setAttribute("aria-label", "Surface in three dimensions. Arrow keys move it, with Shift they turn it.");
     this.box.prepend(canvas);
     this.scene = new THREE.Scene();
     this.camera = new THREE.PerspectiveCamera(FIELD, 1, 0.1, 1000);
@@ -37,7 +37,6 @@ export class Relief {
     canvas.style.touchAction = "pan-y"; // a finger that moves up or down scrolls the page
     this.controls.maxPolarAngle = 0.495 * Math.PI;
     this.controls.addEventListener("change", () => this.render());
-    canvas.addEventListener("keydown", (event) => this.key(event));
     this.controls.listenToKeyEvents(canvas);
     this.controls.keyRotateSpeed = TURN;
     this.cut = [new THREE.Plane(new THREE.Vector3(0, 0, 1), 0), new THREE.Plane(new THREE.Vector3(0, 0, -1), 1)]; // base and glass
@@ -162,17 +161,5 @@ export class Relief {
     camera.position.copy(controls.target).addScaledVector(new this.THREE.Vector3(...FROM).normalize(), away);
     controls.update();
     this.render();
-  }
-
-  // Arrow keys turn the picture, as in OrbitControls with Shift; plus and minus are its wheel.
-  key(event) {
-    const canvas = this.renderer.domElement;
-    const nearer = { "+": -1, "-": 1 }[event.key];
-    if (event.key === "Home") this.reset();
-    else if (nearer) canvas.dispatchEvent(new WheelEvent("wheel", { deltaY: WHEEL * nearer, cancelable: true }));
-    else if (event.key.startsWith("Arrow") && !event.shiftKey) canvas.dispatchEvent(new KeyboardEvent("keydown", { key: event.key, code: event.code, shiftKey: true, cancelable: true }));
-    else return;
-    event.preventDefault();
-    event.stopImmediatePropagation();
   }
 }
