@@ -239,7 +239,8 @@ def test_a_drawn_law_is_never_stuck(visit):
     for share in (0.2, 0.35, 0.62, 0.75, 0.9):
         x, y = page.evaluate(
             f"""share => {{
-              const {{ answer: {{ achieved }}, x, y, $refs }} = ({curve})(), box = $refs.svg.getBoundingClientRect();
+              const {{ answer: {{ achieved }}, x, y, $refs }} = ({curve})();
+              const box = $refs.svg.getBoundingClientRect();
               const i = Math.round(share * (achieved.x.length - 1));
               return [box.x + x.px(achieved.x[i]), box.y + y.px(achieved.y[i]) + 3];
             }}""",
