@@ -69,23 +69,26 @@ def test_the_nearest_law_is_taken_and_every_kind_can_be_dragged(visit):
     assert answered(State(visit.text), 1).current
 
 
-def test_the_axes_are_in_newtons_or_rescaled(visit):
+def test_laws_are_shown_in_both_units_beside_pins_and_measured_points(visit):
     page, text = visit.page, visit.text
-    page.get_by_role("button", name="mm²", exact=True).click()
-    page.locator("text.title", has_text="friction F/(σB) [mm²]").wait_for(state="attached")
-    assert visit.text == text
-    before = visit.asked
-    visit.drag("point-0", 5, -3)
-    assert visit.asked > before
-    assert "mm^2" in visit.text.split("[material]")[0].split("rescaled_load =")[1]
-
-
-def test_measured_points_are_shown_and_removed(visit):
-    page = visit.page
+    law, legend = "() => getElement(document.querySelector('.law-plot')).answer", page.locator(".law-legend")
+    page.get_by_role("button", name="Pin", exact=True).click()
+    page.locator("path.pinned").wait_for(state="attached")
+    first = page.evaluate(law)["achieved"]
+    visit.drag("point-0", -15, 4)
+    shown = page.evaluate(law)
+    assert shown["pinned"] == first != shown["achieved"]
+    page.get_by_role("button", name="Unpin").click()
+    page.locator("path.pinned").wait_for(state="detached")
     after(visit, drop, visit, ".law-plot", "m.csv", FORCES.encode())
-    assert "m.csv: 3 points" in page.locator(".law-legend").inner_text()
+    assert "m.csv: 3 points" in legend.inner_text()
     after(visit, page.get_by_role("button", name="Remove", exact=True).first.click)
-    assert page.locator(".law-legend .measured").count() == 0
+    assert legend.locator(".measured").count() == 0
+    after(visit, page.get_by_role("button", name="mm²", exact=True).click)
+    page.locator("text.title", has_text="friction F/(σB) [mm²]").wait_for(state="attached")
+    assert visit.text != text  # by the drag alone
+    visit.drag("point-0", 5, -3)
+    assert "mm^2" in visit.text.split("[material]")[0].split("rescaled_load =")[1]
 
 
 def test_the_axes_are_zoomed_and_fitted(visit):
@@ -312,20 +315,6 @@ def test_a_part_of_ones_own_becomes_a_mould_table(visit, press, tmp_path):
     assert visit.text == before
 
 
-def test_a_law_is_pinned_beside_the_next_one(visit, press):
-    page = visit.page
-    press("Pin")
-    pinned = page.locator("path.pinned")
-    pinned.wait_for(state="attached")
-    laws = "() => getElement(document.querySelector('.law-plot')).answer"
-    first = page.evaluate(laws)["achieved"]
-    visit.drag("point-0", -15, 4)
-    shown = page.evaluate(laws)
-    assert shown["pinned"] == first != shown["achieved"]
-    press("Unpin")
-    pinned.wait_for(state="detached")
-
-
 # Name, role and part of what is in focus, and whether the focus is seen: an outline, or a ring at a point.
 FOCUS = """() => {
   const at = document.activeElement, drawn = getComputedStyle(at.closest('.cm-editor') ?? at);
@@ -432,7 +421,7 @@ def test_a_law_becomes_a_mould_table(keys, tmp_path):
     assert table.read_text("utf-8").count("\n") > 50
 
 
-def test_tab_runs_through_every_part_in_the_order_of_reading(keys):
+def test_tab_runs_through_every_part_and_all_have_names_and_roles(keys):
     keys.page.locator("h1").click()
     seen = []
     for _ in range(MOST):
@@ -445,9 +434,6 @@ def test_tab_runs_through_every_part_in_the_order_of_reading(keys):
         seen.append(focus["part"].split(" ")[0])
     parts = [part for part, before in zip(seen, ["", *seen[:-1]], strict=True) if part != before]
     assert parts == ["bar", "law", "surface", "inspector"]
-
-
-def test_the_names_and_roles_are_those_of_the_page(keys):
     page = keys.page
     tree = page.locator("body").aria_snapshot()
     assert tree.count("- main:") == 1
