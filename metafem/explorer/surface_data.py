@@ -234,7 +234,7 @@ def message(answer: Answer) -> str:
     asked = asked_sites(answer.state.text)
     if answer.refusal or answer.problems:
         of_sites = [words for key, words in answer.problems.items() if key.startswith("sites")]
-        reason = "\n".join(of_sites) or "The reason is given in the plot of the law."
+        reason = "\n".join(of_sites) or "The law states the reason."
         return f"These are the heights of the last surface that was found. {reason}"
     if (asked.empty or asked.pinned) and answer.design.status is DesignStatus.MISSED:
         return (

@@ -28,7 +28,7 @@ export default {
     <div class="law-plot" :data-answered="answer?.number ?? 0" :data-beside="beside">
       <div class="law-tools head"><h2>Law</h2>
         <span class="choice law-axes" role="group" aria-label="Axes">
-          <button type="button" title="Load P and friction F in newtons" :aria-pressed="newtons" :aria-disabled="tools.no_forces !== ''" @click="forces">N</button>
+          <button type="button" :title="tools.no_forces || 'Load P and friction F in newtons'" :aria-pressed="newtons" :disabled="tools.no_forces !== ''" @click="$emit('axes', { newtons: true })">N</button>
           <button type="button" title="Load P/E* and friction F/(σB), rescaled" :aria-pressed="!newtons" @click="$emit('axes', { newtons: false })">mm²</button>
         </span>
         <span class="choice" role="group" aria-label="Zoom">
@@ -414,10 +414,6 @@ export default {
     use() {
       this.offered = false;
       this.$emit("nearest", {});
-    },
-    forces() {
-      if (this.tools.no_forces) this.say(this.tools.no_forces, true);
-      else this.$emit("axes", { newtons: true });
     },
     choose({ target }) {
       if (target.files.length) this.read([...target.files]);
