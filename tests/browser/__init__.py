@@ -28,6 +28,11 @@ def hold(visit, handle):
     return x, y
 
 
+# Whether legend and refusal are read without scrolling.
+WHOLE = """() => [...document.querySelectorAll('.law-refusal, .law-legend')]
+  .every(each => each.scrollHeight <= each.clientHeight + 2)"""
+
+
 # Where a site of the map is on the screen.
 PLACE = """number => {
   const { placeOf, $refs: { svg } } = getElement(document.querySelector('.surface-view')).$refs.map;

@@ -11,7 +11,7 @@ from metafem.explorer.certainty import numbers_of
 from metafem.explorer.history import State
 from metafem.explorer.surface_data import asked_sites
 from metafem.files import demo_text, parsed
-from tests.browser import after, drop, hold, take
+from tests.browser import WHOLE, after, drop, hold, take
 
 FORCES = "load_N,friction_force_N\n0.1,0.12\n0.3,0.4\n0.6,0.8\n"
 
@@ -47,6 +47,7 @@ def test_a_dragged_point_changes_the_text_and_a_refused_one_returns(visit):
     visit.settled(before)
     visit.page.wait_for_function("() => document.querySelector('.law-refusal').hidden")
     assert said(visit).startswith("Refused. The point is back to")
+    assert "asperities" in said(visit)  # the reason stays
     assert answered(State(visit.text), 1).current
 
 
@@ -78,10 +79,11 @@ def test_laws_are_shown_in_both_units_beside_pins_and_measured_points(visit):
     visit.drag("point-0", -15, 4)
     shown = page.evaluate(law)
     assert shown["pinned"] == first != shown["achieved"]
+    after(visit, drop, visit, ".bar", "m.csv", FORCES.encode())
+    assert "m.csv: 3 points" in legend.inner_text()
+    assert page.evaluate(WHOLE)
     page.get_by_role("button", name="Unpin").click()
     page.locator("path.pinned").wait_for(state="detached")
-    after(visit, drop, visit, ".law-plot", "m.csv", FORCES.encode())
-    assert "m.csv: 3 points" in legend.inner_text()
     after(visit, page.get_by_role("button", name="Remove", exact=True).first.click)
     assert legend.locator(".measured").count() == 0
     after(visit, page.get_by_role("button", name="mm²", exact=True).click)

@@ -14,7 +14,7 @@ from metafem.explorer.history import State, to_link
 from metafem.explorer.surface_data import asked_sites
 from metafem.explorer.table import Document
 from metafem.files import demo_text, parsed, result_tables
-from tests.browser import after, drop, hold, site
+from tests.browser import WHOLE, after, drop, hold, site
 from validation.page import write_report
 from validation.results import collected
 from validation.scenes.browser import problems
@@ -179,6 +179,7 @@ def test_nothing_moves_under_the_hand(visit, width):
     page.mouse.move(x, y - 0.2 * page.locator(".law-svg").bounding_box()["height"], steps=4)
     page.locator(".handle.refused").wait_for()
     still("refusal under the hand")
+    assert page.evaluate(WHOLE)
     after(visit, page.mouse.up)
     still("release")
     after(visit, page.get_by_label("Load", exact=True).press, "ArrowLeft")

@@ -357,13 +357,13 @@ export default {
       this.tellEnd(drag);
     },
     // Says where a drag has ended.
-    tellEnd({ id, by, refusal, reached, back, stuck }) {
+    tellEnd({ id, refusal, reached, back, stuck }) {
       const handle = this.of(id);
       if (!handle) return;
       const where = reached ? "to the last place that a surface reaches" : "to where it was";
       if (!refusal) this.point(handle);
       else if (back && stuck) this.say(`Refused there. The law is the nearest one that can be designed: ${this.wordsOf(handle)}.`);
-      else this.say(`Refused. The point is back ${where}: ${this.wordsOf(handle)}.${by === "keys" ? ` ${refusal}` : ""}`, true); // the box with the reason goes with the last key
+      else this.say(`Refused. The point is back ${where}: ${this.wordsOf(handle)}. ${refusal}`, true);
     },
     // A handle that has the focus can lie beyond zoomed axes.
     visit(handle) {
