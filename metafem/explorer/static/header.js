@@ -1,6 +1,6 @@
 // The head of the page: the target in words, the status, the model, undo and redo, and the menu.
 // It also takes the files that are dropped, and hands a table to the plot of the law.
-import { remember, tell, textsOf } from "metafem/linked.js";
+import { remember, shared, textsOf } from "metafem/linked.js";
 
 const THEMES = { light: "Light", auto: "Auto", dark: "Dark" };
 const CALM = 700;  // milliseconds without a new status, after which screen readers are told
@@ -62,15 +62,9 @@ export default {
   },
   mounted() {
     this.choose(this.theme in THEMES ? this.theme : "auto");
-    this.closed = new AbortController();
-    const { signal } = this.closed;
-    document.addEventListener("keydown", this.key, { signal });
-    document.addEventListener("dragover", this.over, { signal });
-    document.addEventListener("drop", this.drop, { signal, capture: true });
-  },
-  unmounted() {
-    this.closed.abort();
-    clearTimeout(this.timer);
+    document.addEventListener("keydown", this.key);
+    document.addEventListener("dragover", this.over);
+    document.addEventListener("drop", this.drop, { capture: true });
   },
   watch: {
     words() {  // once for a drag or some keys
@@ -104,7 +98,7 @@ export default {
       event.preventDefault();
       event.stopPropagation();
       if (files.some((file) => /\.toml$/i.test(file.name))) this.$emit("load", { files: await textsOf(files) });
-      else tell("table", files);
+      else shared.files = files;
     },
   },
 };

@@ -1,6 +1,6 @@
 // The law: shows answers, and turns what hands and keys do into events. NiceGUI calls its methods.
 import { Drags } from "metafem/drags.js";
-import { ARROWS, Chosen, hear, remember, tell, textsOf } from "metafem/linked.js";
+import { ARROWS, Chosen, remember, shared, textsOf } from "metafem/linked.js";
 import { area, Axis, digits, path, ticks, told, valueAt } from "metafem/plot.js";
 
 // What is free around the axes, the room for a label of an axis, and the length of the marks below it [pixels].
@@ -85,7 +85,7 @@ export default {
       answer: null, tolerance: null, beside: null, tools: { no_forces: "" }, // the answers are frozen: Vue does not follow thousands of numbers
       x: new Axis(), y: new Axis(), unit: null, zoomed: false, box: { ...MARGIN }, clip: `law-clip-${Math.random().toString(36).slice(2)}`,
       handles: [], inactive: false, drags: new Drags((request) => this.$emit("drag", { ...request, part: this.part }), this.ended), // inactive while the text has problems
-      over: null, chosen: null, entry: [], exact: true, sites: [], // where the pointer is [px], and the load that was chosen
+      over: null, chosen: null, shared, // where the pointer is [px], and the load that was chosen
       away: false, offer: "Use the nearest law", offered: false, words: "", wrong: false, live: "polite", pointed: "",
       acts: ACTS, arrows: ARROWS, touch: TOUCH,
     };
@@ -140,12 +140,13 @@ export default {
     // The load at which contacts are shown: the chosen one, or the last of the law; and the one under the pointer.
     load() { return this.chosen ?? this.answer?.achieved?.x.at(-1) ?? null; },
     hover() { return this.over && !this.held && this.over.x >= this.box.left && this.over.x <= this.box.right ? this.x.at(this.over.x) : null; },
-    marked() { return this.sites.map((site) => this.entry[site] ?? null).filter((load) => load !== null); },
+    entry() { return this.shared.press?.entry ?? []; },
+    marked() { return this.shared.sites.map((site) => this.entry[site] ?? null).filter((load) => load !== null); },
     readout() {
-      const { marked, sites, hover } = this;
+      const { marked, hover, shared: { sites, press } } = this;
       if (marked.length) {
         const who = marked.length === 1 ? `site ${sites[0]} comes` : `${marked.length} sites come`;
-        return `${who} into contact at ${this.exact ? "" : "about "}${digits(this.answer.load_scale * marked[0])} ${this.answer.x.unit}`;
+        return `${who} into contact at ${press.exact ? "" : "about "}${digits(this.answer.load_scale * marked[0])} ${this.answer.x.unit}`;
       }
       if (hover === null) return "";
       const y = this.lawAt(hover);
@@ -153,24 +154,17 @@ export default {
     },
   },
   watch: {
+    "shared.files"(files) { this.read(files); },
+    "shared.load"(to) { this.take(to); },
     refusal() { this.away = false; }, // another reason has not been read
     held(held) { if (held) this.away = false; },
   },
-  created() {
-    this.own = new Chosen();
-    this.closed = new AbortController();
-    const { signal } = this.closed;
-    hear("table", this.read, signal);
-    hear("load", this.take, signal);
-    hear("sites", (sites) => { this.sites = sites; }, signal);
-    hear("entries", (press) => { Object.assign(this, { entry: press?.entry ?? [], exact: press?.exact ?? true }); }, signal);
-  },
+  created() { this.own = new Chosen(); },
   mounted() {
     if (!localStorage.getItem(HINT)) this.words = WELCOME;
     remember(HINT, "seen");
     this.resize();
   },
-  unmounted() { this.closed.abort(); },
   methods: {
     // Shows an answer.
     draw(data) {
@@ -397,12 +391,12 @@ export default {
       const away = this.entry.map((load) => (on && load !== null ? Math.abs(x.px(answer.load_scale * load) - at.x) : Infinity));
       const least = Math.min(MARK.near, ...away) + 0.5;
       const sites = [...away.keys()].filter((i) => away[i] < least && away[i] <= MARK.near);
-      if (sites.join() !== this.ticked) tell("sites", sites);
+      if (sites.join() !== this.ticked) shared.sites = sites;
       this.ticked = sites.join();
     },
     chooseLoad(load) {
       const { answer: { achieved, load_scale: scale }, x } = this;
-      tell("load", { load: x.rounded(Math.min(achieved.x.at(-1), Math.max(achieved.x[0], load))) / scale, moving: false });
+      shared.load = { load: x.rounded(Math.min(achieved.x.at(-1), Math.max(achieved.x[0], load))) / scale, moving: false };
     },
     // A load that was chosen here or beside the surface. The server computes the contacts where it stays.
     take(to) {

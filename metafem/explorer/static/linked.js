@@ -1,13 +1,12 @@
-// What the parts of the page tell each other in the browser. Events:
-//   load     { load, moving }   rescaled load [mm²] at which the contacts are shown; `moving` while it is dragged or played
-//   entries  { entry, exact }   rescaled load at which each site comes into contact; null while it is not known
-//   sites    sites              the sites under the pointer or in focus
-//   table    files              files that were dropped, none of them a specification
-const links = new EventTarget();
+import { shallowReactive } from "vue";
 
-export function tell(name, detail) { links.dispatchEvent(new CustomEvent(name, { detail })); }
-
-export function hear(name, call, signal) { links.addEventListener(name, (event) => call(event.detail), { signal }); }
+// What the parts of the page share in the browser.
+export const shared = shallowReactive({
+  load: null, // { load, moving }: rescaled load [mm²] at which the contacts are shown; `moving` while it is dragged or played
+  press: null, // { entry, exact }: rescaled load at which each site comes into contact; null while it is not known
+  sites: [], // the sites under the pointer or in focus
+  files: [], // files that were dropped, none of them a specification
+});
 
 // Part of a load within which two are the same: the digits of a drawn law.
 export const SAME = 1e-4;
@@ -39,8 +38,7 @@ export function remember(key, text) {
 // Directions of the arrow keys: to the right and up.
 export const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 
-// Files that were chosen or dropped, as texts.
-// Characters of a text as it is sent, where each end of a line has two: the server takes a megabyte.
+// Files that were chosen or dropped, as texts: the characters of one as it is sent, where each end of a line has two: the server takes a megabyte.
 export const LARGEST = 900_000;
 const MOST = 40; // files
 

@@ -1,6 +1,6 @@
 // The surface: map and picture in three dimensions, with a menu for the sites that are selected.
 import { Press, told, words } from "metafem/contacts.js";
-import { ARROWS, Chosen, hear, SAME, tell } from "metafem/linked.js";
+import { ARROWS, Chosen, SAME, shared } from "metafem/linked.js";
 import SiteMap, { neighbour } from "metafem/map.js";
 
 // First and largest exaggeration of the heights in 3D.
@@ -55,14 +55,15 @@ export default {
     </div>`,
   data() {
     return {
-      tab: "map", what: "height", line: "", message: "", old: false, note: "", lines: [], at: null, menu: null, typed: "",
+      tab: "map", what: "height", line: "", message: "", old: false, note: "", lines: [], at: null, shared, menu: null, typed: "",
       missing: "", times: EXAGGERATION.first, playing: false, place: 0,
-      surface: null, contacts: null, press: null, // frozen, so that Vue does not follow thousands of numbers
+      surface: null, contacts: null, // frozen, so that Vue does not follow thousands of numbers
     };
   },
   computed: {
     // What is said of the sites that are not at the pointer, where the tip says it.
     spoken() { return this.at ? "" : this.lines.join(", "); },
+    press() { return this.shared.press; },
     many() { return (this.surface?.height.length ?? 0) > MOST_CAPS; },
     radii() { return Array.isArray(this.surface?.radius); },
     told() { return this.contacts ? told(this.contacts, this.surface.modulus) : ""; },
@@ -71,16 +72,14 @@ export default {
     // Not reactive, either.
     this.marks = { pointed: new Set(), selected: new Set(), active: null }; // pointed at: here, or at their tick of the law
     this.chosen = new Chosen();
-    this.closed = new AbortController();
-    hear("load", this.move, this.closed.signal);
-    hear("sites", this.point, this.closed.signal);
   },
   unmounted() {
     this.playing = false;
-    this.closed.abort();
     this.solid?.end();
   },
   watch: {
+    "shared.load"(to) { this.move(to); },
+    "shared.sites"(sites) { this.point(sites); },
     "$q.dark.isActive"() { this.draw(); },
   },
   methods: {
@@ -94,10 +93,9 @@ export default {
       Object.assign(this, { message: data.message, old: data.old, number: data.number });
       if (data.height) { // otherwise it is as before
         this.surface = Object.freeze({ ...data, empty: new Set(data.empty) });
-        this.press = null;
         this.chosen = new Chosen();
-        tell("entries", null);
-        if (this.playing) tell("load", { load: Math.min(this.contacts.load, data.loads[1]), moving: false });
+        shared.press = null;
+        if (this.playing) shared.load = { load: Math.min(this.contacts.load, data.loads[1]), moving: false };
       }
       if (this.what === "radius" && !this.radii) {
         this.what = "height";
@@ -112,8 +110,7 @@ export default {
     },
     // The contacts at all loads, for the surface that is shown.
     pressed(data) {
-      this.press = data.states.length ? Object.freeze(new Press(data)) : null;
-      tell("entries", this.press);
+      shared.press = data.states.length ? Object.freeze(new Press(data)) : null;
       this.playing &&= Boolean(this.press);
       if (this.playing) this.run();
     },
@@ -135,11 +132,11 @@ export default {
     },
     goTo(part, more) {
       const [first, last] = this.surface.loads;
-      tell("load", { load: first + part * (last - first), ...more });
+      shared.load = { load: first + part * (last - first), ...more };
     },
     slide(event, moving) { this.goTo(event.target.value / SLIDER, { moving }); },
     async play() {
-      if (this.playing) return tell("load", { load: this.contacts.load, moving: false });
+      if (this.playing) return this.goTo(this.partOf(this.contacts.load), { moving: false });
       this.playing = true;
       if (this.tab === "map" && !this.many) await this.open("relief");
       if (this.missing) this.open("map");
@@ -206,7 +203,7 @@ export default {
     hover(site, event) {
       const told = site !== null && this.surface && !this.menu;
       this.at = told ? this.beside(event) : null;
-      tell("sites", told ? [site] : []);
+      shared.sites = told ? [site] : [];
     },
     // Above or below the pointer, where there is more room, and as far to the left as the pointer is to the right.
     beside({ clientX, clientY }) {
@@ -274,7 +271,7 @@ export default {
       if (select) [marks.active, site].forEach((each) => marks.selected.add(each));
       marks.active = site;
       this.at = null;
-      tell("sites", [site]);
+      shared.sites = [site];
     },
     key(event) {
       const { marks } = this;
