@@ -25,7 +25,7 @@ NO_FORCES = "Newtons need “Friction” with its shear strength and area ratio 
 
 Event = dict[str, Any]
 
-# The smallest part of its axes that a plot shows, as `view.js` has it.
+# The smallest part of its axes that a plot shows, as `law_plot.js` has it.
 LEAST_PART = 1e-3
 
 

@@ -134,9 +134,6 @@ INTERVALS, DECIMALS = 32, 6
 # Smallest height of a meridian over the radius, for a surface without a summit above the base plane.
 LOWEST = 1e-3
 
-NO_BLOCK = "the mould needs “Block” with its width, length and thickness"
-NO_SURFACE = "the mould needs a surface"
-
 
 def cap_data(surface: Surface, height: float) -> list[dict[str, Any]]:
     """Return the meridians of the kinds of caps down to a height [mm], or to where the caps end.
@@ -169,32 +166,6 @@ def _meridian(cap: Cap, height: float) -> dict[str, Any]:
     }
 
 
-def mould_data(answer: Answer) -> dict[str, Any]:
-    """Return what the mould has besides the caps of the surface, in the coordinates of the part.
-
-    ``thickness`` is that of the plate [mm], and ``alignment`` contains position, height [um], radius [mm] and
-    kind of cap of the alignment asperities. If no mould can be made, only the ``problem`` is returned.
-    """
-    part = answer.part
-    if part is None or isinstance(part, InvalidInput):
-        return {"problem": answer.no_part or (NO_BLOCK if answer.current else answer.refused or NO_SURFACE)}
-    whole, kind = part.surface, kind_of_cap(part.surface)
-    return {
-        "problem": "",
-        "thickness": part.block.thickness + float(whole.height.max()),
-        "alignment": [
-            {
-                "x": float(whole.position[i, 0]),
-                "y": float(whole.position[i, 1]),
-                "height": MICROMETRES * float(whole.height[i]),
-                "radius": float(whole.radius[i]),
-                "kind": int(kind[i]),
-            }
-            for i in range(part.asperities, whole.count)
-        ],
-    }
-
-
 # Decimals of heights [um] and positions [mm]. One unit of the last decimal is smaller than a pixel.
 HEIGHT_DECIMALS, POSITION_DECIMALS = 2, 4
 
@@ -220,8 +191,7 @@ def site_data(answer: Answer) -> dict[str, Any]:
     ``pinned`` contains the fixed heights as written, by site; ``empty`` the sites that the specification
     leaves empty; ``limits`` the smallest and the largest height of the colour scale [um]; ``loads`` the
     smallest and the largest rescaled load of the law [mm^2]; ``modulus`` the composite modulus [MPa];
-    ``caps`` the shapes of the caps, and ``cap`` the index of the shape at each site if there are several. A
-    full answer has the ``mould``.
+    ``caps`` the shapes of the caps, and ``cap`` the index of the shape at each site if there are several.
     """
     data: dict[str, Any] = message_data(answer)
     design = answer.design
@@ -233,11 +203,8 @@ def site_data(answer: Answer) -> dict[str, Any]:
     limits, count = design.limits, design.template.count
     low = min(MICROMETRES * limits.foot, float(heights.min()))
     high = max(MICROMETRES * (limits.offset + limits.max_height), float(heights.max()))
-    specification = answer.specification
-    alignment = None if specification is None else specification.part.alignment_height
-    caps = cap_data(design.surface, max(high / MICROMETRES, alignment or 0.0))
+    caps = cap_data(design.surface, high / MICROMETRES)
     return data | {
-        **({} if answer.draft else {"mould": mould_data(answer)}),
         "caps": caps,
         "cap": at_sites(design, kind_of_cap(design.surface), 0) if len(caps) > 1 else None,
         "height": at_sites(design, heights, HEIGHT_DECIMALS),
@@ -267,7 +234,7 @@ def message(answer: Answer) -> str:
     asked = asked_sites(answer.state.known)
     if answer.refusal or answer.problems:
         of_sites = [words for key, words in answer.problems.items() if key.startswith("sites")]
-        reason = "\n".join(of_sites) or "The reason is given in the plot of the law."
+        reason = "\n".join(of_sites) or "The law states the reason."
         return f"These are the heights of the last surface that was found. {reason}"
     if (asked.empty or asked.pinned) and answer.design.status is DesignStatus.MISSED:
         return (

@@ -1,6 +1,5 @@
-"""The data of the pictures of the surface: heights, caps, the mould, contacts, and edits of sites."""
+"""The data of the pictures of the surface: heights, caps, contacts, and edits of sites."""
 
-import csv
 from dataclasses import replace
 
 import numpy as np
@@ -14,22 +13,19 @@ from metafem.explorer.contact_data import INTERVALS, contact_data, press_data
 from metafem.explorer.history import State
 from metafem.explorer.surface_data import (
     DECIMALS,
-    NO_BLOCK,
-    NO_SURFACE,
     asked_sites,
     cap_data,
     edited,
     kept_height,
     kind_of_cap,
     layout_data,
-    mould_data,
     site_data,
     typed_height,
     with_sites,
 )
 from metafem.explorer.table import with_values
-from metafem.files import demo_text, result_tables
-from tests.explorer.scenes import changed, with_height
+from metafem.files import demo_text
+from tests.explorer.scenes import changed
 
 TEXT = demo_text("operating-points")
 TABLE = State(TEXT).table
@@ -127,32 +123,6 @@ def test_meridians_lie_on_their_caps():
     mixed = surface_of(Caps.of([mf.Power(4.0), mf.Sphere()]), [0.5, 0.2])
     assert kind_of_cap(mixed).tolist() == [0, 1]
     assert [each["depth"][-1] for each in cap_data(mixed, 0.12)] == pytest.approx([0.24, 0.6])
-
-
-def test_the_mould_of_the_picture_is_that_of_its_table(answer, design):
-    layout, surface, mould = layout_data(design), site_data(answer), mould_data(answer)
-    shown = [(layout["x"][i], layout["y"][i], surface["height"][i], RADIUS) for i in sorted(design.sites)]
-    shown += [(each["x"], each["y"], each["height"], each["radius"]) for each in mould["alignment"]]
-    table = result_tables(design, answer.specification.part)["mould.csv"]
-    rows = list(csv.DictReader(line for line in table.splitlines() if not line.startswith("#")))
-    assert [row["kind"] for row in rows[-4:]] == ["alignment"] * 4
-    rows[:-4] = sorted(rows[:-4], key=lambda row: int(row["site"]))
-    names = ("x_mm", "y_mm", "depth_mm", "tool_radius_mm")
-    # the picture turns the part over: x is mirrored
-    expected = [[float(row[name]) for name in names] for row in rows] * np.array([-1.0, 1.0, 1e3, 1.0])
-    np.testing.assert_allclose(shown, expected, atol=0.005)
-    assert mould["thickness"] == pytest.approx(7.2 + expected[:, 2].max() / 1e3, rel=1e-12)
-    assert surface["mould"] == mould
-    low = with_height(answer, 7, 0.0)
-    assert mould_data(low) == {"problem": low.no_part}
-    assert "0 mm" in low.no_part
-    bare = changed(TEXT, with_values, {"block": None, "part": None})
-    assert mould_data(answered(State(bare), 1)) == {"problem": NO_BLOCK}
-    tall = answered(State(TEXT.replace('"270 um"', '"450 um"')), 1)
-    assert "tallest summit" in mould_data(tall)["problem"]
-    assert mould_data(replace(tall, problems={})) == {"problem": NO_SURFACE}
-    draft = site_data(answered(State(TEXT), 1, draft=True))
-    assert ("mould" in draft, len(draft["caps"]), draft["cap"]) == (False, 1, None)
 
 
 def column(design, values):
