@@ -224,12 +224,18 @@ class Control:
 
     async def make(self, change: Callable[[State], Table], *, draft: bool = False, **how: Any) -> int | None:
         """Answer the state with the table that `change(state)` returns; `how` as in `change`."""
-        number = await self.step(lambda state: state.edited(change(state)), draft=draft, **how)
-        before = self.session.moved(-1).state.text
-        if number is not None and not (draft or self.comments_ended) and before not in DEMO_TEXTS:
-            self.comments_ended = "#" in before and "#" not in self.state.text
-            if self.comments_ended:
-                self.say(COMMENTS_END, passing=False)
+        lost = False
+
+        def edited(state: State) -> State:
+            nonlocal lost
+            new = state.edited(change(state))
+            lost = "#" in state.text and "#" not in new.text and state.text not in DEMO_TEXTS
+            return new
+
+        number = await self.step(edited, draft=draft, **how)
+        if lost and number is not None and not (draft or self.comments_ended):
+            self.comments_ended = True
+            self.say(COMMENTS_END, passing=False)
         return number
 
     async def alter(self, by: Panel | None = None, **members: Any) -> int | None:

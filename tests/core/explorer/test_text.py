@@ -49,6 +49,7 @@ def test_a_value_that_is_set_is_read_back_and_all_others_stay():
     for text, (key, value) in itertools.product(TEXTS, VALUES.items()):
         state = State(text)
         new = state.edited(with_values(state.table, {key: value}))
+        assert repr(state.table) == repr(toml_table(text))  # an edit leaves the table that it is given
         section, _, last = key.partition(".")
         wanted = {**state.table, section: {**state.table.get(section, {}), last: value}}
         for table in (new.table, toml_table(new.text)):  # of the edit, and of its text
