@@ -16,6 +16,7 @@ from metafem.caps import Cap, Caps
 from metafem.errors import InvalidInput
 from metafem.explorer.answer import Answer
 from metafem.explorer.fields import with_unit
+from metafem.explorer.law_data import numbers
 from metafem.explorer.table import Table, section_of, with_values
 from metafem.inversion import Design, DesignStatus
 from metafem.inversion.result import misfit_text
@@ -166,10 +167,6 @@ def _meridian(cap: Cap, height: float) -> dict[str, Any]:
     }
 
 
-# Decimals of heights [um] and positions [mm]. One unit of the last decimal is smaller than a pixel.
-HEIGHT_DECIMALS, POSITION_DECIMALS = 2, 4
-
-
 def layout_data(design: Design) -> dict[str, Any]:
     """Return the data that rarely change: sites, their smallest distance and block size, all in [mm].
 
@@ -178,8 +175,8 @@ def layout_data(design: Design) -> dict[str, Any]:
     template = design.template
     block, distance = template.block, nearest_distance(template)
     return {
-        "x": _rounded(template.position[:, 0], POSITION_DECIMALS),
-        "y": _rounded(template.position[:, 1], POSITION_DECIMALS),
+        "x": numbers(template.position[:, 0]),
+        "y": numbers(template.position[:, 1]),
         "spacing": distance if math.isfinite(distance) else 4.0 * float(template.radius[0]),
         "block": None if block is None else [block.width, block.length, block.thickness],
     }
@@ -206,9 +203,9 @@ def site_data(answer: Answer) -> dict[str, Any]:
     caps = cap_data(design.surface, high / MICROMETRES)
     return data | {
         "caps": caps,
-        "cap": at_sites(design, kind_of_cap(design.surface), 0) if len(caps) > 1 else None,
-        "height": at_sites(design, heights, HEIGHT_DECIMALS),
-        "radius": float(radii[0]) if len(radii) == 1 else at_sites(design, design.surface.radius, 4),
+        "cap": at_sites(design, kind_of_cap(design.surface)) if len(caps) > 1 else None,
+        "height": at_sites(design, heights),
+        "radius": float(radii[0]) if len(radii) == 1 else at_sites(design, design.surface.radius),
         "pinned": {str(site): height for site, height in asked.pinned.items() if site < count},
         "empty": sorted(site for site in asked.empty if site < count),
         "limits": [low, high],
@@ -243,13 +240,13 @@ def message(answer: Answer) -> str:
     return ""
 
 
-def at_sites(design: Design, values: ArrayLike, decimals: int) -> list[float | None]:
+# Significant digits of values at the sites: finer than what is drawn and told of them.
+DIGITS = 6
+
+
+def at_sites(design: Design, values: ArrayLike) -> list[float | None]:
     """Return values at the asperities by site of the template, None at empty sites."""
     listed: list[float | None] = [None] * design.template.count
-    for site, value in zip(design.sites.tolist(), _rounded(values, decimals), strict=True):
+    for site, value in zip(design.sites.tolist(), numbers(np.asarray(values), DIGITS), strict=True):
         listed[site] = value
     return listed
-
-
-def _rounded(values: ArrayLike, decimals: int) -> list[float]:
-    return np.round(np.asarray(values, dtype=float), decimals).tolist()  # type: ignore[no-any-return]

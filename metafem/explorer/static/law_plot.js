@@ -1,7 +1,7 @@
 // The law: shows answers, and turns what hands and keys do into events. NiceGUI calls its methods.
 import { Drags } from "metafem/drags.js";
 import { ARROWS, Chosen, remember, shared, textsOf } from "metafem/linked.js";
-import { area, Axis, digits, path, ticks, told, valueAt } from "metafem/plot.js";
+import { area, Axis, digits, path, placeIn, ticks, told, valueAt } from "metafem/plot.js";
 
 // What is free around the axes, the room for a label of an axis, and the length of the marks below it [pixels].
 const MARGIN = { left: 62, right: 16, top: 12, bottom: 46 };
@@ -252,10 +252,7 @@ export default {
       event.preventDefault();
       this.zoom(Math.exp(event.deltaY / WHEEL), this.placeOf(event));
     },
-    placeOf({ clientX, clientY }) {
-      const { left, top } = this.$refs.svg.getBoundingClientRect();
-      return { x: clientX - left, y: clientY - top };
-    },
+    placeOf(event) { return placeIn(this.$refs.svg, event); },
     pixels({ x, y }) { return { x: this.x.px(x), y: this.y.px(y) }; },
     follow(event) {
       const at = this.over = this.placeOf(event);

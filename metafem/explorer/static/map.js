@@ -1,6 +1,6 @@
 // The map of the sites: draws them, finds the one under the pointer, and those in a rectangle.
 import { colouring, range } from "metafem/contacts.js";
-import { Axis, digits, ticks } from "metafem/plot.js";
+import { Axis, digits, placeIn, ticks } from "metafem/plot.js";
 
 // What is free around the map, with the bar of its colours below it [pixels], and pixels for a number at an axis.
 const [MARGIN, ROOM] = [{ left: 44, right: 8, top: 8, bottom: 90 }, 45];
@@ -116,14 +116,11 @@ export default {
     },
     // Where a site is drawn.
     placeOf(i) { return [this.frame.x.px(this.layout.x[i]), this.frame.y.px(this.layout.y[i])]; },
-    at({ clientX, clientY }) {
-      const { left, top } = this.$refs.svg.getBoundingClientRect();
-      return [clientX - left, clientY - top];
-    },
+    at(event) { return placeIn(this.$refs.svg, event); },
     // Site under a point of the window, null if there is none.
     siteAt(event) {
       if (!this.frame) return null;
-      const [x, y] = this.at(event);
+      const { x, y } = this.at(event);
       const away = this.layout.x.map((_, i) => Math.hypot(this.placeOf(i)[0] - x, this.placeOf(i)[1] - y));
       const [least] = range(away);
       return least < Math.max(MARKER * this.layout.spacing * this.frame.scale, REACH) ? away.indexOf(least) : null;
@@ -136,7 +133,7 @@ export default {
     move(event) {
       const { from } = this;
       if (!from) return this.$emit("hover", this.siteAt(event), event);
-      const [[x, y], [x0, y0]] = [this.at(event), from.at];
+      const [{ x, y }, { x: x0, y: y0 }] = [this.at(event), from.at];
       if (!this.drawn && !(from.mouse && Math.hypot(x - x0, y - y0) > CLICK)) return;
       this.drawn = { x: Math.min(x, x0), y: Math.min(y, y0), width: Math.abs(x - x0), height: Math.abs(y - y0) };
     },

@@ -74,6 +74,12 @@ export const told = (value, least) => value.toFixed(Math.min(20, Math.max(0, -Ma
 // A value with so many digits.
 export const digits = (value, count = 3) => Number(value.toPrecision(count)).toLocaleString("en", { maximumSignificantDigits: count, useGrouping: false }).replace("-", "−");
 
+// Where an event is in an element [pixels].
+export function placeIn(element, { clientX, clientY }) {
+  const { left, top } = element.getBoundingClientRect();
+  return { x: clientX - left, y: clientY - top };
+}
+
 // The value of a curve at x, on the line between its points; null outside and in a gap.
 export function valueAt(curve, x) {
   if (!curve || !curve.x.length || x < curve.x[0] || x > curve.x.at(-1)) return null;

@@ -2,6 +2,7 @@
 import { Press, told, words } from "metafem/contacts.js";
 import { ARROWS, Chosen, SAME, shared } from "metafem/linked.js";
 import SiteMap, { neighbour } from "metafem/map.js";
+import { placeIn } from "metafem/plot.js";
 
 // First and largest exaggeration of the heights in 3D.
 const EXAGGERATION = { first: 4, most: 20 };
@@ -206,9 +207,8 @@ export default {
       shared.sites = told ? [site] : [];
     },
     // Above or below the pointer, where there is more room, and as far to the left as the pointer is to the right.
-    beside({ clientX, clientY }) {
-      const { left, top, width, height } = this.$refs.box.getBoundingClientRect();
-      const [x, y] = [clientX - left, clientY - top];
+    beside(event) {
+      const [{ x, y }, { clientWidth: width, clientHeight: height }] = [placeIn(this.$refs.box, event), this.$refs.box];
       return { left: `${x}px`, transform: `translateX(-${(100 * x) / width}%)`, ...(y > height / 2 ? { bottom: `${height - y + GAP}px` } : { top: `${y + GAP}px` }) };
     },
     // Marks the sites under the pointer, here or at their tick of the law.
