@@ -47,6 +47,7 @@ def test_a_dragged_point_changes_the_text_and_a_refused_one_returns(visit):
     visit.settled(before)
     visit.page.wait_for_function("() => document.querySelector('.law-refusal').hidden")
     assert said(visit).startswith("Refused. The point is back to")
+    visit.page.get_by_role("button", name="Why?").last.click()
     assert "asperities" in said(visit)  # the reason stays
     assert answered(State(visit.text), 1).current
 
