@@ -47,6 +47,7 @@ def test_a_dragged_point_changes_the_text_and_a_refused_one_returns(visit):
     visit.settled(before)
     visit.page.wait_for_function("() => document.querySelector('.law-refusal').hidden")
     assert said(visit).startswith("Refused. The point is back to")
+    visit.page.get_by_role("button", name="Why?").last.click()
     assert "asperities" in said(visit)  # the reason stays
     assert answered(State(visit.text), 1).current
 
@@ -215,7 +216,7 @@ def test_the_text_and_the_fields_follow_each_other(visit, tmp_path):
     page = visit.page
     page.get_by_role("tab", name="Specification").click()
     text = page.locator(".cm-content")
-    text.get_by_text("max_height").wait_for()
+    page.locator(".cm-line span").first.wait_for()  # coloured, which draws the lines again
     text.get_by_text("[limits]").click()
     page.keyboard.press("End")
     page.keyboard.press("End")  # the line is wrapped

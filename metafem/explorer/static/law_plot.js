@@ -78,6 +78,7 @@ export default {
       </div>
       <div :class="['law-live', { wrong }]"><span :aria-live="live">{{ words }}</span>
         <button type="button" class="law-drop" :hidden="!pointed" title="Remove this point (Delete)" @click="remove(pointed)">Remove the point</button>
+        <button type="button" :hidden="!reason" title="The reason of the refusal" @click="say(reason, true)">Why?</button>
         <button type="button" class="law-use" :hidden="!(wrong && offered)" @click="use">{{ offer }}</button></div>
     </div>`,
   data() {
@@ -86,7 +87,7 @@ export default {
       x: new Axis(), y: new Axis(), unit: null, zoomed: false, box: { ...MARGIN }, clip: `law-clip-${Math.random().toString(36).slice(2)}`,
       handles: [], inactive: false, drags: new Drags((request) => this.$emit("drag", { ...request, part: this.part }), this.ended), // inactive while the text has problems
       over: null, chosen: null, shared, // where the pointer is [px], and the load that was chosen
-      away: false, offer: "Use the nearest law", offered: false, words: "", wrong: false, live: "polite", pointed: "",
+      away: false, offer: "Use the nearest law", offered: false, words: "", reason: "", wrong: false, live: "polite", pointed: "",
       acts: ACTS, arrows: ARROWS, touch: TOUCH,
     };
   },
@@ -354,7 +355,8 @@ export default {
       const where = reached ? "to the last place that a surface reaches" : "to where it was";
       if (!refusal) this.point(handle);
       else if (back && stuck) this.say(`Refused there. The law is the nearest one that can be designed: ${this.wordsOf(handle)}.`);
-      else this.say(`Refused. The point is back ${where}: ${this.wordsOf(handle)}. ${refusal}`, true);
+      else this.say(`Refused. The point is back ${where}: ${this.wordsOf(handle)}.`, true);
+      this.reason = refusal;
     },
     // A handle that has the focus can lie beyond zoomed axes.
     visit(handle) {
@@ -367,7 +369,7 @@ export default {
     say(words, wrong = false, id = "", live = "polite") {
       this.said = this.answer?.state;
       const removable = id.startsWith("point") && this.handles.length > 1 && !this.inactive;
-      Object.assign(this, { words, wrong, live, pointed: removable ? id : "" });
+      Object.assign(this, { words, wrong, live, reason: "", pointed: removable ? id : "" });
     },
     // A place in words; without the friction where it is null.
     told({ x, y }) {
