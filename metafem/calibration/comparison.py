@@ -157,8 +157,7 @@ def compare(
     must = "parameters of the friction have no effect on a law without a Friction; leave them out"
     refuse_if(without, must)
     refuse_if(parameters and covariance is None, f"parameters = {shown(parameters)} need a covariance")
-    none = np.zeros((0, 0))
-    names, matrix = checked_covariance(parameters, none if covariance is None else covariance, PARAMETERS)
+    names, matrix = checked_covariance(parameters, covariance, PARAMETERS)
     point, notes = _compared(measured, design)
     predicted, slope = _predicted(measured, point, design)
     found, x = measured.rescaled_friction[point], measured.rescaled_load[point]

@@ -268,19 +268,18 @@ def fit_compression(
     found = {
         "composite_modulus": modulus,
         "adhesion_energy": Estimate(energy, 0.5 * (high**2 - low**2), (low**2, high**2)),
-        "radius": positive(size + given.radius_sd * float(value[2]), given.radius_sd**2 * covariance[2, 2]),
     }
-    parameters = ("radius", "composite_modulus")
+    if given.radius_sd:
+        fitted = size + given.radius_sd * float(value[2])
+        found["radius"] = positive(fitted, given.radius_sd**2 * float(covariance[2, 2]))
     scale, order = np.array([given.radius_sd, 1.0]), np.array([2, 0])
     joint = scale[:, None] * covariance[np.ix_(order, order)] * scale
-    if not given.radius_sd:
-        del found["radius"]
-        parameters, joint = parameters[1:], joint[1:, 1:]
+    known = 0 if given.radius_sd else 1  # an exact radius is no parameter
     exact, rows = replace(given, radius_sd=0.0), np.asarray(area)
     return Calibration(
         estimates=found,
-        parameters=parameters,
-        covariance=joint,
+        parameters=("radius", "composite_modulus")[known:],
+        covariance=joint[known:, known:],
         verdict=Verdict(float(fit.chi_square.sum()), len(loads) - 2),
         material=Material(modulus.value),
         contact_law=given.law(energy if adhesive else 0.0, modulus.value),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import minimize_scalar
 
 from metafem import _validate as check
 from metafem._validate import FloatArray
@@ -20,9 +21,12 @@ FEWEST, DIFFERENT = 7, 4
 # Growth of chi-square at the ends of a 68 % interval.
 GROWTH = WIDTH**2
 
-# Number of crossovers of a grid, and number of grids: the second one covers the interval of the first and
-# finds its ends to a hundredth of its length, the others surround the least chi-square.
-TRIED, GRIDS = 101, 4
+# Number of crossovers of a grid, and number of grids, of which each covers the interval that the one before
+# finds: two find its ends to a hundredth of its length.
+TRIED, GRIDS = 101, 2
+
+# Error of the crossover over the range of the loads.
+ROUNDING = 1e-6
 
 # Number of steps of the fit of two lines. A step reduces the change of the lines by a factor of about 100.
 STEPS = 8
@@ -110,27 +114,30 @@ def crossover(law: MeasuredLaw) -> Crossover:
     refuse_if(different < DIFFERENT or law.load[0] == law.load[2] or law.load[-1] == law.load[-3], few)
     x = law.rescaled_load
     points = np.array([x, law.rescaled_friction, law.rescaled_load_sd, law.rescaled_friction_sd])
-    first, last = float(x[2]), float(x[-3])
-    kinks = np.linspace(first, last, TRIED)
-    for grid in range(GRIDS):
+    low, high = first, last = float(x[2]), float(x[-3])
+    for _ in range(GRIDS):
+        kinks = np.linspace(low, high, TRIED)
         line, variance, square = bent(points, kinks)
-        best, room = int(square.argmin()), square.min() + GROWTH - square
-        inside = np.flatnonzero(room >= 0.0)
-        if grid == 1:
-            spread = np.sqrt(room[inside, None] * variance[inside, 1:])
-            slopes = line[inside, 1:]
-            lowest, highest = (slopes - spread).min(axis=0).tolist(), (slopes + spread).max(axis=0).tolist()
-            low, high = float(kinks[inside[0]]), float(kinks[inside[-1]])
-        around = inside if grid == 0 else np.array([best])
-        ends = kinks[[max(around[0] - 1, 0), min(around[-1] + 1, TRIED - 1)]]
-        kinks, found = np.linspace(*ends, TRIED), (float(kinks[best]), *line[best].tolist())
+        room = square.min() + GROWTH - square
+        inside, best = np.flatnonzero(room >= 0.0), int(square.argmin())
+        low, high = float(kinks[max(inside[0] - 1, 0)]), float(kinks[min(inside[-1] + 1, TRIED - 1)])
+    found = minimize_scalar(
+        lambda kink: float(bent(points, np.array([kink]))[2][0]),
+        bounds=kinks[[max(best - 1, 0), min(best + 1, TRIED - 1)]],
+        method="bounded",
+        options={"xatol": ROUNDING * (last - first)},
+    )
+    level, *slopes = bent(points, np.array([found.x]))[0][0].tolist()
+    spread = np.sqrt(room[inside, None] * variance[inside, 1:])
+    lowest, highest = (line[inside, 1:] - spread).min(axis=0), (line[inside, 1:] + spread).max(axis=0)
+    low, high = float(kinks[inside[0]]), float(kinks[inside[-1]])
     return Crossover(
-        crossover_load=found[0],
-        crossover_friction=found[1],
-        slopes=(found[2], found[3]),
+        crossover_load=float(found.x),
+        crossover_friction=level,
+        slopes=(slopes[0], slopes[1]),
         crossover_interval=(low, high),
-        slope_intervals=((lowest[0], highest[0]), (lowest[1], highest[1])),
-        verdict=Verdict(float(square.min()), count - 4),
+        slope_intervals=((float(lowest[0]), float(highest[0])), (float(lowest[1]), float(highest[1]))),
+        verdict=Verdict(float(found.fun), count - 4),
         ambiguous=low <= first or high >= last,
     )
 

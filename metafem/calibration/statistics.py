@@ -284,7 +284,7 @@ def _accepted() -> tuple[FloatArray, FloatArray, FloatArray]:
 
 
 def checked_covariance(
-    names: Sequence[str], covariance: ArrayLike, known: Sequence[str]
+    names: Sequence[str], covariance: ArrayLike | None, known: Sequence[str]
 ) -> tuple[tuple[str, ...], FloatArray]:
     """Return the names of parameters and their covariance (p, p), or raise InvalidInput.
 
@@ -293,6 +293,8 @@ def checked_covariance(
     names = tuple(names)
     unknown = set(names) - set(known) or len(set(names)) < len(names)
     refuse_if(unknown, f"parameters = {shown(names)} must be different names of {', '.join(known)}")
+    if not names:
+        return (), np.zeros((0, 0))
     matrix = check.array("covariance", covariance, shape=(len(names), len(names)))
     # check the correlation matrix, which has no units
     scale = np.sqrt(np.abs(np.diagonal(matrix)))

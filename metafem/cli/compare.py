@@ -83,7 +83,9 @@ def compare(folder: Path, table: Path, explain: bool, force: bool, as_json: bool
         design = loaded(folder)
         names, covariance, values = _parameters(given)
         surface, modulus = design.surface, values.pop("composite_modulus", None)
-        material = surface.material if modulus is None else mf.Material(modulus, surface.material.poisson_ratio)
+        material = (
+            surface.material if modulus is None else mf.Material(modulus, surface.material.poisson_ratio)
+        )
         friction = surface.friction
         if values:
             needs = "--area-ratio needs --shear-strength, which the design does not state"

@@ -131,9 +131,10 @@ def read_calibration(paths: Iterable[str | Path], *, columns: Mapping[str, str] 
         words = "some tables hold the areas of single contacts and others their total; the totals are used"
         notes.append(information(words))
         pressed = [each.assign(area=_total(each))[["load", "area", "test", "place"]] for each in pressed]
-    rms = float(np.sqrt(np.mean([each**2 for each in boundaries]))) if all(boundaries) else None
-    pooled = (pd.concat(parts, ignore_index=True) if parts else None for parts in (pressed, sheared))
-    return CalibrationData(*pooled, rms, notes)
+    known = [each for each in boundaries if each is not None]
+    rms = float(np.sqrt(np.mean(np.square(known)))) if len(known) == len(files) else None
+    pressing, shear = (pd.concat(parts, ignore_index=True) if parts else None for parts in (pressed, sheared))
+    return CalibrationData(pressing, shear, rms, notes)
 
 
 def _total(points: DataFrame) -> FloatArray:
@@ -310,7 +311,7 @@ def printed(name: str, found: Calibration, digits: int = 2) -> tuple[str, str, s
     >>> from metafem.calibration import shear
     >>> found = shear([0.05, 0.1, 0.2], [0.0425, 0.085, 0.17], [0.0157, 0.0315, 0.0629])
     >>> printed("area_ratio", found), printed("shear_strength", found)[2]
-    (('0.8500', '0.8395 to 0.8605', '', '0.0106'), 'MPa')
+    (('0.850', '0.840 to 0.860', '', '0.011'), 'MPa')
     """
     unit, size = PRINTED.get(name, (UNITS[name].replace("1", ""), 1.0))
     value, sd, (low, high) = found.estimates[name]

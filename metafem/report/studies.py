@@ -144,9 +144,10 @@ def measured_figure(design: Design, study: Dataset) -> Figure:
     figure = new_figure(6.2, 4.9, ABOVE)
     ax, below = figure.subplots(2, 1, sharex=True, height_ratios=[3, 1], gridspec_kw={"hspace": 0.08})
     design.law.plot(ax, label="design")
-    names = ("rescaled_load", "rescaled_friction", "rescaled_load_sd", "rescaled_friction_sd")
-    measured(ax, *(study[name].values for name in names), "measured", MEASURED)
-    residuals(below, study["rescaled_load"].values, (study["deviation"] / study["deviation_sd"]).values, MEASURED)
+    x, x_sd = study["rescaled_load"].values, study["rescaled_load_sd"].values
+    y, y_sd = study["rescaled_friction"].values, study["rescaled_friction_sd"].values
+    measured(ax, x, y, x_sd, y_sd, "measured", MEASURED)
+    residuals(below, x, (study["deviation"] / study["deviation_sd"]).values, MEASURED)
     for branch, _ in design.fits:
         for each in (ax, below):
             each.axvspan(*branch.load_range, color=QUIET, alpha=0.08, lw=0)
