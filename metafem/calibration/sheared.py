@@ -179,8 +179,6 @@ def parameters(points: FloatArray, errors: MeasurementErrors) -> tuple[FloatArra
     jacobian = np.zeros((*ratio.shape, 2, 2))
     jacobian[..., 0, 0], jacobian[..., 1, 0], jacobian[..., 1, 1] = 1.0, -strength / ratio, 1.0 / ratio
     covariance = jacobian @ fit.covariance @ np.swapaxes(jacobian, -1, -2)
-    # make the matrix exactly symmetric
-    covariance = 0.5 * (covariance + np.swapaxes(covariance, -1, -2))
     return np.stack([ratio, strength], axis=-1), covariance, fit
 
 

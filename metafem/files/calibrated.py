@@ -105,8 +105,11 @@ def read_calibration(paths: Iterable[str | Path], *, columns: Mapping[str, str] 
     """
     import pandas as pd
 
-    notes, pressed, sheared = list[Note](), list[DataFrame](), list[DataFrame]()
-    boundaries, files = list[float | None](), [Path(path) for path in paths]
+    notes: list[Note] = []
+    pressed: list[DataFrame] = []
+    sheared: list[DataFrame] = []
+    boundaries: list[float | None] = []
+    files = [Path(path) for path in paths]
     stems = [path.stem for path in files]
     for path in files:
         refuse_if(files.count(path) > 1, f"{file_label(path)} is given twice")

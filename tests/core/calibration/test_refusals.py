@@ -191,7 +191,7 @@ def test_areas_that_are_all_error_have_no_fit_or_a_positive_modulus():
         noise = errors.of_area(AREA) * np.random.default_rng(seed).standard_normal(20)
         try:
             fit = fit_compression(EXACT, np.abs(AREA + noise), RADIUS, Sample(unusual=True), errors=errors)
-            found.append(fit.composite_modulus > 0.0 and np.isfinite(fit.root_covariance).all())
+            found.append(fit.material.composite_modulus > 0.0 and np.isfinite(fit.covariance).all())
         except (mf.NotConverged, mf.InvalidInput) as error:
             found.append("area" in str(error))
     assert all(found)
