@@ -71,8 +71,6 @@ class MeasuredLaw(BaseLaw):
     load_sd, friction_force_sd, area_sd, asperity_area_sd : array_like, optional
         Standard deviations in the units and shapes of the quantities, positive. For an open contact, the
         largest area that may have been overlooked, or 0.
-    label : str
-        Name of the law; default: "static".
     notes : tuple of Note
         Notes on what was left out.
 
@@ -100,7 +98,7 @@ class MeasuredLaw(BaseLaw):
     >>> law.rescaled_friction.round(4), law.rescaled_friction_sd.round(4)
     (array([0.1456, 0.2621]), array([0.0044, 0.0055]))
     >>> law
-    <MeasuredLaw "static": 2 loads 0.1 to 0.2 N, friction force 0.05 to 0.09 N, no notes>
+    <MeasuredLaw: 2 loads 0.1 to 0.2 N, friction force 0.05 to 0.09 N, no notes>
     """
 
     load: FloatArray
@@ -116,22 +114,38 @@ class MeasuredLaw(BaseLaw):
     friction_force_sd: FloatArray | None = None
     area_sd: FloatArray | None = None
     asperity_area_sd: FloatArray | None = None
-    label: str = "static"
     notes: tuple[Note, ...] = ()
 
     def __post_init__(self) -> None:
         check.instance("material", self.material, Material, "a metafem.Material")
         check.instance("friction", self.friction, Friction, "a metafem.Friction, or None", optional=True)
         check.instance("errors", self.errors, MeasurementErrors, "a metafem.calibration.MeasurementErrors")
-        check.instance("label", self.label, str, "a text")
-        found = self._values()
-        deviations = {f"{name}_sd": self._deviation(name, found) for name in QUANTITIES if name in found}
+        found: dict[str, Any] = {"load": check.array("load", self.load, shape=(None,))}
+        shape = found["load"].shape
+        if self.friction_force is not None:
+            found["friction_force"] = check.array("friction_force", self.friction_force, shape=shape)
+        if self.asperity_area is not None:
+            areas = check.array_with_gaps("asperity_area", self.asperity_area, shape=(*shape, None))
+            must = "must be at least 0; 0 is an open contact"
+            check.refuse_entries("asperity_area", areas, areas < 0.0, must)
+            count = areas.shape[1]
+            site = np.arange(count) if self.site is None else np.array(self.site)
+            wrong = site.shape != (count,) or site.dtype.kind not in "iu" or (site < 0).any()
+            must = f"must hold a different number of the design for each of the {count} asperities"
+            refuse_if(wrong or len(np.unique(site)) < count, f"site = {shown(self.site)} {must}")
+            found |= {"asperity_area": areas, "site": site.astype(np.intp)}
+            if not ("friction_force" in found and np.isnan(areas).any(axis=1).all()):
+                found["area"] = areas.sum(axis=1)
+        if self.area is not None:
+            found["area"] = check.array_with_gaps("area", self.area, shape=shape)
+        refuse_if(len(found) < 2, "a measured law needs friction_force, area or asperity_area")
         for name in QUANTITIES:
             alone = name not in found and getattr(self, f"{name}_sd") is not None
             refuse_if(alone, f"{name}_sd needs {name}")
-        found |= deviations
-        for name in {"load", "friction_force", "area"} & found.keys():
-            _refuse_contradiction(name, found)
+            if name in found:
+                found[f"{name}_sd"] = self._deviation(name, found)
+            if name in found and name != "asperity_area":
+                _refuse_contradiction(name, found)
         order = np.argsort(found["load"], kind="stable")
         for name, values in found.items():
             ordered = values if name == "site" else values[order]
@@ -144,38 +158,13 @@ class MeasuredLaw(BaseLaw):
         )
 
     def __repr__(self) -> str:
+        force = self.friction_force
         what = (
             f"area {span(self.rescaled_friction, 'mm^2')}"
-            if self.friction_force is None
-            else f"friction force {span(self.friction_force, 'N')}"
+            if force is None
+            else f"friction force {span(force, 'N')}"
         )
-        return (
-            f'<MeasuredLaw "{self.label}": {len(self.load)} loads {span(self.load, "N")}, {what}, '
-            f"{counted(self.notes)}>"
-        )
-
-    def _values(self) -> dict[str, Any]:
-        """Return the checked quantities and the numbers of the asperities by name."""
-        load = check.array("load", self.load, shape=(None,))
-        found: dict[str, Any] = {"load": load}
-        if self.friction_force is not None:
-            found["friction_force"] = check.array("friction_force", self.friction_force, shape=load.shape)
-        if self.asperity_area is not None:
-            areas = check.array_with_gaps("asperity_area", self.asperity_area, shape=(len(load), None))
-            must = "must be at least 0; 0 is an open contact"
-            check.refuse_entries("asperity_area", areas, areas < 0.0, must)
-            count = areas.shape[1]
-            site = np.arange(count) if self.site is None else np.array(self.site)
-            wrong = site.shape != (count,) or site.dtype.kind not in "iu" or (site < 0).any()
-            must = f"must hold a different number of the design for each of the {count} asperities"
-            refuse_if(wrong or len(np.unique(site)) < count, f"site = {shown(self.site)} {must}")
-            found |= {"asperity_area": areas, "site": site.astype(np.intp)}
-            if self.area is None and not ("friction_force" in found and np.isnan(areas).any(axis=1).all()):
-                found["area"] = areas.sum(axis=1)
-        if self.area is not None:
-            found["area"] = check.array_with_gaps("area", self.area, shape=load.shape)
-        refuse_if(len(found) < 2, "a measured law needs friction_force, area or asperity_area")
-        return found
+        return f"<MeasuredLaw: {len(self.load)} loads {span(self.load, 'N')}, {what}, {counted(self.notes)}>"
 
     def _deviation(self, name: str, found: Mapping[str, Any]) -> FloatArray:
         """Return the standard deviations of a quantity, as passed or computed from `errors`."""
@@ -189,12 +178,10 @@ class MeasuredLaw(BaseLaw):
         of = {"load": errors.of_load, "friction_force": errors.of_friction_force}.get(name, errors.of_area)
         if name != "area":
             return of(values)
-        total, largest = of(values), np.nanmax(values, initial=0.0)  # equal for n contacts and one
-        if self.area is None:
-            single = self._deviation("asperity_area", found)
-            closed = np.where(found["asperity_area"] > 0.0, single, 0.0)
-            total = np.sqrt((closed**2).sum(axis=1))
-            largest = np.nansum(found["asperity_area"], axis=1).max()
+        single = values[:, None] if self.area is not None else found["asperity_area"]
+        each = of(single) if self.area is not None else found["asperity_area_sd"]
+        total = np.sqrt((np.where(single > 0.0, each, 0.0) ** 2).sum(axis=1))
+        largest = np.nansum(single, axis=1).max()
         refuse_if(not largest > 0.0, f"area is {largest:g} mm^2 at most: there is no contact")
         return np.where(missing, np.nan, np.maximum(total, of(np.array(SMALL_CONTACT * largest))))
 
@@ -267,7 +254,7 @@ class MeasuredLaw(BaseLaw):
         return found
 
     def _about(self) -> dict[str, str]:
-        return {"label": self.label, "notes": to_lines(self.notes)}
+        return {"notes": to_lines(self.notes)}
 
     def _draw(self, ax: Axes, forces: bool, label: str | None) -> None:
         if forces:
@@ -285,7 +272,6 @@ def measured_law(
     friction: Friction | None = None,
     *,
     errors: MeasurementErrors = PAPER,
-    label: str = "static",
     sites: ArrayLike | None = None,
 ) -> MeasuredLaw:
     """Return the measured law of contacts found in images.
@@ -303,7 +289,6 @@ def measured_law(
     friction : Friction, optional
     errors : MeasurementErrors
         Errors of loads and friction forces; the table contains the errors of the areas.
-    label : str
     sites : array_like of int, (n,), optional
         Sites of the asperities of the design (``Design.sites``), required for a table of `metafem images` if
         the design leaves sites empty. Default: each asperity has the number of its site.
@@ -330,9 +315,7 @@ def measured_law(
     """
     numbers = None if sites is None else check.array("sites", sites, shape=(None,)).astype(np.int64)
     arrays, notes = of_contacts(table, friction is not None, numbers)
-    return MeasuredLaw(
-        material=material, friction=friction, errors=errors, label=label, notes=notes, **arrays
-    )
+    return MeasuredLaw(material=material, friction=friction, errors=errors, notes=notes, **arrays)
 
 
 def _refuse_contradiction(name: str, found: Mapping[str, Any]) -> None:

@@ -138,6 +138,7 @@ def calibrate(
             mf.files.write_text(output, text, force=force)
     results = {"files": sources, **mf.files.calibration_data(pressed, slid), "notes": notes_data(notes)}
     rows = [[NAMES[name], *mf.files.printed(name, each)] for each in found for name in each.estimates]
+    rows = [[text.replace("^2", "²") for text in row] for row in rows]
     table = ("quantity", "value", "68 % interval", "unit", "± standard deviation"), rows, None
     lines = [text for each in found for text in _verdicts(each)]
     show(as_json, results, tables=[table], lines=lines, notes=notes, files=[output])

@@ -52,7 +52,6 @@ def read_measured_law(
     friction: Friction | None = None,
     *,
     errors: MeasurementErrors | None = None,
-    label: str = "static",
     sites: IntArray | None = None,
 ) -> MeasuredLaw:
     """Return the measured friction law in a table.
@@ -69,8 +68,6 @@ def read_measured_law(
         Needed if the table has friction forces but no areas.
     errors : MeasurementErrors, optional
         Standard deviations for a table without such columns; default: those of the source paper.
-    label : str
-        Name of the law; default: "static".
     sites : ndarray of int, (n,), optional
         Site of each asperity of the design, ``Design.sites``, for a table of contacts. Default: the sites in
         the table are the numbers of the asperities.
@@ -102,7 +99,7 @@ def read_measured_law(
     if is_of_contacts(table):
         try:
             contacts = contacts_of(table)
-            return measured_law(contacts, material, friction, label=label, sites=sites, **options)
+            return measured_law(contacts, material, friction, sites=sites, **options)
         except InvalidInput as error:
             raise InvalidInput(f"{table.name}: {error}") from None
     entries = LAW.read(table)
@@ -114,7 +111,7 @@ def read_measured_law(
         "column area_mm2",
     )
     with entries.located():
-        return MeasuredLaw(**values, material=material, friction=friction, label=label, **options)
+        return MeasuredLaw(**values, material=material, friction=friction, **options)
 
 
 def read_law(
