@@ -51,33 +51,35 @@ Deviation = Callable[[FloatArray], FloatArray]
 
 
 def proportional(measured: FloatArray, deviation: Sequence[Deviation]) -> variables.Fit:
-    """Return the factors q_j of quantities ``x_j = q_j x_0`` that all have errors, and the x_0 as abscissae.
+    """Return the ratios q_j of quantities ``x_j = q_j x_(j-1)`` with errors, and the x_0 as abscissae.
 
     `measured` has the quantities x_0, x_1, ... of k points, (..., c, k), nan where not measured; each point
     has two or more. `deviation` returns the standard deviation of each quantity at its values.
     """
     y = np.moveaxis(measured, -2, -1)
-    known = np.isfinite(y)
+    known, count = np.isfinite(y), y.shape[-1] - 1
     filled = np.where(known, y, 0.0)
     both = known[..., 1:] & known[..., :-1]
     ratio = (both * filled[..., 1:]).sum(axis=-2) / (both * filled[..., :-1]).sum(axis=-2)
-    factor = ratio.cumprod(axis=-1)
-    every = np.concatenate([np.ones((*factor.shape[:-1], 1)), factor], axis=-1)[..., None, :]
-    start = (filled * every).sum(axis=-1) / (known * every**2).sum(axis=-1)
-    # smaller values are noise and would have infinite weights
-    least = 1e-6 * start.max(axis=-1, keepdims=True)
-    start = np.maximum(start, least)
+
+    def factors(q: FloatArray) -> FloatArray:
+        """Return x_j/x_0, (..., 1, c)."""
+        return np.concatenate([np.ones((*q.shape[:-1], 1)), q.cumprod(axis=-1)], axis=-1)[..., None, :]
 
     def model(q: FloatArray, x: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        by_x = np.concatenate([np.ones((*q.shape[:-1], 1)), q], axis=-1)[..., None, :, None]
-        count = q.shape[-1]
-        by_q = x[..., None] * np.eye(count + 1, count, -1)
-        return x * by_x[..., 0], by_q, np.broadcast_to(by_x, (*x.shape[:-1], count + 1, 1))
+        by_x = factors(q)
+        later = np.tri(count + 1, count, -1)
+        by_q = x[..., None] * later * (by_x[..., None] / q[..., None, None, :])
+        return x * by_x, by_q, np.broadcast_to(by_x[..., None], (*x.shape[:-1], count + 1, 1))
 
     def of(value: FloatArray) -> FloatArray:
         return np.stack([each(value[..., j]) for j, each in enumerate(deviation)], axis=-1)
 
-    return variables.fit(model, y, of, factor, start[..., None], (least[..., None], np.inf))
+    start = (filled * factors(ratio)).sum(axis=-1) / (known * factors(ratio) ** 2).sum(axis=-1)
+    # smaller values are noise and would have infinite weights
+    least = 1e-6 * start.max(axis=-1, keepdims=True)
+    start = np.maximum(start, least)
+    return variables.fit(model, y, of, ratio, start[..., None], (least[..., None], np.inf))
 
 
 def shear(
@@ -141,7 +143,8 @@ def shear(
         few, pair = int(known[i : i + 2].all(axis=0).sum()), " and ".join(COLUMNS[i : i + 2])
         refuse_if(few < 2, f"{what} needs at least 2 points with {pair}, and {few} have both quantities")
     used = known.sum(axis=0) >= 2
-    (ratio, strength), covariance, fit = parameters(points[:, used], errors)
+    fit = proportional(points[:, used], (errors.of_area, errors.of_area, errors.of_friction_force))
+    (ratio, strength), covariance = fit.parameter.tolist(), fit.covariance
     refuse_if(strength <= 0.0, f"friction_force is not positive: sigma = {strength:.4g} MPa; {RESIST}")
     sd = math.sqrt(covariance[0, 0])
     refuse_if(
@@ -160,26 +163,15 @@ def shear(
     words = f"{unused} of {len(used)} points hold less than two quantities and are not used"
     return Calibration(
         estimates={
-            "area_ratio": positive(float(ratio), covariance[0, 0]),
-            "shear_strength": positive(float(strength), covariance[1, 1]),
+            "area_ratio": positive(ratio, covariance[0, 0]),
+            "shear_strength": positive(strength, covariance[1, 1]),
         },
         parameters=("area_ratio", "shear_strength"),
         covariance=covariance,
         verdict=verdict,
-        friction=Friction(float(strength), min(float(ratio), 1.0)),
+        friction=Friction(strength, min(ratio, 1.0)),
         notes=(information(words),) if unused else (),
     ).of_tests(test, len(before), lambda rows: shear(*points[:, rows], errors=errors))
-
-
-def parameters(points: FloatArray, errors: MeasurementErrors) -> tuple[FloatArray, FloatArray, variables.Fit]:
-    """Return B and sigma (..., 2), their covariance (..., 2, 2) and the fit to points (..., 3, k)."""
-    fit = proportional(points, (errors.of_area, errors.of_area, errors.of_friction_force))
-    ratio, product = fit.parameter[..., 0], fit.parameter[..., 1]
-    strength = product / ratio  # the second factor is sigma B
-    jacobian = np.zeros((*ratio.shape, 2, 2))
-    jacobian[..., 0, 0], jacobian[..., 1, 0], jacobian[..., 1, 1] = 1.0, -strength / ratio, 1.0 / ratio
-    covariance = jacobian @ fit.covariance @ np.swapaxes(jacobian, -1, -2)
-    return np.stack([ratio, strength], axis=-1), covariance, fit
 
 
 def shear_strength(

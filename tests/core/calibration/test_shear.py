@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.optimize import minimize
+from scipy.optimize import least_squares
 
 import metafem as mf
 from metafem.calibration import MeasurementErrors, at_peak, over_plateau, shear, shear_strength
@@ -25,24 +25,17 @@ def test_the_fit_minimises_the_sum_over_factors_and_values():
     points, _ = sheared(np.random.default_rng(3), tests=1, loads=4)
     points[2, 1] = points[0, 2] = np.nan
     fit = proportional(points, errors)
-    factor, covariance, value = fit.parameter, fit.covariance, fit.abscissa[:, 0]
-    fitted = np.vstack([value, factor[:, None] * value])
+    ratio, value = fit.parameter, fit.abscissa[:, 0]
+    fitted = np.vstack([value, ratio.cumprod()[:, None] * value])
     deviation = np.stack([of(each) for of, each in zip(errors, fitted, strict=True)])
 
-    def squares(unknown):
-        q, x = np.append(1.0, unknown[:2]), unknown[2:]
-        return 0.5 * np.nansum(((points - q[:, None] * x) / deviation) ** 2)
+    def residuals(unknown):
+        q, x = np.append(1.0, np.cumprod(unknown[:2])), unknown[2:]
+        return np.nan_to_num((points - q[:, None] * x) / deviation).ravel()
 
-    found = minimize(squares, np.append(factor, value) * 1.01, tol=1e-14, method="BFGS")
-    assert factor == pytest.approx(found.x[:2], abs=1e-5)
-    # the covariance of all unknowns is the inverse of the curvature
-    q = np.append(1.0, factor)
-    weight = np.isfinite(points) / deviation**2
-    hessian = np.diag(np.append([0.0, 0.0], (weight * q[:, None] ** 2).sum(0)))
-    for j in (1, 2):
-        hessian[j - 1, j - 1] = (weight[j] * value**2).sum()
-        hessian[j - 1, 2:] = hessian[2:, j - 1] = weight[j] * q[j] * value
-    assert covariance == pytest.approx(np.linalg.inv(hessian)[:2, :2], rel=1e-9)
+    found = least_squares(residuals, np.append(ratio, value) * 1.01, jac="3-point", xtol=1e-14, gtol=1e-14)
+    assert ratio == pytest.approx(found.x[:2], abs=1e-6)
+    assert fit.covariance == pytest.approx(np.linalg.inv(found.jac.T @ found.jac)[:2, :2], rel=1e-5)
 
 
 def test_exact_points_give_the_friction():
