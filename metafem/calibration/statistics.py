@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import Any, NamedTuple
@@ -17,7 +17,7 @@ from scipy.special import gammaincc, ndtr
 from metafem import _validate as check
 from metafem._given import shown
 from metafem._validate import FloatArray
-from metafem._values import Value
+from metafem._values import Value, three_digits
 from metafem.contact import Contact
 from metafem.errors import InvalidInput, NotConverged, refuse_if
 from metafem.material import Friction, Material
@@ -91,30 +91,12 @@ class Verdict:
 
     def __str__(self) -> str:
         freedom = f"{self.freedom} degree{'s' * (self.freedom != 1)} of freedom"
-        return f"chi² = {chi(self.chi_square)} with {freedom} (p = {self.probability:.2g})"
+        return f"chi² = {three_digits(self.chi_square)} with {freedom} (p = {self.probability:.2g})"
 
     def to_dict(self) -> dict[str, Any]:
         """Return the attributes by name."""
         names = ("fits", "chi_square", "freedom", "probability", "birge_ratio")
         return {name: getattr(self, name) for name in names}
-
-    def note(self, what: str) -> Note:
-        """Return a note that something does not fit or agree, such as "the law does not fit"."""
-        return Note(
-            f"{what}: {self}; the stated uncertainties do not include this; uncertainties "
-            f"{self.birge_ratio:.2g} times as large would (Birge ratio)"
-        )
-
-
-def chi(square: float) -> str:
-    """Return a chi-square value as text without a power of ten.
-
-    Examples
-    --------
-    >>> chi(3.954), chi(317_512.0)
-    ('3.95', '317,500')
-    """
-    return f"{square:.3g}" if square < 999.5 else f"{float(f'{square:.4g}'):,.0f}"
 
 
 class Estimate(NamedTuple):
@@ -227,23 +209,27 @@ class Calibration(Value):
                     tests[name] = fit(np.flatnonzero(labels == name))
                 except (InvalidInput, NotConverged):
                     tests[name] = None
-        verdicts = [each.verdict for each in tests.values() if each is not None]
-        if tests and len(verdicts) == len(tests):
-            square = self.verdict.chi_square - sum(each.chi_square for each in verdicts)
-            freedom = self.verdict.freedom - sum(each.freedom for each in verdicts)
+        fitted = [each.verdict for each in tests.values() if each is not None]
+        if tests and len(fitted) == len(tests):
+            square = self.verdict.chi_square - sum(each.chi_square for each in fitted)
+            freedom = self.verdict.freedom - sum(each.freedom for each in fitted)
             heterogeneity = Verdict(max(square, 0.0), freedom)
-        found = replace(self, tests=tests, heterogeneity=heterogeneity)
-        return replace(found, notes=(*self.notes, *found.doubts()))
-
-    def doubts(self) -> Iterator[Note]:
-        """Return notes on a law that does not fit, and on tests that differ."""
-        if not self.verdict.fits:
-            yield self.verdict.note(f"{' and '.join(self.estimates)}: the law does not fit")
-        if self.heterogeneity is not None and not self.heterogeneity.fits:
-            yield self.heterogeneity.note("the tests differ")
-        unfitted = ", ".join(name for name, test in self.tests.items() if test is None)
+        notes = [
+            Note(
+                f"{what}: {verdict}; the stated uncertainties do not include this; uncertainties "
+                f"{verdict.birge_ratio:.2g} times as large would (Birge ratio)"
+            )
+            for what, verdict in (
+                (f"{' and '.join(self.estimates)}: the law does not fit", self.verdict),
+                ("the tests differ", heterogeneity),
+            )
+            if verdict is not None and not verdict.fits
+        ]
+        unfitted = ", ".join(name for name, each in tests.items() if each is None)
         if unfitted:
-            yield Note(f"the tests {unfitted} have no fit of their own; they are part of the common fit only")
+            words = "have no fit of their own; they are part of the common fit only"
+            notes.append(Note(f"the tests {unfitted} {words}"))
+        return replace(self, tests=tests, heterogeneity=heterogeneity, notes=(*self.notes, *notes))
 
 
 def bounded_interval(estimate: ArrayLike, sd: ArrayLike) -> tuple[FloatArray, FloatArray]:

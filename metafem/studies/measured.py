@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from metafem._validate import FloatArray
-from metafem._values import percent
+from metafem._values import percent, three_digits
 from metafem.calibration import Comparison, Explanation
 from metafem.calibration.explanation import row
-from metafem.calibration.statistics import REJECTED, Verdict, chi
+from metafem.calibration.statistics import REJECTED, Verdict
 from metafem.models import Model
 from metafem.studies.dataset import Summary, Variables, dataset, texts
 
@@ -130,7 +130,5 @@ def explained_summary(study: xr.Dataset) -> Summary:
     columns = dict(zip(("cause", "found (68 %)", "expected"), rows, strict=True))
     misfit, count = float(study["misfit"]), float(study["values"])
     explains = "agrees" if int(study["fits"]) else "does not agree"
-    answer = (
-        f"A part with these errors {explains} with the {count:.0f} measured values: chi² = {chi(misfit)}."
-    )
+    answer = f"A part with these errors {explains} with the {count:.0f} measured values: chi² = {three_digits(misfit)}."
     return Summary.of(study, "What explains the measured law", columns, answer)
