@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from metafem import _validate as check
 from metafem._given import shown
@@ -17,7 +17,7 @@ from metafem.calibration.statistics import Verdict, checked_covariance
 from metafem.errors import refuse_if
 from metafem.inversion import Design
 from metafem.notes import Note
-from metafem.prediction import FrictionLaw, friction_law
+from metafem.prediction import FrictionLaw
 from metafem.progress import doing
 
 # Parameters whose errors shift all points together.
@@ -35,8 +35,7 @@ class Comparison(Value):
     Attributes
     ----------
     measured : MeasuredLaw
-    point : ndarray of int, (m,)
-        Numbers of the compared points of the measured law.
+        The measured law at the m compared loads.
     predicted : ndarray, (m,)
         Rescaled friction of the design at the measured loads [mm^2].
     deviation, deviation_sd : ndarray, (m,)
@@ -64,7 +63,6 @@ class Comparison(Value):
     """
 
     measured: MeasuredLaw
-    point: NDArray[np.intp]
     predicted: FloatArray
     deviation: FloatArray
     covariance: FloatArray
@@ -158,69 +156,43 @@ def compare(
     refuse_if(without, must)
     refuse_if(parameters and covariance is None, f"parameters = {shown(parameters)} need a covariance")
     names, matrix = checked_covariance(parameters, covariance, PARAMETERS)
-    point, notes = _compared(measured, design)
-    predicted, slope = _predicted(measured, point, design)
-    found, x = measured.rescaled_friction[point], measured.rescaled_load[point]
+    known, end = measured.known(), float(design.law.rescaled_load[-1])
+    inside = known.rescaled_load <= end
+    newtons = measured.material.composite_modulus * end
+    limit = f"P/E* = {end:.4g} mm^2 or {newtons:.4g} N; the smallest is {known.load[0]:.4g} N"
+    refuse_if(not inside.any(), f"all measured loads exceed the largest load of the design, {limit}")
+    left_out = (
+        (measured.load[np.isnan(measured.rescaled_friction)], "the area of a contact is unknown"),
+        (known.load[~inside], f"the law of the design ends at P/E* = {end:.4g} mm^2"),
+    )
+    notes = [Note(f"points at {span(load, 'N')} are left out: {why}") for load, why in left_out if load.size]
+    law = known.only(inside)
+    # use the material of the part, because the effect of adhesion depends on E*
+    surface = design.surface.replaced(material=measured.material)
+    with doing("computing the law of the design at the measured loads"):
+        predicted, slope = law.computed(surface, design.law.model, newtons)
+    found = law.rescaled_friction
     # areas do not depend on the shear strength and the area ratio
     by_stress = -found if measured.by_force else 0.0 * found
-    changes = {"composite_modulus": slope * x / measured.material.composite_modulus}
+    changes = {"composite_modulus": slope * law.load / measured.material.composite_modulus}
     if friction is not None:
         changes["shear_strength"] = by_stress / friction.shear_strength
         changes["area_ratio"] = by_stress / friction.area_ratio
-    jacobian = np.array([changes[name] for name in names]).reshape(len(names), len(point)).T
-    variance = measured.rescaled_friction_sd[point] ** 2 + (slope * measured.rescaled_load_sd[point]) ** 2
+    jacobian = np.array([changes[name] for name in names]).reshape(len(names), len(found)).T
+    variance = law.rescaled_friction_sd**2 + (slope * law.load_sd) ** 2
     total = np.diag(variance) + jacobian @ matrix @ jacobian.T
     deviation = found - predicted
     # if the design's law is correct, the whitened residuals are independent
     residual = np.linalg.solve(np.linalg.cholesky(total), deviation)
     return Comparison(
-        measured=measured,
-        point=point,
+        measured=law,
         predicted=predicted,
         deviation=deviation,
         covariance=total,
         verdict=Verdict(float(residual @ residual), len(residual)),
         parameters=dict(zip(names, np.sqrt(np.diag(matrix)).tolist(), strict=True)),
-        notes=(*_exchanged(measured, design.law, deviation / predicted), *measured.notes, *notes),
+        notes=(*_exchanged(law, design.law, deviation / predicted), *measured.notes, *notes),
     )
-
-
-def _compared(measured: MeasuredLaw, design: Design) -> tuple[NDArray[np.intp], list[Note]]:
-    """Return the numbers of the points within the design's loads, and notes on the omitted points."""
-    end, modulus = float(design.law.rescaled_load[-1]), measured.material.composite_modulus
-    known, load = ~np.isnan(measured.rescaled_friction), measured.rescaled_load
-    point = np.flatnonzero(known & (load <= end))
-    limit = (
-        f"P/E* = {end:.4g} mm^2 or {modulus * end:.4g} N; the smallest is {measured.known().load[0]:.4g} N"
-    )
-    refuse_if(not point.size, f"all measured loads exceed the largest load of the design, {limit}")
-    left_out = (
-        (~known, "the area of a contact is unknown"),
-        (known & (load > end), f"the law of the design ends at P/E* = {end:.4g} mm^2"),
-    )
-    return point, [
-        Note(f"points at {span(measured.load[which], 'N')} are left out: {why}")
-        for which, why in left_out
-        if which.any()
-    ]
-
-
-@doing("computing the law of the design at the measured loads")
-def _predicted(
-    measured: MeasuredLaw, point: NDArray[np.intp], design: Design
-) -> tuple[FloatArray, FloatArray]:
-    """Return the rescaled friction and the mean slope of a design at measured points, (m,) each."""
-    x, sd = measured.rescaled_load[point], measured.rescaled_load_sd[point]
-    end, modulus = float(design.law.rescaled_load[-1]), measured.material.composite_modulus
-    middle, low, high = (np.clip(each, 0.0, end) for each in (x, x - sd, x + sd))
-    # if an error bar lies entirely below 0, use the slope at the smallest loads
-    high = np.where(high > low, high, np.minimum(sd, end))
-    loads, place = np.unique(np.concatenate([middle, low, high]), return_inverse=True)
-    # use the material of the part, because the effect of adhesion depends on E*
-    surface = design.surface.replaced(material=measured.material)
-    friction = friction_law(surface, design.law.model, load=modulus * loads).rescaled_friction
-    predicted, at_low, at_high = friction[place].reshape(3, -1)
-    return predicted, (at_high - at_low) / (high - low)
 
 
 def _exchanged(measured: MeasuredLaw, law: FrictionLaw, relative: FloatArray) -> Iterator[Note]:

@@ -18,12 +18,15 @@ from metafem.calibration.statistics import PAPER, MeasurementErrors
 from metafem.drawing import MEASURED, calibration, name_law
 from metafem.errors import InvalidInput, refuse_if
 from metafem.notes import Note, counted, to_lines
+from metafem.prediction import friction_law
 from metafem.prediction.base_law import BaseLaw
-from metafem.surface import Friction, Material
+from metafem.surface import Friction, Material, Surface
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from pandas import DataFrame
+
+    from metafem.models import Model
 
 # Quantities of a measured law.
 QUANTITIES = ("load", "friction_force", "asperity_area", "area")
@@ -190,8 +193,27 @@ class MeasuredLaw(BaseLaw):
         known = ~np.isnan(self.rescaled_friction)
         none = "the contact area is unknown at every load, since an area of a contact is nan at each"
         refuse_if(not known.any(), none)
+        return self.only(known)
+
+    def only(self, chosen: NDArray[np.bool_]) -> MeasuredLaw:
+        """Return the law at some of its loads, (k,)."""
         arrays = {f"{name}{sd}": getattr(self, f"{name}{sd}") for name in QUANTITIES for sd in ("", "_sd")}
-        return replace(self, **{name: of[known] for name, of in arrays.items() if of is not None})
+        return replace(self, **{name: of[chosen] for name, of in arrays.items() if of is not None})
+
+    def computed(
+        self, surface: Surface, model: Model, largest: float = np.inf
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return the contact areas of a surface at the loads, and their mean slopes over the error bars.
+
+        Loads above the `largest` one [N] are not used.
+        """
+        load, sd = self.load, self.load_sd
+        middle, low, high = (np.clip(each, 0.0, largest) for each in (load, load - sd, load + sd))
+        # if an error bar lies entirely below 0, use the slope at the smallest loads
+        high = np.where(high > low, high, np.minimum(sd, largest))
+        loads, place = np.unique(np.concatenate([middle, low, high]), return_inverse=True)
+        area, at_low, at_high = friction_law(surface, model, load=loads).area[place].reshape(3, -1)
+        return area, (at_high - at_low) / (high - low)
 
     @property
     def by_force(self) -> bool:

@@ -26,7 +26,7 @@ from metafem.errors import InvalidInput, refuse_if
 from metafem.material import Friction
 from metafem.models import Independent, Model
 from metafem.notes import information
-from metafem.prediction import equilibrium, friction_law
+from metafem.prediction import equilibrium
 from metafem.surface import Surface
 
 # Excess of B over 1, in standard deviations, above which a fit is refused. One normal error in a hundred is
@@ -40,10 +40,6 @@ LAWS = ("Af = B A0", "F = sigma Af")
 # Range of distances after the peak over which the paper averages the sliding friction (page 313) [mm], and
 # the rounding error of a difference between decimal displacements, relative to the last displacement.
 SLIDING, ROUNDING = (0.1, 0.2), 1e-12
-
-# Relative step of central differences. The error of a difference is about the square of the step, and the
-# rounding error 1e-16 over the step.
-STEP = 1e-4
 
 RESIST = "forces that resist sliding are positive"
 
@@ -234,14 +230,10 @@ def shear_strength(
     opened = int((equilibrium(surface, solver, load=least).asperity_area <= 0.0).sum())
     must = f"is too small: {opened} of {surface.count} asperities are not in contact at this load"
     refuse_if(opened, must, key="load_min", value=load_min)
-    load, force, force_sd = law.load[used], force[used], force_sd[used]
-    single, places = np.unique(load * (1.0 + STEP * np.array([[-1.0], [0.0], [1.0]])), return_inverse=True)
-    low, area, high = friction_law(surface, solver, load=single).area[places].reshape(3, -1)
-    area_sd = (high - low) / (2.0 * STEP * load) * law.load_sd[used]
-    # default standard deviations are computed from the fitted force, because the measured force is noisy
-    of_force = law.errors.of_friction_force
-    of = of_force if np.allclose(force_sd, of_force(force), rtol=1e-9) else lambda _: force_sd
-    fit = proportional(np.stack([area, force]), (lambda _: area_sd, of))
+    law = law.only(used)
+    area, slope = law.computed(surface, solver)
+    area_sd, force_sd = slope * law.load_sd, force_sd[used]
+    fit = proportional(np.stack([area, force[used]]), (lambda _: area_sd, lambda _: force_sd))
     factor, ratio = float(fit.parameter[0]), float(friction.area_ratio)
     refuse_if(factor <= 0.0, f"friction_force is not positive: sigma B = {factor:.4g} MPa; {RESIST}")
     strength = float(factor / ratio)

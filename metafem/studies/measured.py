@@ -49,7 +49,7 @@ def measured(comparison: Comparison, model: Model) -> xr.Dataset:
     array([-0.057,  0.054])
     """
     law, verdict = comparison.measured, comparison.verdict
-    variables: Variables = {name: (("point",), getattr(law, name)[comparison.point]) for name in OF_LAW}
+    variables: Variables = {name: (("point",), getattr(law, name)) for name in OF_LAW}
     variables |= {name: (("point",), getattr(comparison, name)) for name in OF_POINT}
     single = {"chi_square": verdict.chi_square, "freedom": verdict.freedom, "fits": int(verdict.fits)}
     variables |= {name: ((), value) for name, value in {"stress": law.stress_of_forces, **single}.items()}
@@ -130,5 +130,6 @@ def explained_summary(study: xr.Dataset) -> Summary:
     columns = dict(zip(("cause", "found (68 %)", "expected"), rows, strict=True))
     misfit, count = float(study["misfit"]), float(study["values"])
     explains = "agrees" if int(study["fits"]) else "does not agree"
-    answer = f"A part with these errors {explains} with the {count:.0f} measured values: chi² = {three_digits(misfit)}."
+    words = f"with the {count:.0f} measured values: chi² = {three_digits(misfit)}."
+    answer = f"A part with these errors {explains} {words}"
     return Summary.of(study, "What explains the measured law", columns, answer)

@@ -85,7 +85,7 @@ def flow() -> Flow:
 
 def _slope(found: mf.calibration.Comparison, ends: tuple[float, float]) -> tuple[float, float]:
     """Return the slope of the measured points between two loads P/E*, and its standard deviation."""
-    x, y = found.measured.rescaled_load[found.point], found.measured.rescaled_friction[found.point]
+    x, y = found.measured.rescaled_load, found.measured.rescaled_friction
     chosen = (x >= ends[0]) & (x <= ends[1])
     centred = np.where(chosen, x - x[chosen].mean(), 0.0)
     weight = centred / (centred**2).sum()
