@@ -32,7 +32,7 @@ from metafem.files.tables import (
     read_table,
     row_of,
 )
-from metafem.notes import Note, information
+from metafem.notes import Note
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -125,15 +125,11 @@ def read_calibration(paths: Iterable[str | Path], *, columns: Mapping[str, str] 
             boundaries.append(None)
         pressed += [one] * (len(one) > 0)
         sheared += [other] * (len(other) > 0)
+    # 0 contacts stand for their total area
     counts = {sum("area_" in name for name in each): each["place"].iloc[0] for each in pressed}
-    single = {count: place for count, place in counts.items() if count}
-    found = " and ".join(f"{count} ({place})" for count, place in single.items())
+    found = " and ".join(f"{count or 'a total'} ({place})" for count, place in counts.items())
     same = "tests that are pooled have the same contacts, so calibrate them one by one"
-    refuse_if(len(single) > 1, f"the tables hold the areas of {found} contacts; {same}")
-    if len(counts) > 1:
-        words = "some tables hold the areas of single contacts and others their total; the totals are used"
-        notes.append(information(words))
-        pressed = [each.assign(area=_total(each))[["load", "area", "test", "place"]] for each in pressed]
+    refuse_if(len(counts) > 1, f"the tables hold the areas of {found} contacts; {same}")
     known = [each for each in boundaries if each is not None]
     rms = float(np.sqrt(np.mean(np.square(known)))) if len(known) == len(files) else None
     pressing, shear = (pd.concat(parts, ignore_index=True) if parts else None for parts in (pressed, sheared))

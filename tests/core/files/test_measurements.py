@@ -105,13 +105,14 @@ def test_compression_tests_are_pooled_with_their_labels(read):
     points = read("area_10_mm2,load_mN,area_2_mm2\n0.1,10,0.2\n").compression
     assert points[["area_2", "area_10"]].to_numpy().tolist() == [[0.2, 0.1]]
     assert list(points)[1:3] == ["area_2", "area_10"]
-    data = read("load_mN,area_1_mm2,area_2_mm2\n10,0.1,0.2\n", "load_mN,area_mm2\n10,0.3\n")
-    assert data.compression["area"].tolist() == [pytest.approx(0.3), 0.3]
-    assert "the totals are used" in data.notes[0].text
-    with pytest.raises(mf.InvalidInput, match=r"2 \(a.csv, line 2\) and 1 \(b.csv, line 2\) contacts"):
-        read("load_mN,area_1_mm2,area_2_mm2\n1,2,3\n", "load_mN,area_1_mm2\n1,2\n")
+    single, two = "load_mN,area_1_mm2\n1,2\n", "load_mN,area_1_mm2,area_2_mm2\n1,2,3\n"
+    for other, count in ((single, "1"), (one, "a total")):
+        words = rf"2 \(a.csv, line 2\) and {count} \(b.csv, line 2\) contacts"
+        with pytest.raises(mf.InvalidInput, match=words):
+            read(two, other)
     Path("d").mkdir()
     Path("d/a.csv").write_text(one, "utf-8")
+    Path("a.csv").write_text(one, "utf-8")
     assert files.read_calibration(["a.csv", "d/a.csv"]).compression["test"].tolist() == ["a", "d/a", "d/a"]
     with pytest.raises(mf.InvalidInput, match=r"a\.csv is given twice"):
         files.read_calibration(["a.csv", "./a.csv"])
@@ -148,7 +149,7 @@ def test_contacts_of_images_are_points(read):
     assert slid["test"].tolist() == ["a", "a", "b"]
     assert [note.text.partition(":")[0] for note in data.notes] == ["a.csv"] * 2
     assert data.boundary == pytest.approx(1e-3, rel=1e-12)
-    assert read(files.contacts_table(table), "load_mN,area_mm2\n10,0.3\n").boundary is None
+    assert read(files.contacts_table(table), "load_mN,area_1_mm2,area_2_mm2\n1,2,3\n").boundary is None
     for words, message in (("too few", "a.csv, b.csv: too few"), ("b.csv, line 2: x", "b.csv, line 2: x")):
         with pytest.raises(mf.InvalidInput) as caught, files.of_tables(["a.csv", "b.csv"]):
             raise mf.InvalidInput(words)
