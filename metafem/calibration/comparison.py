@@ -173,7 +173,7 @@ def compare(
         predicted, slope = law.computed(surface, design.law.model, newtons)
     found = law.rescaled_friction
     # areas do not depend on the shear strength and the area ratio
-    by_stress = -found if measured.by_force else 0.0 * found
+    by_stress = -found if law.stress_of_forces else 0.0 * found
     changes = {"composite_modulus": slope * law.load / measured.material.composite_modulus}
     if friction is not None:
         changes["shear_strength"] = by_stress / friction.shear_strength

@@ -216,14 +216,9 @@ class MeasuredLaw(BaseLaw):
         return area, (at_high - at_low) / (high - low)
 
     @property
-    def by_force(self) -> bool:
-        """Whether the rescaled friction follows from measured friction forces instead of contact areas."""
-        return self.friction_force is not None and self.friction is not None
-
-    @property
     def stress_of_forces(self) -> float:
         """Friction force over rescaled friction, sigma B [MPa], if forces were measured; else 0."""
-        return self._stress if self.by_force else 0.0
+        return 0.0 if self.friction_force is None or self.friction is None else self.friction.stress
 
     @property
     def rescaled_load(self) -> FloatArray:
@@ -246,24 +241,21 @@ class MeasuredLaw(BaseLaw):
         return self._rescaled("_sd")
 
     def _rescaled(self, suffix: str) -> FloatArray:
-        if self.by_force:
-            return np.asarray(getattr(self, f"friction_force{suffix}") / self._stress)
+        stress = self.stress_of_forces
+        if stress:
+            return np.asarray(getattr(self, f"friction_force{suffix}") / stress)
         return np.asarray(getattr(self, f"area{suffix}"))
 
-    @property
-    def _stress(self) -> float:
-        """Friction force per contact area, sigma B [MPa]."""
+    def _force(self, suffix: str = "") -> FloatArray:
+        """Return friction forces, measured or sigma B times areas, or their standard deviations [N]."""
+        if self.friction_force is not None:
+            return np.asarray(getattr(self, f"friction_force{suffix}"))
         if self.friction is None:
             raise InvalidInput(
                 "the friction force was not measured; to compute it from the areas, give the law "
                 "friction=metafem.Friction(shear_strength, area_ratio)"
             )
-        return self.friction.stress
-
-    def _force(self, suffix: str = "") -> FloatArray:
-        """Return friction forces, measured or sigma B times areas, or their standard deviations [N]."""
-        measured = getattr(self, f"friction_force{suffix}")
-        return np.asarray(self._stress * getattr(self, f"area{suffix}") if measured is None else measured)
+        return np.asarray(self.friction.stress * getattr(self, f"area{suffix}"))
 
     def quantities(self) -> dict[str, FloatArray]:
         """Return the arrays (k,) of the law by name, in the order of table columns."""

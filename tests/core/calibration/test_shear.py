@@ -145,15 +145,6 @@ def test_constant_errors_of_two_quantities_give_demings_line():
     assert factor[0] == pytest.approx(axis[1] / axis[0], rel=1e-10)
 
 
-def test_leading_axes_are_separate_fits():
-    points, _ = sheared(np.random.default_rng(5), shape=(2, 3))
-    many, one = proportional(points, AREAS), proportional(points[1, 2], AREAS)
-    assert many.parameter.shape == (2, 3, 2)
-    assert many.covariance.shape == (2, 3, 2, 2)
-    for name in ("parameter", "covariance", "abscissa"):
-        assert getattr(many, name)[1, 2] == pytest.approx(getattr(one, name), rel=1e-9)
-
-
 def test_areas_between_the_frames_are_not_needed():
     sparse = np.full_like(X, np.nan)
     sparse[::4] = area(X)[::4]  # no frame at the peak, entry 15

@@ -5,7 +5,7 @@ import pytest
 from scipy.special import ndtr
 
 from metafem.calibration import Sample, fit_compression, joint_covariance, shear
-from metafem.calibration.statistics import PROBABILITY, WIDTH, Verdict, bounded_interval
+from metafem.calibration.statistics import PROBABILITY, WIDTH, bounded_interval
 from tests.calibration.compression.scenes import AREA, RADIUS, A, load_of
 from validation.scenes.sheared_contacts import sheared
 
@@ -43,12 +43,3 @@ def test_the_blocks_of_calibrations_are_independent():
     assert (matrix[:2, :2] == pressed.covariance).all()
     assert (matrix[2:, 2:] == slid.covariance).all()
     assert matrix == pytest.approx(matrix.T, rel=1e-12)
-
-
-def test_correct_laws_are_rejected_as_often_as_stated():
-    rng = np.random.default_rng(1)
-    verdicts = [Verdict((rng.standard_normal(30) ** 2).sum(), 30) for _ in range(1000)]
-    probabilities = np.array([verdict.probability for verdict in verdicts])
-    # the binomial standard deviation of a share of 1000
-    assert abs((probabilities < 0.2).mean() - 0.2) < 4.0 * np.sqrt(0.2 * 0.8 / 1000)
-    assert np.mean([not verdict.fits for verdict in verdicts]) < 0.025

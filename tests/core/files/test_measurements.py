@@ -113,7 +113,12 @@ def test_compression_tests_are_pooled_with_their_labels(read):
     Path("d").mkdir()
     for name in ("a.csv", "d/a.csv"):
         Path(name).write_text(one, "utf-8")
-    assert files.read_calibration(["a.csv", "d/a.csv"]).compression["test"].tolist() == ["a", "a", "d/a", "d/a"]
+    assert files.read_calibration(["a.csv", "d/a.csv"]).compression["test"].tolist() == [
+        "a",
+        "a",
+        "d/a",
+        "d/a",
+    ]
     with pytest.raises(mf.InvalidInput, match=r"a\.csv is given twice"):
         files.read_calibration(["a.csv", "./a.csv"])
 
