@@ -6,7 +6,7 @@ work grows in proportion to the number of points, and many fits are solved at on
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -55,7 +55,6 @@ def fit(
     parameter: FloatArray,
     abscissa: FloatArray,
     bounds: tuple[float | FloatArray, float | FloatArray] = (-np.inf, np.inf),
-    precision: Sequence[float] | None = None,
 ) -> Fit:
     """Return the least-squares fit of a model to measured quantities (..., k, c), nan where not measured.
 
@@ -63,13 +62,11 @@ def fit(
     the abscissae x of all points. `deviation` returns the standard deviations s at the values of the model.
     If they were computed from measured values, values that are too small by chance would have too much weight
     and bias the parameters. `parameter` and `abscissa` are initial guesses, and the abscissae stay within
-    `bounds`. Parameters may also be measured: as their initial guesses, with the inverse variances
-    `precision`. York, Earth Planet. Sci. Lett. 5, 320 (1968), doi:10.1016/S0012-821X(68)80059-7.
+    `bounds`. York, Earth Planet. Sci. Lett. 5, 320 (1968), doi:10.1016/S0012-821X(68)80059-7.
     """
     known = np.isfinite(measured)
     y = np.where(known, measured, 0.0)
     p, x = parameter, abscissa
-    prior = np.zeros(p.shape[-1]) if precision is None else np.asarray(precision)
     covariance, square = np.empty(0), np.empty(0)
     done: NDArray[np.bool_] = np.zeros(p.shape[:-1], dtype=np.bool_)
     for step, share in enumerate(SHARES):
@@ -85,8 +82,8 @@ def fit(
         right_x = (weighted * off[..., None]).sum(axis=-2)
         curvature = (np.swapaxes(by_p, -1, -2) @ (weight[..., None] * by_p)).sum(axis=-3)
         reduced = np.swapaxes(mixed, -1, -2) @ inverse
-        curvature = curvature - (reduced @ mixed).sum(axis=-3) + np.diag(prior)
-        right = (by_p * (weight * off)[..., None]).sum(axis=(-3, -2)) - prior * (p - parameter)
+        curvature = curvature - (reduced @ mixed).sum(axis=-3)
+        right = (by_p * (weight * off)[..., None]).sum(axis=(-3, -2))
         right = right - (reduced @ right_x[..., None])[..., 0].sum(axis=-2)
         covariance = _inverse(curvature)
         change = (covariance @ right[..., None])[..., 0]

@@ -74,12 +74,6 @@ NAMES = {
     *quantities(ERRORS),
     column_option,
     click.option(
-        "--contact",
-        metavar="LAW",
-        help='Contact law of the caps without adhesion, such as "elastic" or the table of a law. Default: '
-        "hertz.",
-    ),
-    click.option(
         "--unusual",
         is_flag=True,
         help="Accept moduli outside 0.01 to 100 MPa, and contact radii outside 0.001 R to R.",
@@ -133,8 +127,7 @@ def calibrate(
             )
             notes.append(information(words))
         if output is not None:
-            cap = mf.files.section_named(options["contact"].split()) if options["contact"] else None
-            text = mf.files.calibration_text(pressed, slid, sources=sources, cap=cap)
+            text = mf.files.calibration_text(pressed, slid, sources=sources)
             mf.files.write_text(output, text, force=force)
     results = {"files": sources, **mf.files.calibration_data(pressed, slid), "notes": notes_data(notes)}
     rows = [[NAMES[name], *mf.files.printed(name, each)] for each in found for name in each.estimates]
@@ -155,13 +148,11 @@ def _contact(
     area = points["area"] if total else points.filter(like="area_")
     must = f"the tables hold {area.shape[-1]} contacts one by one; leave it out"
     refuse_if(not total and count not in (None, area.shape[-1]), f"--contacts: {must}")
-    given = {"contact": mf.files.contact_named(options["contact"])} if options["contact"] else {}
     with mf.files.of_tables(sources, points["place"]):
         sample = mf.calibration.Sample(
             contacts=(count or 1) if total else area.shape[-1],
             radius_sd=options["radius_sd"] or 0.0,
             unusual=options["unusual"],
-            **given,
         )
         load, test = points["load"], points["test"].to_list()
         return mf.calibration.fit_compression(load, area, radius, sample, errors=errors, test=test)

@@ -19,6 +19,7 @@ from metafem._validate import FloatArray
 from metafem.calibration import Calibration, at_peak, joint_covariance
 from metafem.calibration.contact_table import by_image, pressed_images, sheared_points
 from metafem.calibration.statistics import UNITS, checked_covariance
+from metafem.contact import Hertz
 from metafem.errors import InvalidInput, refuse_if
 from metafem.files.contacts import contacts_of
 from metafem.files.disk import TABLE, file_label, read_bytes
@@ -243,27 +244,21 @@ def calibration_text(
     shear: Calibration | None,
     *,
     sources: Sequence[str] = (),
-    cap: Mapping[str, Any] | None = None,
 ) -> str:
-    """Return the results as TOML: sections of a specification, and the section ``[covariance]``.
-
-    `cap` is the section of the contact law of the caps; default: that of Hertz.
-    """
+    """Return the results as TOML: sections of a specification, and the section ``[covariance]``."""
     lines = [FIRST, *(f"# Measured: {source}" for source in sources)]
     if contact is not None:
-        cap = cap or {"kind": "hertz"}
         lines += ["", "[material]", _stated("composite_modulus", contact), "", "[contact]"]
-        if contact.contact_law is not None and contact.contact_law.adhesive:
-            lines += ['kind = "jkr"', _stated("adhesion_energy", contact)]
-            lines += ["", "[contact.cap]", *_keys(cap)] if cap["kind"] != "hertz" else []
+        if contact.contact_law == Hertz():
+            _, interval, unit, _ = printed("adhesion_energy", contact)
+            lines += ['kind = "hertz"', f"# The adhesion energy is {interval} {unit}."]
         else:
-            lines += [
-                *_keys(cap),
-                f"# The adhesion energy is {' '.join(printed('adhesion_energy', contact)[1:3])}.",
-            ]
+            lines += ['kind = "jkr"', _stated("adhesion_energy", contact)]
     if shear is not None:
         lines += ["", "[friction]", _stated("shear_strength", shear), _stated("area_ratio", shear)]
-    lines += ["", "[covariance]", *_keys(calibration_data(contact, shear)["covariance"])]
+    covariance = calibration_data(contact, shear)["covariance"]
+    # JSON strings, numbers and lists are valid in TOML
+    lines += ["", "[covariance]", *(f"{name} = {json.dumps(value)}" for name, value in covariance.items())]
     return "\n".join(lines) + "\n"
 
 
@@ -275,11 +270,6 @@ def _stated(name: str, found: Calibration) -> str:
     fits = "" if found.verdict.fits else "; the law does not fit"
     text = json.dumps(f"{value} {unit}") if unit else value
     return f"{name} = {text}  # {interval} {unit}".rstrip() + fits
-
-
-def _keys(section: Mapping[str, Any]) -> list[str]:
-    """Return the lines of a section's keys; JSON strings, numbers and lists are valid in TOML."""
-    return [f"{name} = {json.dumps(value, ensure_ascii=False)}" for name, value in section.items()]
 
 
 def read_parameters(path: str | Path) -> CalibratedParameters:

@@ -55,11 +55,11 @@ def results(contacts: int, energy: float) -> tuple[Fit, dict[str, Errors]]:
     value, covariance = of_root(fit)
     true, sd = (
         np.array([MODULUS, math.sqrt(energy)]),
-        np.sqrt(np.diagonal(covariance, axis1=1, axis2=2)[:, :2]),
+        np.sqrt(np.diagonal(covariance, axis1=1, axis2=2)),
     )
     by_line = np.stack([line.composite_modulus, line.adhesion_root], axis=-1)
     errors = {
-        f"{name}, {quantity}": Errors((estimate[:, :2] - true)[:, i], sd[:, i])
+        f"{name}, {quantity}": Errors((estimate - true)[:, i], sd[:, i])
         for name, estimate in (("fit", value), ("line", by_line))
         for i, quantity in enumerate(NAMES)
     }

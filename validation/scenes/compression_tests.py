@@ -9,7 +9,7 @@ import numpy as np
 
 import metafem as mf
 from metafem._validate import FloatArray
-from metafem.calibration import MeasurementErrors, Sample
+from metafem.calibration import MeasurementErrors
 from metafem.calibration.compression import fit_areas
 from metafem.calibration.errors_in_variables import Fit
 
@@ -38,7 +38,7 @@ def compression_tests(
 
 def fitted(load: FloatArray, area: FloatArray, contacts: int) -> Fit:
     """Return the fits to many sets of loads and total areas, (trials, k)."""
-    return fit_areas(load, area[..., None] / contacts, RADIUS, Sample(contacts), ERRORS)
+    return fit_areas(load, area[..., None] / contacts, RADIUS, contacts, ERRORS)
 
 
 class Line(NamedTuple):

@@ -200,7 +200,7 @@ def adhesive(energy):
 
 def test_a_calibration_is_written_as_sections():
     found = adhesive(5e-4)
-    whole = files.calibration_text(found, SHEARED, sources=["a.csv", "b.csv"], cap={"kind": "elastic"})
+    whole = files.calibration_text(found, SHEARED, sources=["a.csv", "b.csv"])
     assert whole.startswith("# Calibration by metafem: sections of a specification")
     assert "# Measured: a.csv\n# Measured: b.csv\n" in whole
     table = tomllib.loads(whole)
@@ -211,7 +211,6 @@ def test_a_calibration_is_written_as_sections():
     assert read.template.friction.shear_strength == pytest.approx(0.37, abs=1e-4)
     assert read.template.friction.area_ratio == pytest.approx(0.85, abs=1e-4)
     assert read.model.contact.adhesion_energy == pytest.approx(5e-4, rel=0.02)
-    assert read.model.contact.cap == mf.Elastic()
     doubtful = files.calibration_text(adhesive(1e-7), None)
     assert 'kind = "hertz"\n# The adhesion energy is 0 to' in doubtful
     bent = files.calibration_text(
