@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
@@ -21,20 +20,10 @@ from metafem.cli.options import (
 )
 from metafem.cli.output import show
 from metafem.cli.progress import loaded, progress
-from metafem.cli.study import deviation_option, given_deviations, show_study
+from metafem.cli.study import show_study
 from metafem.errors import refuse_if
 
-if TYPE_CHECKING:
-    from metafem._validate import FloatArray
-
-# Parameters of the part whose errors shift all points together: unit and example of each.
-PARAMETERS = {
-    "composite_modulus": ("MPa", "0.04MPa"),
-    "shear_strength": ("MPa", "0.006MPa"),
-    "area_ratio": ("1", "0.01"),
-}
-
-# Options of the material pair: unit, example and help text.
+# Options of the material pair, whose errors shift all points together: unit, example and help text.
 DESIGNED = "Default: that of the calibration or of the design."
 PAIR = {
     "composite_modulus": ("MPa", "1.36 MPa", f"E* of the part, such as {{}}. {DESIGNED}"),
@@ -54,7 +43,6 @@ PAIR = {
         help="E*, σ and B of the part with their errors and correlations, from metafem calibrate.",
     ),
     *quantities(PAIR),
-    deviation_option(PARAMETERS),
     click.option("--explain", is_flag=True, help="State which errors of the part explain the difference."),
     force_option,
     json_option,
@@ -81,7 +69,16 @@ def compare(folder: Path, table: Path, explain: bool, force: bool, as_json: bool
 
     with progress():
         design = loaded(folder)
-        names, covariance, values = _parameters(given)
+        values = {name: given[name] for name in PAIR if given[name] is not None}
+        errors: dict[str, Any] = {}
+        if given["calibration"] is not None:
+            found = mf.files.read_parameters(given["calibration"])
+            calibrated = dict(zip(found.parameters, found.value.tolist(), strict=True))
+            # the calibration's error does not apply to a value that an option states
+            used = [i for i, name in enumerate(calibrated) if name in PAIR.keys() - values.keys()]
+            names = [found.parameters[i] for i in used]
+            errors = {"parameters": names, "covariance": found.covariance[used][:, used]}
+            values |= {name: calibrated[name] for name in names}
         surface, modulus = design.surface, values.pop("composite_modulus", None)
         material = (
             surface.material if modulus is None else mf.Material(modulus, surface.material.poisson_ratio)
@@ -94,12 +91,9 @@ def compare(folder: Path, table: Path, explain: bool, force: bool, as_json: bool
             friction = mf.Friction(**designed | values)
         read = mf.files.read_table(table, columns_of(given["column"]))
         law = mf.files.read_measured_law(read, material, friction, sites=design.sites)
-        if friction is None:  # areas depend on E* alone
-            kept = [i for i, name in enumerate(names) if name == "composite_modulus"]
-            names, covariance = [names[i] for i in kept], covariance[kept][:, kept]
         wanted = ("measured", "explained")[: 1 + explain]
         files = [mf.files.study_path(folder, name, force) for name in wanted]
-        comparison = mf.calibration.compare(law, design, parameters=names, covariance=covariance)
+        comparison = mf.calibration.compare(law, design, **errors)
         studies = [measured(comparison, design.law.model)]
         if explain:
             studies.append(explained(mf.calibration.explain(law, design)))
@@ -115,24 +109,3 @@ def compare(folder: Path, table: Path, explain: bool, force: bool, as_json: bool
         return
     for study, path in zip(studies, files, strict=True):
         show_study(False, {}, study, path)
-
-
-def _parameters(given: Mapping[str, Any]) -> tuple[list[str], FloatArray, dict[str, float]]:
-    """Return names and covariance of the parameters with errors, and the values that replace the design's."""
-    import numpy as np
-    from scipy.linalg import block_diag
-
-    deviations = given_deviations(given["sd"], PARAMETERS)
-    names, covariance = [*deviations], np.diag(np.square([*deviations.values()]))
-    stated = {name: given[name] for name in PARAMETERS if given[name] is not None}
-    if given["calibration"] is None:
-        return names, covariance, stated
-    found = mf.files.read_parameters(given["calibration"])
-    twice = ", ".join(name for name in found.parameters if name in deviations)
-    refuse_if(twice, f"--sd {twice} and --calibration both give the error of {twice}; keep one")
-    values = dict(zip(found.parameters, found.value.tolist(), strict=True))
-    values = {name: values[name] for name in PARAMETERS if name in values}
-    # the calibration's error does not apply to a value that an option states
-    used = [i for i, name in enumerate(found.parameters) if name in values.keys() - stated.keys()]
-    every = [*(found.parameters[i] for i in used), *names]
-    return every, block_diag(found.covariance[np.ix_(used, used)], covariance), values | stated
