@@ -155,10 +155,10 @@ def bent(points: FloatArray, kink: FloatArray) -> tuple[FloatArray, FloatArray, 
     line = np.zeros((len(kink), 3))
     for _ in range(STEPS):
         below = true <= 0.0
+        # a point at the kink gives its level alone
         at_true, measured = (
-            np.stack([np.ones(each.shape), each * below, each * ~below], axis=-1) * ~held[..., None]
-            + np.array([1.0, 0.0, 0.0]) * held[..., None]
-            for each in (true, away)
+            np.stack([np.ones(each.shape), each * below, each * ~below], axis=-1)
+            for each in (true, np.where(held, 0.0, away))
         )
         slope = np.where(held, 0.0, np.where(below, line[:, 1, None], line[:, 2, None]))
         weight = 1.0 / (sy**2 + (slope * sx) ** 2)
