@@ -78,7 +78,7 @@ def crossover(law: MeasuredLaw) -> Crossover:
     by at most 0.989, the 68 % quantile of chi-square with one degree of freedom, and the interval of a slope
     the slopes for which this is so at any crossover. If the error of the crossover is not small compared with
     the spacing of the points, several divisions of the points into two branches fit similarly well, and the
-    intervals hold the true value less often: in 61 to 66 % of trials for the data of Fig. 5 of Aymard et al.,
+    intervals hold the true value less often: in 63 to 67 % of trials for the data of Fig. 5 of Aymard et al.,
     Science 383, 200 (2024), doi:10.1126/science.adk4234. Muggeo, Stat. Med. 22, 3055 (2003),
     doi:10.1002/sim.1545, treats the case without errors of the load.
 
