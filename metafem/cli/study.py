@@ -11,7 +11,7 @@ import click
 import metafem as mf
 from metafem.cli.group import TEXTS
 from metafem.cli.options import Decorator, Name, Quantity, command, force_option, json_option, model_options
-from metafem.cli.output import show
+from metafem.cli.output import Printed, show
 from metafem.cli.progress import loaded, progress
 from metafem.errors import refuse_if
 from metafem.progress import message
@@ -126,14 +126,17 @@ def of_design(*names: str, short_help: str) -> Callable[[Callable[..., Dataset]]
     return add
 
 
-def show_study(as_json: bool, data: Mapping[str, Any], study: Dataset, path: Path) -> None:
-    """Print a study: its table, its notes and its answer."""
+def show_study(
+    as_json: bool, data: Mapping[str, Any], study: Dataset, path: Path | None, *more: Printed, lines: Any = ()
+) -> None:
+    """Print a study: its table and further ones, its notes and its answer, or `lines` instead."""
     if as_json:
         show(True, data)
         return
     found = mf.studies.summary(study)
-    tables = [(found.columns, found.rows, found.title)]
-    show(False, {}, tables=tables, lines=filter(None, [found.answer]), notes=found.notes, files=[path])
+    tables = [(found.columns, found.rows, found.title), *more]
+    answers = lines or filter(None, [found.answer])
+    show(False, {}, tables=tables, lines=answers, notes=found.notes, files=[path])
 
 
 def _arguments(design: Design, given: dict[str, Any]) -> dict[str, Any]:
