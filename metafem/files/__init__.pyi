@@ -2,11 +2,10 @@ from .calibrated import CalibratedParameters as CalibratedParameters
 from .calibrated import CalibrationData as CalibrationData
 from .calibrated import calibration_data as calibration_data
 from .calibrated import calibration_text as calibration_text
-from .calibrated import interval as interval
 from .calibrated import of_tables as of_tables
+from .calibrated import printed as printed
 from .calibrated import read_calibration as read_calibration
 from .calibrated import read_parameters as read_parameters
-from .calibrated import rounded as rounded
 from .contacts import contacts_table as contacts_table
 from .contacts import read_contacts as read_contacts
 from .disk import refuse_existing as refuse_existing
