@@ -4,6 +4,7 @@ import pytest
 
 import metafem as mf
 from metafem.inversion import achievable_load_range
+from metafem.inversion.wording import Wording
 
 LATTICE = mf.Surface.square_lattice(0.3, radius=0.526, material=mf.Material(1.36), friction=mf.Friction(0.4))
 HIGH, TALL, LOW = mf.Limits(0.3), mf.Limits(0.27), mf.Limits(0.12, offset=0.05)
@@ -19,7 +20,8 @@ def after(second, third):
 
 
 def coefficients(*mu):
-    return mf.BilinearLaw.from_friction_coefficients(mu, 0.05168, *PAIR)
+    wording = Wording.of(*PAIR)
+    return mf.BilinearLaw(wording.given_slopes(mu, 2), 0.038, wording=wording)
 
 
 def under(contact, template=LATTICE):
