@@ -38,7 +38,7 @@ BOUNDS = [
     (mf.OperatingPoints([0.05, 0.1, 0.2], [0.8, 1.0, 2.5]), HIGH, {"tools": TOOLS}, ("no heights", "point")),
     (mf.LinearLaw(3.0), LOW, {}, ("slope 3", "4.93303")),
     (mf.LinearLaw.from_friction_coefficient(0.9, *PAIR), LOW, {}, ("friction coefficient 0.9", "1.45")),
-    (mf.LinearLaw(1.0), HIGH, {"tools": [0.2, 0.8]}, ("0.2", "0.8")),
+    (mf.LinearLaw(1.0), HIGH, {"tools": [0.2, 0.8]}, ("slope 1", "0.2 mm")),
     (mf.BilinearLaw((7.15, 12.0), 5.0), LOW, {}, ("crossover_load = 5", "0.4354")),
     (mf.BilinearLaw((7.15, 12.0), 0.4), LOW, {}, ("second slope", "7.78")),
     (coefficients(1.6, 90.0), LOW, {}, ("friction_coefficients[1] = 90", "0.05168 N")),
@@ -59,8 +59,8 @@ ALONE = [
     (mf.LinearLaw(7.0, (0.1, 90.0)), TALL, {}, ("90 mm^2 (122.4 N)", "reached from")),
     (mf.LinearLaw(1e3), LOW, under(mf.Elastic(mf.Power(4))), ("load_range",)),
     (mf.LinearLaw(1e200), LOW, {}, ("slope 1e+200", "double precision")),
-    (mf.BilinearLaw((120.7, 160.9), 4.97e-5), LOW, {}, ("crossover", "double precision")),
-    (mf.BilinearLaw((7.15, 9.0), 0.001), LOW, {"template": ONE}, ("1 of 1", "asperities")),
+    (mf.BilinearLaw((120.7, 160.9), 4.97e-5), LOW, {}, ("crossover", "4.97e-05")),
+    (mf.BilinearLaw((7.15, 9.0), 0.001), LOW, {"template": ONE}, ("one of 1 asp", "asperities")),
     (mf.PowerLaw(0.9, (0.1, 0.9)), mf.Limits(0.3, pinned=FEW), {}, ("0.9 mm", "2 summits")),
 ]
 
