@@ -67,8 +67,8 @@ def frictions(law: TargetLaw, bounds: Bounds) -> list[FloatArray]:
     rows, right = np.vstack([law.free, -law.free]), np.append(high - law.lower, law.lower - low)
     any_value = [(None, None)] * law.free.shape[1]
     ends = [linprog(sign * law.free.sum(axis=0), rows, right, bounds=any_value) for sign in (1.0, -1.0)]
-    if any(end.x is None for end in ends):
-        return [nearest_law(law, bounds)[1]]
+    if any(end.x is None for end in ends):  # no parameters bring the law within the bounds
+        return [np.clip(law.law(np.sqrt(low * high)), low, high)]
     c = [ends[0].x + part * (ends[1].x - ends[0].x) for part in LEVEL_FRACTIONS]
     return [np.clip(law.lower + law.free @ each, low, high) for each in c]
 

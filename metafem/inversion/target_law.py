@@ -108,6 +108,12 @@ class Target(Value):
         """Return the target of this kind with a law, (k,) each [mm^2]; None if there is none."""
         return None
 
+    @property
+    def law(self) -> tuple[FloatArray, FloatArray] | None:
+        """Rescaled loads and frictions, both (k,) [mm^2]; None if the target does not fix them completely."""
+        law = self.curve()
+        return None if law is None or law.is_open else (law.load, law.middle)
+
 
 @dataclass(frozen=True, eq=False)
 class TargetLaw:

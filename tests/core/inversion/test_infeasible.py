@@ -4,6 +4,8 @@ import pytest
 
 import metafem as mf
 from metafem.inversion import achievable_load_range
+from metafem.inversion.guesses import frictions
+from metafem.inversion.problem import Problem
 from metafem.inversion.wording import Wording
 
 LATTICE = mf.Surface.square_lattice(0.3, radius=0.526, material=mf.Material(1.36), friction=mf.Friction(0.4))
@@ -91,3 +93,21 @@ def test_the_range_of_a_line_with_tools_of_two_shapes_is_found():
 def test_one_asperity_has_no_line():
     with pytest.raises(mf.Infeasible, match="with 1 "):
         achievable_load_range(mf.LinearLaw(7.0), ONE, TALL)
+
+
+def test_a_power_beyond_every_exponent_of_a_range_is_refused_with_what_was_found():
+    """Nothing is proven of caps of several exponents."""
+    few = LATTICE.only(slice(4))
+    options = {"template": few, "limits": HIGH, "tools": mf.PowerRange(1.2, 6.0)}
+    with pytest.raises(mf.Infeasible, match="found") as caught:
+        mf.design(mf.PowerLaw(0.1, (0.01, 0.03)), **options)
+    assert mf.design(caught.value.nearest, **options).misfit <= 0.01
+
+
+def test_a_free_level_has_guesses_also_where_nothing_is_proven():
+    """The law is steeper than any between the bounds, and of adhesive contacts none are known."""
+    problem = Problem.checked(
+        mf.PowerLaw(1.5, (0.001, 0.4)), LATTICE, mf.Independent(mf.JKR(9e-6)), HIGH, [0.2, 0.8]
+    )
+    (found,) = frictions(problem.law, problem.bounds)
+    assert (found > 0.0).all()
