@@ -31,6 +31,9 @@ from metafem.inversion.target_law import TargetLaw
 # Smallest and largest indentation over R in the table of contacts, and number of tabulated contacts.
 TABLE, TABULATED = (1e-18, 10.0), 800
 
+# Indentations, loads and areas of a contact.
+Table = tuple[FloatArray, FloatArray, FloatArray]
+
 # Number of depths of the plane among which that of a sample is bracketed, and number of times.
 ZOOM, ZOOMS = 32, 2
 
@@ -128,13 +131,14 @@ def in_order(law: Contact, radius: float, load: FloatArray, friction: FloatArray
 
     The tallest height is first and equal to 0.
     """
-    table = _Table(law, radius)
+    table = _table(law, radius)
+    first, loads, areas = table
     if law.power == 1.0:
         # cones have the same P/A at any depth, so the first load is divided among all asperities
         depth = float(at_load(law, load[:1] / count, radius)[0][0])
     else:  # P/A increases with the indentation
-        depth = float(np.interp(load[0] / friction[0], table.load / table.area, table.depth))
-    levels, numbers, plane = [0.0], [friction[0] / float(table.contacts(depth)[1])], -depth
+        depth = float(np.interp(load[0] / friction[0], loads / areas, first))
+    levels, numbers, plane = [0.0], [friction[0] / float(_contacts(table, depth)[1])], -depth
     for p, f in zip(load[1:], friction[1:], strict=True):
         depth, number = _entering(table, np.array(levels) - plane, np.array(numbers), p, f)
         if number > 0.0:
@@ -144,33 +148,32 @@ def in_order(law: Contact, radius: float, load: FloatArray, friction: FloatArray
     return _spread(np.array(levels), np.array(numbers), plane, count)
 
 
-class _Table:
-    """Indentations [mm], loads and areas [mm^2] of contacts with summits of one radius [mm]."""
+def _table(law: Contact, radius: float) -> Table:
+    """Return indentations [mm], loads and areas [mm^2] of contacts with summits of one radius [mm]."""
+    most = min(float(law.largest_indentation(radius)), TABLE[1] * radius)
+    depth = np.geomspace(TABLE[0] * radius, most, TABULATED)
+    found = law.contacts(depth, np.full(TABULATED, radius))
+    return depth, found.load, found.area
 
-    def __init__(self, law: Contact, radius: float) -> None:
-        most = min(float(law.largest_indentation(radius)), TABLE[1] * radius)
-        self.depth = np.geomspace(TABLE[0] * radius, most, TABULATED)
-        found = law.contacts(self.depth, np.full(TABULATED, radius))
-        self.load, self.area, self.logarithm = found.load, found.area, np.log(self.depth)
 
-    def contacts(self, depth: Any) -> tuple[FloatArray, FloatArray]:
-        """Return loads and areas [mm^2] at indentations above 0."""
-        at = np.log(depth)
-        return np.interp(at, self.logarithm, self.load), np.interp(at, self.logarithm, self.area)
+def _contacts(table: Table, depth: Any) -> tuple[FloatArray, FloatArray]:
+    """Return loads and areas [mm^2] at indentations above 0."""
+    at, known = np.log(depth), np.log(table[0])
+    return np.interp(at, known, table[1]), np.interp(at, known, table[2])
 
 
 def _entering(
-    table: _Table, above: FloatArray, many: FloatArray, load: float, friction: float
+    table: Table, above: FloatArray, many: FloatArray, load: float, friction: float
 ) -> tuple[float, float]:
     """Return the depth [mm] of the plane below the new level at a sample, and the number of new asperities.
 
     above, many: heights above the new level and numbers of the asperities that are in contact.
     """
-    low, high = table.depth[0], table.depth[-1]
+    low, high = table[0][0], table[0][-1]
     for _ in range(ZOOMS):
         depth = np.geomspace(low, high, ZOOM)
-        carried, area = (many @ part for part in table.contacts(above[:, None] + depth))
-        one_load, one_area = table.contacts(depth)
+        carried, area = (many @ part for part in _contacts(table, above[:, None] + depth))
+        one_load, one_area = _contacts(table, depth)
         number = np.maximum(friction - area, 0.0) / one_area  # eq. S1
         missing = load - carried - number * one_load
         i = int((missing <= 0.0).argmax()) if missing[-1] <= 0.0 else ZOOM - 1
