@@ -85,7 +85,7 @@ PAIRED, TRIED_EXCHANGES = 300, 12
 DAMPING, STEPS, LEAST_GAIN = 0.01, 40, 0.02
 
 # Sizes of random changes, relative to the mean spacing of the heights.
-SIZES = (0.1, 0.3, 1.0, 3.0)
+SIZES = (0.2, 0.6, 2.0)
 
 # Largest number of steps of a descent that must converge to rounding.
 EXACT_STEPS = 40
