@@ -37,7 +37,12 @@ BOUNDS = [
     (after(1.68, 4.12), mf.Limits(0.15), {}, ("max_height", "0.0172")),
     (after(1.68, 4.12), mf.Limits(0.27, min_height=0.15), {}, ("min_height", "0.15")),
     (mf.OperatingPoints([0.0001], [1e-4]), TALL, {}, ("single asperity",)),
-    (mf.OperatingPoints([0.05, 0.1, 0.2], [0.8, 1.0, 2.5]), HIGH, {"tools": TOOLS}, ("no heights", "0.1 mm^2")),
+    (
+        mf.OperatingPoints([0.05, 0.1, 0.2], [0.8, 1.0, 2.5]),
+        HIGH,
+        {"tools": TOOLS},
+        ("no heights", "0.1 mm^2"),
+    ),
     (mf.LinearLaw(3.0), LOW, {}, ("slope 3", "4.93303")),
     (mf.LinearLaw.from_friction_coefficient(0.9, *PAIR), LOW, {}, ("friction coefficient 0.9", "1.45")),
     (mf.LinearLaw(1.0), HIGH, {"tools": [0.2, 0.8]}, ("slope 1", "0.2 mm")),
