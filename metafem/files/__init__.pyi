@@ -36,7 +36,6 @@ from .specification import DEMOS as DEMOS
 from .specification import MODELS as MODELS
 from .specification import demo_text as demo_text
 from .specification.forms import Form as Form
-from .specification.forms import all_keys as all_keys
 from .specification.forms import manual as manual
 from .specification.forms import schema_text as schema_text
 from .specification.forms import section_forms as section_forms

@@ -109,12 +109,6 @@ def section_forms() -> dict[str, Form]:
     return {form["name"]: form for form in every}
 
 
-def all_keys() -> list[Form]:
-    """Return the descriptions of all keys, except the keys of nested sections."""
-    outer = (form for name, form in section_forms().items() if "." not in name)
-    return [key for form in outer for keys in form["keys"].values() for key in keys]
-
-
 def as_toml(value: Any) -> str:
     """Return the TOML text of an example."""
     if isinstance(value, dict):

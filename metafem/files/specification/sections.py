@@ -70,15 +70,8 @@ class Section(BaseModel):
 
     @classmethod
     def __get_pydantic_json_schema__(cls, core: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
-        """Return the JSON schema, to which the alternative sets are added."""
+        """Return the JSON schema, to which the alternative sets are added for `section_forms`."""
         found = handler.resolve_ref_schema(handler(core))
-        every = set(sum(cls.choices, ()))
-        if cls.choices:
-            found["oneOf"] = [
-                {"required": list(choice), "not": {"anyOf": [{"required": [key]} for key in rest]}}
-                for choice in cls.choices
-                if (rest := sorted(every - set(choice)))
-            ]
         return {**found, "x-choices": [list(choice) for choice in cls.choices]}
 
 
@@ -126,11 +119,7 @@ def measured(unit: str, **bounds: float) -> Any:
     return Annotated[float, Field(**known), BeforeValidator(number), WithJsonSchema(schema)]
 
 
-def one_of(*names: str) -> Any:
-    """Return the type of a text that is one of these."""
-    return Literal[names]
-
-
+Name: Any = Literal[tuple(MODELS)]
 Area: Any = measured("mm^2")
 Force: Any = measured("N")
 Length: Any = measured("mm", ge=0.0)
@@ -262,9 +251,7 @@ class LayoutSection(Section):
 class ModelSection(Section):
     """The section ``[model]``."""
 
-    kind: one_of(*MODELS) = key(  # type: ignore[valid-type]
-        f"one of: {', '.join(MODELS)}", "layer", default=AUTOMATIC
-    )
+    kind: Name = key(f"one of: {', '.join(MODELS)}", "layer", default=AUTOMATIC)
 
 
 class PartSection(Section):

@@ -47,13 +47,8 @@ Given = tuple[float, str]
 
 def given_load(given: Any) -> Given:
     """Return the load that a text states, and its unit, mm^2 or N; errors do not name a key."""
-    try:
-        return converted(given, "mm^2", LOAD), "mm^2"
-    except InvalidInput as reason:
-        try:
-            return converted(given, "N", LOAD), "N"
-        except InvalidInput:
-            raise reason from None
+    unit = "N" if isinstance(given, str) and given.rstrip().endswith("N") else "mm^2"
+    return converted(given, unit, LOAD), unit
 
 
 def rescaled_range(given: Sequence[Given], material: mf.Material) -> tuple[float, float]:
