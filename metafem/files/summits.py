@@ -45,9 +45,12 @@ def made_table(made: MadeSurface, sites: IntArray) -> str:
 
     `sites` are the sites of the design's asperities.
     """
-    errors = {"position": made.position_sd, "height": made.height_sd, "radius": made.radius_sd}
-    titled = {f"sd_{name}_mm": values for name, values in errors.items()}
-    return csv({"site": sites[made.site] + 1, **_columns(made.surface), **titled})
+    errors = {
+        "sd_position_mm": made.position_sd,
+        "sd_height_mm": made.height_sd,
+        "sd_radius_mm": made.radius_sd,
+    }
+    return csv({"site": sites[made.site] + 1, **_columns(made.surface), **errors})
 
 
 def law_table(law: FrictionLaw) -> str:
@@ -107,8 +110,7 @@ def read_surface(
     with entries.located():
         radii = entries.numbers("radius") if radius is None else radius
         caps = entries.texts("cap") if "cap" in entries.columns else ["sphere"]
-        known = {text: cap_named(text) for text in dict.fromkeys(caps)}
-        cap = Caps.of(known[text] for text in caps)
+        cap = Caps.of(map(cap_named, caps))
         return Surface(position, entries.numbers("height"), radii, material, friction, block, cap)
 
 

@@ -245,12 +245,10 @@ def problem(detail: Any, table: Mapping[str, Any]) -> InvalidInput:
             return _unknown(f"{path}.kind", value.get("kind"), [*section_forms()[path]["kinds"]])
         case "model_type" | "model_attributes_type" | "dict_type":
             example, must = "", f"must be a section: write [{path}] on a line of its own"
-        case "greater_than" | "greater_than_equal" | "less_than" | "less_than_equal":
-            ((bound, number),) = detail["ctx"].items()
-            must = f"must be {bound_words(bound, number, own.get('unit', ''))}"
         case _:
-            must = re.sub(r"^\w+ should", "must", detail["msg"])
-    return InvalidInput(must, key=path, value=as_written(value), example=example)
+            bounded = BOUNDS.keys() & detail.get("ctx", {}).keys()
+            must = re.sub(r"^\w+ should", "must", detail["msg"]) + f" {own.get('unit', '')}" * bool(bounded)
+    return InvalidInput(must.rstrip(), key=path, value=as_written(value), example=example)
 
 
 def _unknown(key: str, given: Any, names: list[str]) -> InvalidInput:

@@ -133,8 +133,8 @@ class Specification:
         try:
             yield
         except InvalidInput as error:
-            found = error.within(section) if section else error
-            raise _refused(self.name, as_given(found, self.table)) from None
+            found = as_given(error.within(section) if section else error, self.table)
+            raise InvalidInput(self.name, problems=(found,)) from None
 
     def check(self) -> None:
         """Raise InvalidInput if the sections do not suit each other, such as heights and radii."""
@@ -153,9 +153,7 @@ class Specification:
                     raise error.at(f"sites.heights[{sites.pinned.index(int(site) + 1)}]") from None
                 raise InvalidInput(f"do not suit: {error}", key="sites") from None
             largest = max(self._radii)
-            words = (
-                f"and limits.offset exceed the largest radius, {largest:g} mm, and no cap is higher than that"
-            )
+            words = f"and limits.offset exceed the largest radius, {largest:g} mm; no cap is higher than that"
             high = template.block is not None and template.cap == mf.Sphere() and limits.top > largest
             refuse_if(high, words, key="limits.max_height", value=limits.max_height)
             if self.tools is None:
@@ -284,7 +282,8 @@ def _of_sections(table: Mapping[str, Any], text: str, source: Source, name: str)
     try:
         given = Sections.model_validate(table, context=_reader(source, kept))
     except ValidationError as error:
-        raise _refused(name, *(problem(each, table) for each in error.errors(include_url=False))) from None
+        problems = tuple(problem(each, table) for each in error.errors(include_url=False))
+        raise InvalidInput(name, problems=problems) from None
     limits = replace(given.limits.value(), pinned=given.sites.value())
     files = {"spec.toml": text.encode("utf-8", "surrogatepass"), **kept}
     return Specification(given, table, name, limits, _value(given.tools), given.part.value(), text, files)
@@ -304,12 +303,11 @@ def toml_table(text: str, name: str = "spec.toml") -> dict[str, Any]:
     text = decoded(name, raw)
     try:
         return tomllib.loads(text)
-    except RecursionError:
-        raise _refused(name, "nests its values too deeply to be a specification") from None
-    except ValueError as error:  # a number with thousands of digits is a ValueError too
+    except (RecursionError, ValueError) as error:  # of deep nesting, or a number with thousands of digits
         end = f"at line {len(text.splitlines())}, the end of the file"
         cause = printable(str(error).replace("at end of document", end))
-        raise _refused(name, f"not valid TOML: {cause}; {REMEDY}") from None
+        found = InvalidInput(f"not valid TOML: {cause}; {REMEDY}")
+        raise InvalidInput(name, problems=(found,)) from None
 
 
 def _reader(source: Source, kept: dict[str, bytes]) -> Callable[[str, str], Keys]:
@@ -342,14 +340,7 @@ def _content(name: str, last: str, source: Source) -> bytes:
         return read_bytes(source / (last if beside else name), TABLE)
     known = ", ".join(printable(other, 60) for other in source) or "none"
     refuse_if(not {name, last} & source.keys(), f"{shown(name)} is not loaded (loaded: {known})")
-    found = source[name] if name in source else source[last]
-    refuse_if(len(found) > TABLE, f"{shown(name)} is larger than {TABLE / 2**20:g} MiB")
-    return found
-
-
-def _refused(name: str, *problems: InvalidInput | str) -> InvalidInput:
-    found = (InvalidInput(each) if isinstance(each, str) else each for each in problems)
-    return InvalidInput(name, problems=tuple(found))
+    return source[name] if name in source else source[last]
 
 
 def chosen_model(model: Model, name: str | None, contact: str | None, block: mf.Block | None = None) -> Model:
