@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from functools import cache
 from typing import Any
 
@@ -216,12 +217,13 @@ def _line(start: str, form: Form) -> str:
 
 def problem(detail: Any, table: Mapping[str, Any]) -> InvalidInput:
     """Return the problem that an error of pydantic describes, with its key, value and an example."""
-    keys, section, value = _place(detail["loc"], table)
+    kinds = {kind for form in section_forms().values() for kind in form["kinds"]}  # part of pydantic's places
+    keys = [part for part in detail["loc"] if part not in kinds]
     path = "".join(f"[{each}]" if isinstance(each, int) else f".{each}" for each in keys).lstrip(".")
     outer = ".".join(each for each in keys[:-1] if isinstance(each, str))
-    form = section_forms().get(outer, {"keys": {"": []}, "kinds": {}})
-    kind = str(section.get("kind", "")) if form["kinds"] else ""
-    known = {key["name"]: key for key in form["keys"].get(kind, [])}
+    form = section_forms().get(outer, {"keys": {}, "kinds": {}})
+    kind = [part for part in ("", *detail["loc"]) if part in form["keys"]][-1:]
+    known = {key["name"]: key for each in kind for key in form["keys"][each]}
     own = known.get(keys[-1], {})
     example = f"{keys[-1]} = {as_toml(own['example'])}" if own else ""
     match detail["type"]:
@@ -240,15 +242,15 @@ def problem(detail: Any, table: Mapping[str, Any]) -> InvalidInput:
             words = f"is an unknown {'key' if outer else 'section'}{suggestion(str(keys[-1]), names)}"
             return InvalidInput(words, key=printable(path))
         case "literal_error":
-            return _unknown(path, value, own["names"])
+            return _unknown(path, detail["input"], own["names"])
         case "union_tag_not_found" | "union_tag_invalid":
-            return _unknown(f"{path}.kind", value.get("kind"), [*section_forms()[path]["kinds"]])
+            return _unknown(f"{path}.kind", detail["input"].get("kind"), [*section_forms()[path]["kinds"]])
         case "model_type" | "model_attributes_type" | "dict_type":
             example, must = "", f"must be a section: write [{path}] on a line of its own"
         case _:
             bounded = BOUNDS.keys() & detail.get("ctx", {}).keys()
             must = re.sub(r"^\w+ should", "must", detail["msg"]) + f" {own.get('unit', '')}" * bool(bounded)
-    return InvalidInput(must.rstrip(), key=path, value=as_written(value), example=example)
+    return as_given(InvalidInput(must.rstrip(), key=path, value="", example=example), table)
 
 
 def _unknown(key: str, given: Any, names: list[str]) -> InvalidInput:
@@ -259,23 +261,10 @@ def _unknown(key: str, given: Any, names: list[str]) -> InvalidInput:
 
 
 def as_given(error: InvalidInput, table: Mapping[str, Any]) -> InvalidInput:
-    """Return a problem with the value as the specification states it."""
-    parts = re.findall(r"[^.\[\]]+", error.key)
-    *_, value = _place([int(part) if part.isdecimal() else part for part in parts], table)
-    if error.value is not None and value is not None:
-        error.value = as_written(value)
+    """Return a problem with the value as the specification states it, if it does."""
+    value: Any = table
+    with suppress(LookupError, TypeError):
+        for part in re.findall(r"[^.\[\]]+", error.key):
+            value = value[int(part) if part.isdecimal() else part]
+        error.value = None if error.value is None else as_written(value)
     return error
-
-
-def _place(place: Iterable[Any], table: Any) -> tuple[list[Any], Mapping[str, Any], Any]:
-    """Return the keys of pydantic's place of an error, without kinds; the last section; the value."""
-    keys, section, value = list[Any](), table, table
-    for part in place:
-        if isinstance(value, dict):
-            if part == value.get("kind") and part not in value:  # pydantic adds the kind
-                continue
-            section, value = value, value.get(part)
-        else:
-            value = value[part] if isinstance(value, list) and part < len(value) else None
-        keys.append(part)
-    return keys, section, value
