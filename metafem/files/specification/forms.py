@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from functools import cache
+from itertools import pairwise
 from typing import Any
 
 from metafem._given import printable
@@ -217,8 +218,9 @@ def _line(start: str, form: Form) -> str:
 
 def problem(detail: Any, table: Mapping[str, Any]) -> InvalidInput:
     """Return the problem that an error of pydantic describes, with its key, value and an example."""
-    kinds = {kind for form in section_forms().values() for kind in form["kinds"]}  # part of pydantic's places
-    keys = [part for part in detail["loc"] if part not in kinds]
+    kinds = {kind for form in section_forms().values() for kind in form["kinds"]}
+    places = pairwise(("", *detail["loc"]))  # in which pydantic has the kind after the name of a section
+    keys = [part for before, part in places if part not in kinds or before in kinds]
     path = "".join(f"[{each}]" if isinstance(each, int) else f".{each}" for each in keys).lstrip(".")
     outer = ".".join(each for each in keys[:-1] if isinstance(each, str))
     form = section_forms().get(outer, {"keys": {}, "kinds": {}})
@@ -238,7 +240,7 @@ def problem(detail: Any, table: Mapping[str, Any]) -> InvalidInput:
             words = "is missing" if own else f"is missing; write a section [{path}]"
             return InvalidInput(words, key=path, example=example)
         case "extra_forbidden":
-            names = [*known, *["kind"] * bool(form["kinds"])] if outer else [*section_forms()]
+            names = [*known, *["kind"] * bool(form["kinds"])] if outer else [*Sections.model_fields]
             words = f"is an unknown {'key' if outer else 'section'}{suggestion(str(keys[-1]), names)}"
             return InvalidInput(words, key=printable(path))
         case "literal_error":

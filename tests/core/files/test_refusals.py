@@ -103,6 +103,7 @@ REFUSALS = [
     (linear(""), "target", "friction_coefficient"),
     (of_spec(target=f'{LINEAR}\nslope = 6\nfriction_coefficient = 1'), "target",
      "has slope and friction_coefficient"),
+    (linear("slope = 6\nlinear = 3"), "target.linear", "unknown key"),
     # other sections
     (of_spec(friction='shear_strength = "1 MPa"\narea_ratio = -0.5'), "friction.area_ratio", "-0.5"),
     (of_spec(friction='shear_strength = "1 MPa"\narea_ratio = 87'), "friction.area_ratio", "0.85"),
@@ -189,6 +190,8 @@ BORDERS = {
         (of_value(files.parsed, "a = " + "[" * 9000), "spec.toml", "recursion"),
         (of_value(files.parsed, " " * (SPECIFICATION + 1)), "spec.toml", "0.25 MiB"),
         (of_file(mf.read_spec, large(SPECIFICATION)), "t.csv", "0.25 MiB"),
+        (of_file(lambda path: mf.read_spec(path).design(), text(limits='max_height = "600 um"')), "t.csv",
+        "limits.max_height"),
         (pipe, "pipe", "a device or a pipe"), (mf.read_spec, "read", "a folder"),
         (of_value(mf.read_spec, "a\0"), r"a\x00", "no such file"),
         (lambda folder: mf.read_spec(folder / "none"), "none", "no such file"),
