@@ -15,7 +15,7 @@ from metafem.cli.options import Name, command, force_option, json_option, model_
 from metafem.cli.output import Printed, notes_data, show
 from metafem.cli.progress import loaded, progress
 from metafem.errors import Infeasible, refuse_if
-from metafem.files.specification.models import DEMOS
+from metafem.files.specification import DEMOS
 from metafem.progress import doing
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ import click
 import metafem as mf
 from metafem.cli.group import TEXTS, Command, Ended
 from metafem.errors import InvalidInput, refuse_if
-from metafem.files.specification.models import MODELS
+from metafem.files.specification import MODELS
 
 Decorator = Callable[[Any], Any]
 

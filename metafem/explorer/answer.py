@@ -165,9 +165,9 @@ def specification_of(state: State) -> Specification:
     return of_table(state.table, state.text, tables)
 
 
-def _designed(specification: Specification, draft: bool) -> Design:
+def _designed(specification: Specification, draft: bool, target: Target | None = None) -> Design:
     """Return the design of a specification; a draft is under the model that `_drafted` chooses."""
-    return specification.design(_drafted(specification) if draft else None, draft=draft)
+    return specification.design(_drafted(specification) if draft else None, target, draft=draft)
 
 
 def _drafted(specification: Specification) -> Model:
@@ -240,7 +240,7 @@ def _law_of(
     if law is not None and not law.is_open:
         return law.load, law.middle
     try:
-        found = _designed(replace(specification, target=target), draft).law
+        found = _designed(specification, draft, target).law
     except MetafemError:
         return None
     return found.rescaled_load, found.rescaled_friction

@@ -129,8 +129,8 @@ def typed_value(form: Form, typed: str, unit: str = "") -> Any:
 
     Examples
     --------
-    >>> from metafem.files import all_keys
-    >>> forms = {key["name"]: key for key in all_keys() if key["section"] == "lattice"}
+    >>> from metafem.files import section_forms
+    >>> forms = {key["name"]: key for key in section_forms()["lattice"]["keys"][""]}
     >>> typed_value(forms["shape"], "8 x 12"), typed_value(forms["pitch"], "1,5", "mm")
     ([8, 12], '1.5 mm')
     """

@@ -16,7 +16,7 @@ from metafem.explorer.history import State
 from metafem.explorer.new_part import NewPart
 from metafem.explorer.table import section_of, with_field
 from metafem.files import DEMOS, MODELS, demo_text
-from metafem.files.specification.models import AUTOMATIC
+from metafem.files.specification import AUTOMATIC
 from metafem.inversion import Design, DesignStatus
 from metafem.inversion.result import misfit_text
 

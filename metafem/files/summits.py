@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from metafem._given import shown
 from metafem._validate import IntArray
-from metafem.caps import SPHERE, Cap, Caps, Paraboloid, Power, Profile, Sphere
+from metafem.caps import SPHERE, Cap, Caps, Paraboloid, Power, Sphere
 from metafem.errors import InvalidInput, refuse_if
 from metafem.files.tables import Columns, Table
 from metafem.inversion import Design
@@ -31,9 +31,6 @@ COLUMNS = Columns(
 # Columns of a law that are omitted from law.csv.
 UNWRITTEN = ("friction_coefficient", "approach_mm", "stiffness_N_per_mm", "residual")
 
-# Name of each kind of cap.
-NAMES: dict[type[Cap], str] = {Sphere: "sphere", Paraboloid: "paraboloid", Power: "power", Profile: "profile"}
-
 # Number of digits in a table; the rounding errors of sums, in the sixteenth digit, do not appear.
 DIGITS = 13
 
@@ -48,9 +45,12 @@ def made_table(made: MadeSurface, sites: IntArray) -> str:
 
     `sites` are the sites of the design's asperities.
     """
-    errors = {"position": made.position_sd, "height": made.height_sd, "radius": made.radius_sd}
-    titled = {f"sd_{name}_mm": values for name, values in errors.items()}
-    return csv({"site": sites[made.site] + 1, **_columns(made.surface), **titled})
+    errors = {
+        "sd_position_mm": made.position_sd,
+        "sd_height_mm": made.height_sd,
+        "sd_radius_mm": made.radius_sd,
+    }
+    return csv({"site": sites[made.site] + 1, **_columns(made.surface), **errors})
 
 
 def law_table(law: FrictionLaw) -> str:
@@ -110,8 +110,7 @@ def read_surface(
     with entries.located():
         radii = entries.numbers("radius") if radius is None else radius
         caps = entries.texts("cap") if "cap" in entries.columns else ["sphere"]
-        known = {text: cap_named(text) for text in dict.fromkeys(caps)}
-        cap = Caps.of(known[text] for text in caps)
+        cap = Caps.of(map(cap_named, caps))
         return Surface(position, entries.numbers("height"), radii, material, friction, block, cap)
 
 
@@ -167,7 +166,7 @@ def cap_text(cap: Cap) -> str:
     'power 4.0 0.5'
     """
     values = f" {cap.exponent!r} {cap.coefficient!r}" if isinstance(cap, Power) else ""
-    return NAMES[type(cap)] + values
+    return type(cap).__name__.lower() + values
 
 
 def caps_column(surface: Surface) -> dict[str, list[str]]:
@@ -186,14 +185,11 @@ def cap_named(text: str) -> Cap:
     Power(exponent=4.0, coefficient=0.5)
     """
     kind, *values = text.split() or [""]
+    known: dict[str, Callable[..., Cap]] = {"sphere": Sphere, "paraboloid": Paraboloid, "power": Power}
     try:
-        if kind == "power" and values:
-            return Power(*map(float, values))
-        if kind in ("sphere", "paraboloid") and not values:
-            return Sphere() if kind == "sphere" else Paraboloid()
+        return known[kind](*map(float, values))
     except InvalidInput:
         raise
-    except (TypeError, ValueError):  # of too many numbers, or of texts that are none
-        pass
-    words = "must be sphere, paraboloid or power EXPONENT COEFFICIENT; other profiles are in design.json"
-    raise InvalidInput(words, key="cap", value=shown(text))
+    except (KeyError, TypeError, ValueError):
+        words = "must be sphere, paraboloid or power EXPONENT COEFFICIENT; other profiles are in design.json"
+        raise InvalidInput(words, key="cap", value=shown(text)) from None

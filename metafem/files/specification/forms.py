@@ -1,14 +1,21 @@
-"""What a specification can hold, from its pydantic models: for errors, the page, the manual and editors."""
+"""All sections of a specification; what they can hold, for errors, the page, the manual and editors."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+import re
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from functools import cache
+from itertools import pairwise
 from typing import Any
 
-from metafem.files.specification.fields import BOUNDS, Section
-from metafem.files.specification.sections import Sections
+from metafem._given import printable
+from metafem.errors import InvalidInput
+from metafem.files.specification import sections, suggestion
+from metafem.files.specification.sections import BOUNDS, Section, key, optional
+from metafem.files.specification.targets import AnyTarget
+from metafem.files.units import as_written
 
 # A JSON schema, and the description of a section or of a key by the names in `section_forms`.
 Schema = dict[str, Any]
@@ -32,8 +39,34 @@ HEAD = """\
 PLAIN = {"number": "number", "integer": "integer", "boolean": "truth", "string": "text"}
 
 
+class Sections(Section):
+    """All sections of a specification."""
+
+    target: AnyTarget = key("the target friction law, of one of these kinds")
+    material: sections.MaterialSection = key("the elastomer")
+    friction: sections.FrictionSection | None = optional("needed for friction forces in N")
+    lattice: sections.LatticeSection = key("sites of asperities")
+    sites: sections.SitesSection = key(
+        "empty sites, and sites with given heights", default=sections.SitesSection()
+    )
+    tools: sections.ToolsSection | None = optional("to choose from, instead of lattice.radius")
+    block: sections.BlockSection | None = optional("needed for the part files and the models layer and block")
+    cell: sections.CellSection | None = optional("period of an infinite surface; default: no repetition")
+    limits: sections.LimitsSection = key("manufacturing limits")
+    layout: sections.LayoutSection = key("assignment of heights to sites", default=sections.LayoutSection())
+    model: sections.ModelSection = key(
+        "model under which the target is to be met", default=sections.ModelSection()
+    )
+    cap: sections.ShapeSection | None = optional("shape of the caps, of one of these kinds; default: spheres")
+    contact: sections.ContactSection = key(
+        "law of one contact, of one of these kinds; default: hertz", default=sections.HERTZ
+    )
+    part: sections.PartSection = key("options of the part files", default=sections.PartSection())
+    checks: sections.ChecksSection = key("further checks", default=sections.ChecksSection())
+
+
 @cache
-def whole_schema(sections: type[Section] = Sections) -> Schema:
+def whole_schema() -> Schema:
     """Return the JSON schema of a specification, by which editors complete keys and mark errors.
 
     Examples
@@ -42,7 +75,7 @@ def whole_schema(sections: type[Section] = Sections) -> Schema:
     True
     """
     # language servers for TOML read draft 7 of JSON Schema
-    return {"$schema": "http://json-schema.org/draft-07/schema#", **sections.model_json_schema()}
+    return {"$schema": "http://json-schema.org/draft-07/schema#", **Sections.model_json_schema()}
 
 
 def schema_text() -> str:
@@ -51,7 +84,7 @@ def schema_text() -> str:
 
 
 @cache
-def section_forms(sections: type[Section] = Sections) -> dict[str, Form]:
+def section_forms() -> dict[str, Form]:
     """Return the descriptions of all sections by name, in the order of the manual.
 
     A section has its ``name``, its ``meaning``, whether it is ``optional``, a sentence on each of its
@@ -69,19 +102,13 @@ def section_forms(sections: type[Section] = Sections) -> dict[str, Form]:
     >>> section_forms()["limits"]["keys"][""][0]["units"][:3], section_forms()["contact"]["kinds"]["hertz"]
     (['nm', 'um', 'mm'], 'Elastic paraboloids with the curvature of each summit.')
     """
-    whole = whole_schema(sections)
+    whole = whole_schema()
     every = (
         form
         for name, given in whole["properties"].items()
         for form in _forms(name, given, name not in whole["required"], whole["$defs"])
     )
     return {form["name"]: form for form in every}
-
-
-def all_keys() -> list[Form]:
-    """Return the descriptions of all keys, except the keys of nested sections."""
-    outer = (form for name, form in section_forms().items() if "." not in name)
-    return [key for form in outer for keys in form["keys"].values() for key in keys]
 
 
 def as_toml(value: Any) -> str:
@@ -105,10 +132,10 @@ def _forms(name: str, given: Schema, optional: bool, every: Schema) -> Iterator[
     }
     yield form
     for kind, part in defined.items():
-        for key in form["keys"][kind]:
-            if key["value"] == "section":
-                inner = f"{name}.{key['name']}"
-                yield from _forms(inner, part["properties"][key["name"]], key["optional"], every)
+        for own in form["keys"][kind]:
+            if own["value"] == "section":
+                inner = f"{name}.{own['name']}"
+                yield from _forms(inner, part["properties"][own["name"]], own["optional"], every)
 
 
 def _keys(section: str, kind: str, schema: Schema) -> Iterator[Form]:
@@ -187,3 +214,59 @@ def _line(start: str, form: Form) -> str:
     if default is not None:
         told = f"optional, default {f'{default:g}' if isinstance(default, float) else as_toml(default)}: "
     return f"{start:<{COLUMN - 1}} # {told}{meaning}"
+
+
+def problem(detail: Any, table: Mapping[str, Any]) -> InvalidInput:
+    """Return the problem that an error of pydantic describes, with its key, value and an example."""
+    kinds = {kind for form in section_forms().values() for kind in form["kinds"]}
+    places = pairwise(("", *detail["loc"]))  # in which pydantic has the kind after the name of a section
+    keys = [part for before, part in places if part not in kinds or before in kinds]
+    path = "".join(f"[{each}]" if isinstance(each, int) else f".{each}" for each in keys).lstrip(".")
+    outer = ".".join(each for each in keys[:-1] if isinstance(each, str))
+    form = section_forms().get(outer, {"keys": {}, "kinds": {}})
+    kind = [part for part in ("", *detail["loc"]) if part in form["keys"]][-1:]
+    known = {key["name"]: key for each in kind for key in form["keys"][each]}
+    own = known.get(keys[-1], {})
+    example = f"{keys[-1]} = {as_toml(own['example'])}" if own else ""
+    match detail["type"]:
+        case "value_error":
+            error: InvalidInput = detail["ctx"]["error"]
+            if error.key:
+                return as_given(error.within(path), table)
+            if error.example and isinstance(own.get("example"), str):
+                error.example = as_toml(own["example"])
+            return error.at(path)
+        case "missing":
+            words = "is missing" if own else f"is missing; write a section [{path}]"
+            return InvalidInput(words, key=path, example=example)
+        case "extra_forbidden":
+            names = [*known, *["kind"] * bool(form["kinds"])] if outer else [*Sections.model_fields]
+            words = f"is an unknown {'key' if outer else 'section'}{suggestion(str(keys[-1]), names)}"
+            return InvalidInput(words, key=printable(path))
+        case "literal_error":
+            return _unknown(path, detail["input"], own["names"])
+        case "union_tag_not_found" | "union_tag_invalid":
+            return _unknown(f"{path}.kind", detail["input"].get("kind"), [*section_forms()[path]["kinds"]])
+        case "model_type" | "model_attributes_type" | "dict_type":
+            example, must = "", f"must be a section: write [{path}] on a line of its own"
+        case _:
+            bounded = BOUNDS.keys() & detail.get("ctx", {}).keys()
+            must = re.sub(r"^\w+ should", "must", detail["msg"]) + f" {own.get('unit', '')}" * bool(bounded)
+    return as_given(InvalidInput(must.rstrip(), key=path, value="", example=example), table)
+
+
+def _unknown(key: str, given: Any, names: list[str]) -> InvalidInput:
+    """Return the problem that a name is missing, or is none of these."""
+    if given is None:
+        return InvalidInput("is missing", key=key, example=f'kind = "{names[0]}"')
+    return InvalidInput(f"is unknown{suggestion(str(given), names)}", key=key, value=as_written(given))
+
+
+def as_given(error: InvalidInput, table: Mapping[str, Any]) -> InvalidInput:
+    """Return a problem with the value as the specification states it, if it does."""
+    value: Any = table
+    with suppress(LookupError, TypeError):
+        for part in re.findall(r"[^.\[\]]+", error.key):
+            value = value[int(part) if part.isdecimal() else part]
+        error.value = None if error.value is None else as_written(value)
+    return error

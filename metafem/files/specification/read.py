@@ -4,35 +4,33 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, nullcontext
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from pydantic import ValidationError
+from pydantic import TypeAdapter, ValidationError
 
+import metafem as mf
 from metafem._given import printable, shown
-from metafem.caps import SPHERE
+from metafem.contact import Contact
 from metafem.errors import InvalidInput, refuse_if
-from metafem.files.disk import RECORD, RESERVED, SPECIFICATION, TABLE, decoded, file_label, read_bytes
-from metafem.files.laws import COLUMNS, columns_of
+from metafem.files.disk import RESERVED, SPECIFICATION, TABLE, decoded, file_label, read_bytes
+from metafem.files.laws import Keys, columns_of
 from metafem.files.part import PartOptions, planned
-from metafem.files.specification.fields import Section
-from metafem.files.specification.forms import as_toml, bound_words, section_forms
-from metafem.files.specification.models import model_named, suggestion
-from metafem.files.specification.sections import Sections
+from metafem.files.specification import model_named, suggestion
+from metafem.files.specification.forms import Sections, as_given, problem, section_forms
+from metafem.files.specification.sections import ContactSection
 from metafem.files.tables import table_of
 from metafem.files.units import as_written
-from metafem.inversion import Design, Limits, PowerRange, RadiusRange, Target, Tool, arrange, design
+from metafem.inversion import Target
 from metafem.inversion.limits import pinned_heights
 from metafem.inversion.problem import drafting
-from metafem.inversion.tools import Tools, default_contact, refuse_misfits
 from metafem.models import Model
+from metafem.models.model import contact_of, with_contact
 from metafem.substrate import Substrate
-from metafem.surface import PeriodicCell, Surface
-
-__all__ = ["Specification", "parsed", "read_spec", "toml_table"]
 
 # Default of the tables that the text of a specification names: none.
 NO_TABLES: Mapping[str, bytes] = {}
@@ -40,15 +38,8 @@ NO_TABLES: Mapping[str, bytes] = {}
 # Hint on the most common mistakes in TOML.
 REMEDY = 'a value with a unit stands in quotes, such as "1.5 mm", and decimals have a point'
 
-# A dotted key with at least 33 parts. The parser's time grows with the square of the number of parts, and a
-# specification needs only two.
-NESTED = re.compile(r"""(?:(?:(?<![\w-])[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){32}""")
-
-# Separators in the path of a file on any operating system, and the longest name of a table [bytes].
-SEPARATORS, LONGEST = re.compile(r"[/\\:]"), 240
-
-# Largest number of sites, whose record can be read: that of a site has 250 bytes.
-SITES = RECORD // 250
+# Separators in the path of a file on any operating system.
+SEPARATORS = re.compile(r"[/\\:]")
 
 # Where the tables that a specification names are: their contents by name, or a folder.
 Source = Mapping[str, bytes] | Path
@@ -58,6 +49,8 @@ Source = Mapping[str, bytes] | Path
 class Specification:
     """The content of a specification file.
 
+    The target, the template and the model are made when they are first asked for.
+
     Attributes
     ----------
     target : OperatingPoints, LinearLaw, BilinearLaw, SampledLaw, PowerLaw, MultilinearLaw or Band
@@ -65,14 +58,8 @@ class Specification:
         The lattice; every site has the largest allowed height.
     limits : Limits
     model : Model
-    seed : int
-        Seed of the random assignment of heights to sites.
-    tilt : float or None
-        Tilt of the plane [rad], whose effect is reduced by exchanges of heights between sites.
-    tools : RadiusRange, PowerRange, tuple of Tool or of float, or None
-        Tools to choose from, or radii of tools [mm]; they replace the radius of the template.
-    pinned : mapping of int to float or None
-        Prescribed height above the base plane [mm] of some sites; None for a site that stays empty.
+    tools : RadiusRange, tuple of float, or None
+        Radii of tools to choose from [mm]; they replace the radius of the template.
     part : PartOptions
         Alignment asperities, chord error and file formats of the part.
     hardness : float or None
@@ -83,34 +70,118 @@ class Specification:
         Files to store in the result folder: ``spec.toml`` and the tables that it names.
     """
 
-    target: Target
-    template: Surface
-    limits: Limits
-    model: Model
-    seed: int
-    tilt: float | None
-    tools: RadiusRange | PowerRange | tuple[Tool | float, ...] | None
-    pinned: Mapping[int, float | None]
+    sections: Sections
+    table: Mapping[str, Any]  # the sections as they are written
+    name: str
+    limits: mf.Limits
+    tools: mf.RadiusRange | tuple[float, ...] | None
     part: PartOptions
-    hardness: float | None
     text: str
-    files: Mapping[str, bytes] = field(default_factory=dict)
+    files: Mapping[str, bytes]
 
-    def design(self, model: Model | None = None, *, draft: bool = False) -> Design:
-        """Return the design for the target of the file; the default model is also that of the file.
+    @property
+    def hardness(self) -> float | None:
+        """H [MPa]."""
+        return self.sections.checks.hardness
+
+    @cached_property
+    def target(self) -> Target:
+        """The target law."""
+        given = self.sections
+        with self._within("target"):
+            return given.target.target(given.material.value(), _value(given.friction))
+
+    @cached_property
+    def model(self) -> Model:
+        """The model under which the target is to be met."""
+        given = self.sections
+        return model_named(given.model.kind, given.contact.value(), _value(given.block))
+
+    @cached_property
+    def template(self) -> mf.Surface:
+        """The lattice; every site has the largest allowed height."""
+        given, cell = self.sections, self.sections.cell
+        (rows, columns), pitch = given.lattice.shape, given.lattice.pitch
+        with self._within("lattice"):
+            lattice = mf.Surface.square_lattice(
+                self.limits.top,
+                (rows, columns),
+                pitch,
+                radius=min(self._radii),
+                material=given.material.value(),
+                friction=_value(given.friction),
+                block=_value(given.block),
+                cap=_value(given.cap) or mf.Sphere(),
+            )
+        if cell is None:
+            return lattice
+        with self._within("cell"):
+            sides = mf.PeriodicCell(cell.width or columns * pitch, cell.length or rows * pitch)
+            return lattice.replaced(cell=sides)
+
+    @property
+    def _radii(self) -> list[float]:
+        """The radii of the tools, their bounds, or the radius of the lattice [mm]."""
+        one, tools = self.sections.lattice.radius, self.sections.tools
+        words = "or a section [tools] must give the radii, not both"
+        refuse_if((one is None) == (tools is None), words, key="radius", example='radius = "526 um"')
+        return [one or 0.0] if tools is None else tools.radii or tools.radius_range or []
+
+    @contextmanager
+    def _within(self, section: str = "") -> Iterator[None]:
+        """Make errors of the body those of this specification, and of keys of a section if one is given."""
+        try:
+            yield
+        except InvalidInput as error:
+            found = as_given(error.within(section) if section else error, self.table)
+            raise InvalidInput(self.name, problems=(found,)) from None
+
+    def check(self) -> None:
+        """Raise InvalidInput if the sections do not suit each other, such as heights and radii."""
+        limits, template, sites = self.limits, self.template, self.sections.sites
+        _ = self.target, self.model
+        with self._within():
+            for key in ("empty", "pinned"):
+                last = max(getattr(sites, key), default=0)
+                words = f"holds {last}; the lattice has the sites 1 to {template.count}"
+                refuse_if(last > template.count, words, key=f"sites.{key}")
+            try:
+                pinned_heights(template, limits)
+            except InvalidInput as error:
+                site = error.key.removeprefix("pinned[").rstrip("]")
+                if site.isdecimal():
+                    raise error.at(f"sites.heights[{sites.pinned.index(int(site) + 1)}]") from None
+                raise InvalidInput(f"do not suit: {error}", key="sites") from None
+            largest = max(self._radii)
+            words = f"and limits.offset exceed the largest radius, {largest:g} mm; no cap is higher than that"
+            high = template.block is not None and template.cap == mf.Sphere() and limits.top > largest
+            refuse_if(high, words, key="limits.max_height", value=limits.max_height)
+            if self.tools is None:
+                planned(template, template, self.part)
+
+    def design(
+        self, model: Model | None = None, target: Target | None = None, *, draft: bool = False
+    ) -> mf.Design:
+        """Return the design; default: for the target and under the model of the file.
 
         A draft ignores the tilt and omits most of the search.
         """
-        chosen = self.model if model is None else model
+        self.check()
+        chosen, layout = self.model if model is None else model, self.sections.layout
         remedy = "add [block] with width, length and thickness"
         refuse_missing_block(chosen, self.template, remedy)
-        limits = replace(self.limits, pinned=self.pinned)
         with drafting() if draft else nullcontext():
-            found = design(self.target, self.template, chosen, limits, self.seed, tools=self.tools)
-        return found if draft or self.tilt is None else arrange(found, self.tilt, self.seed)
+            goal = self.target if target is None else target
+            found = mf.design(goal, self.template, chosen, self.limits, layout.seed, tools=self.tools)
+        return found if draft or layout.tilt is None else mf.arrange(found, layout.tilt, layout.seed)
 
 
-def refuse_missing_block(model: Model, surface: Surface, remedy: str) -> None:
+def _value(section: Any) -> Any:
+    """Return the value of a section, or None without the section."""
+    return None if section is None else section.value()
+
+
+def refuse_missing_block(model: Model, surface: mf.Surface, remedy: str) -> None:
     """Raise InvalidInput if a model needs a block and the surface has none; the error states `remedy`."""
     substrate = getattr(model, "substrate", None)
     if surface.block is not None or not isinstance(substrate, Substrate):
@@ -140,12 +211,13 @@ def read_spec(path: str | Path) -> Specification:
     ------
     InvalidInput
         If the file cannot be read, if a section or key is unknown or missing, or if a value has the wrong
-        type, unit or range. The error has one line for each problem.
+        type, unit or range. The error has one line for each problem. Whether the sections suit each other
+        is checked by `Specification.check`, with which `Specification.design` begins.
 
     Examples
     --------
     >>> import tempfile
-    >>> from metafem.files.specification.models import demo_text
+    >>> from metafem.files import demo_text
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     path = Path(folder, "linear.toml")
     ...     _ = path.write_text(demo_text("linear"), encoding="utf-8")
@@ -155,7 +227,7 @@ def read_spec(path: str | Path) -> Specification:
     """
     raw = read_bytes(path, SPECIFICATION, "no such file; `metafem demo linear` writes one to start from")
     name, text = file_label(path), raw.decode("utf-8", "surrogateescape")
-    return of_table(toml_table(text, name), text, Path(path).parent, name)
+    return _of_sections(toml_table(text, name), text, Path(path).parent, name)
 
 
 def parsed(text: str, tables: Mapping[str, bytes] = NO_TABLES, name: str = "spec.toml") -> Specification:
@@ -177,11 +249,12 @@ def parsed(text: str, tables: Mapping[str, bytes] = NO_TABLES, name: str = "spec
     Raises
     ------
     InvalidInput
-        In the same cases as `read_spec`; each of its `problems` names the key.
+        In the same cases as `read_spec`, and if the sections do not suit each other; each of the
+        `problems` of the error names the key.
 
     Examples
     --------
-    >>> from metafem.files.specification.models import demo_text
+    >>> from metafem.files import demo_text
     >>> parsed(demo_text("linear")).target
     LinearLaw(slope=6.87, load_range=None)
     >>> try:
@@ -197,17 +270,23 @@ def of_table(
     table: Mapping[str, Any], text: str = "", source: Source = NO_TABLES, name: str = "spec.toml"
 ) -> Specification:
     """Return the specification in a table that has this text, as `parsed` returns that in a text."""
-    table = {key: {**value} if isinstance(value, dict) else value for key, value in table.items()}
-    table.pop("covariance", None)  # that of a calibration, which studies read
+    found = _of_sections(table, text, source, name)
+    found.check()
+    return found
+
+
+def _of_sections(table: Mapping[str, Any], text: str, source: Source, name: str) -> Specification:
+    """Return the specification in a table of sections; that they suit each other is not checked."""
+    kept: dict[str, bytes] = {}
+    table = {key: section for key, section in table.items() if key != "covariance"}  # which studies read
     try:
-        kept = fill(table, source)
-        members = _members(Sections.model_validate(table))
+        given = Sections.model_validate(table, context=_reader(source, kept))
     except ValidationError as error:
-        raise _refused(name, *(problem(each, table) for each in error.errors(include_url=False))) from None
-    except InvalidInput as error:
-        raise _refused(name, _as_given(error, table)) from None
-    raw = text.encode("utf-8", "surrogatepass")
-    return Specification(**members, text=text, files={"spec.toml": raw, **kept})
+        problems = tuple(problem(each, table) for each in error.errors(include_url=False))
+        raise InvalidInput(name, problems=problems) from None
+    limits = replace(given.limits.value(), pinned=given.sites.value())
+    files = {"spec.toml": text.encode("utf-8", "surrogatepass"), **kept}
+    return Specification(given, table, name, limits, _value(given.tools), given.part.value(), text, files)
 
 
 def toml_table(text: str, name: str = "spec.toml") -> dict[str, Any]:
@@ -222,47 +301,36 @@ def toml_table(text: str, name: str = "spec.toml") -> dict[str, Any]:
     most = f"{SPECIFICATION / 2**20:g} MiB, the limit for its kind of file"
     refuse_if(len(raw) > SPECIFICATION, f"{name}: is larger than {most}")
     text = decoded(name, raw)
-    deep = "nests its values too deeply to be a specification"
-    if NESTED.search(text):
-        raise _refused(name, deep)
     try:
         return tomllib.loads(text)
-    except RecursionError:
-        raise _refused(name, deep) from None
-    except ValueError as error:  # a number with thousands of digits is a ValueError too
+    except (RecursionError, ValueError) as error:  # of deep nesting, or a number with thousands of digits
         end = f"at line {len(text.splitlines())}, the end of the file"
         cause = printable(str(error).replace("at end of document", end))
-        raise _refused(name, f"not valid TOML: {cause}; {REMEDY}") from None
+        found = InvalidInput(f"not valid TOML: {cause}; {REMEDY}")
+        raise InvalidInput(name, problems=(found,)) from None
 
 
-def fill(table: dict[str, Any], source: Source) -> dict[str, bytes]:
-    """Replace each key `file` in `table` by the columns of the table that it names.
+def _reader(source: Source, kept: dict[str, bytes]) -> Callable[[str, str], Keys]:
+    """Return the function that returns the columns of the table with a name, for a section of a kind.
 
-    Return the contents of these tables by the last part of their names. A result folder keeps them under
+    The contents of the tables are kept by the last part of their names. A result folder keeps them under
     these names beside its copy of the specification, where they are found again.
     """
-    kept: dict[str, bytes] = {}
-    for place, section in table.items():
-        kind = section.get("kind") if isinstance(section, dict) else None
-        if kind not in [*COLUMNS] or "file" not in section:
-            continue
-        name, key = section.pop("file"), f"{place}.file"
-        given = as_written(name)
-        last = SEPARATORS.split(name)[-1] if isinstance(name, str) else ""
-        wrong = not last.strip(" .") or not name.isprintable() or len(last.encode()) > LONGEST
-        words = f"must end with the printable name of a file, of at most {LONGEST} bytes"
-        refuse_if(wrong, words, value=given, example='file = "wanted.csv"', key=key)
+
+    def columns(name: str, kind: str) -> Keys:
+        last, given = SEPARATORS.split(name)[-1], as_written(name)
+        wrong = not last.strip(" .") or not last.isprintable()
+        refuse_if(wrong, "must end with the printable name of a file", value=given, key="file")
         taken = last.casefold() in {each.casefold() for each in (*RESERVED, *kept)}
-        refuse_if(taken, "has the name of another file of a result; rename the table", value=given, key=key)
+        words = "has the name of another file of a result; rename the table"
+        refuse_if(taken, words, value=given, key="file")
         try:
             kept[last] = _content(name, last, source)
-            columns = columns_of(table_of(file_label(name), kept[last]), kind)
+            return columns_of(table_of(file_label(name), kept[last]), kind)
         except InvalidInput as error:
-            raise InvalidInput(f"cannot be used: {error}", key=key) from None
-        twice = sorted(section.keys() & columns.keys())
-        refuse_if(twice, f"and {', '.join(twice)} both give the points; keep one", key=key)
-        section |= {key: list(column) for key, column in columns.items()}
-    return kept
+            raise InvalidInput(f"cannot be used: {error}", key="file") from None
+
+    return columns
 
 
 def _content(name: str, last: str, source: Source) -> bytes:
@@ -272,169 +340,45 @@ def _content(name: str, last: str, source: Source) -> bytes:
         return read_bytes(source / (last if beside else name), TABLE)
     known = ", ".join(printable(other, 60) for other in source) or "none"
     refuse_if(not {name, last} & source.keys(), f"{shown(name)} is not loaded (loaded: {known})")
-    found = source[name] if name in source else source[last]
-    refuse_if(len(found) > TABLE, f"{shown(name)} is larger than {TABLE / 2**20:g} MiB")
-    return found
+    return source[name] if name in source else source[last]
 
 
-def _members(given: Sections) -> dict[str, Any]:
-    """Return the members of a `Specification`; raise InvalidInput for the first problem between sections."""
-    material, limits, part = given.material.value(), given.limits.value(), given.part.value()
-    parts: Any = (given.friction, given.block, given.tools, given.cap)
-    friction, block, tools, cap = (None if each is None else each.value() for each in parts)
-    contact = given.contact.value()
-    if "contact" not in given.model_fields_set and cap is None:
-        contact = default_contact(tools)
-    with _within("target"):
-        target = given.target.target(material, friction)
-    with _within("model"):
-        model = model_named(given.model.kind, contact, block)
-    with _within("lattice"):
-        radii = _radii(given)
-        (rows, columns), pitch = given.lattice.shape, given.lattice.pitch
-        words = f"has {rows * columns:,} sites; at most {SITES:,} are allowed, so that the result can be read"
-        refuse_if(rows * columns > SITES, words, key="shape", value=f"[{rows}, {columns}]")
-        sides = None if given.cell is None else (given.cell.width, given.cell.length)
-        template = Surface.square_lattice(
-            limits.top,
-            (rows, columns),
-            pitch,
-            radius=min(radii),
-            material=material,
-            friction=friction,
-            block=block,
-            cap=cap or SPHERE,
-            cell=sides and PeriodicCell(sides[0] or columns * pitch, sides[1] or rows * pitch),
-        )
-    for key in ("empty", "pinned"):
-        last = max(getattr(given.sites, key), default=0)
-        words = f"holds {last}; the lattice has the sites 1 to {template.count}"
-        refuse_if(last > template.count, words, key=f"sites.{key}")
+def chosen_model(model: Model, name: str | None, contact: str | None, block: mf.Block | None = None) -> Model:
+    """Return the model that ``--model`` and ``--contact`` state; defaults: `model` and its contact law."""
+    law = contact_of(model) if contact is None else contact_named(contact)
+    return with_contact(model, law) if name is None else model_named(name, law, block)
+
+
+def contact_named(text: str) -> Contact:
+    """Return the contact law of ``--contact``: its kind, then a value, and the cap under adhesion.
+
+    Examples
+    --------
+    >>> contact_named("jkr 9 mJ/m^2 elastic")
+    JKR(adhesion_energy=9e-06, cap=Elastic())
+    """
+    section = section_named(text.split())
     try:
-        pinned = pinned_heights(template, replace(limits, pinned=given.sites.value()))
-    except InvalidInput as error:
-        site = error.key.removeprefix("pinned[").rstrip("]")
-        if site.isdecimal():
-            raise error.at(f"sites.heights[{given.sites.pinned.index(int(site) + 1)}]") from None
-        raise InvalidInput(f"do not suit: {error}", key="sites") from None
-    words = (
-        f"and limits.offset = {limits.offset:g} mm together exceed the largest radius, {max(radii):g} mm: a "
-        "cap cannot be higher than its radius; lower them, or omit [block] and with it the part files"
-    )
-    high = block is not None and template.cap == SPHERE and limits.top > max(radii)
-    refuse_if(high, words, key="limits.max_height", value=limits.max_height)
-    if tools is None:
-        planned(template, template, part)
-    else:
-        try:
-            refuse_misfits(Tools.of(tools, template, contact), template, limits.top)
-        except InvalidInput as error:
-            raise InvalidInput(f"do not suit: {error}", key="tools") from None
-    return {
-        "target": target,
-        "template": template,
-        "limits": limits,
-        "model": model,
-        "seed": given.layout.seed,
-        "tilt": given.layout.tilt,
-        "tools": tools,
-        "pinned": pinned,
-        "part": part,
-        "hardness": given.checks.hardness,
-    }
+        laws: TypeAdapter[Any] = TypeAdapter(ContactSection)
+        law: Contact = laws.validate_python(section, context=_reader(Path(), {})).value()
+        return law
+    except ValidationError as error:
+        detail = error.errors(include_url=False)[0]
+    found = problem({**detail, "loc": ("contact", *detail["loc"])}, {"contact": section})
+    raise InvalidInput(f'contact law "{printable(text, 60)}": {found}')
 
 
-def _radii(given: Sections) -> Sequence[float]:
-    """Return the radii of the tools, their bounds, or the radius of the lattice [mm]."""
-    one, tools = given.lattice.radius, given.tools
-    if tools is None or tools.exponent_range is not None:
-        missing = "is missing" + ("" if tools else ", and there is no section [tools]")
-        refuse_if(one is None, missing, key="radius", example='radius = "526 um"')
-        return [one or 0.0]
-    refuse_if(one is not None, "and [tools] both give radii; keep one", key="radius")
-    return tools.radii or tools.radius_range or ()
-
-
-@contextmanager
-def _within(section: str) -> Iterator[None]:
-    """Make errors of the body concern keys of a section; the sides of a cell follow from the lattice."""
-    try:
-        yield
-    except InvalidInput as error:
-        raise error.within(
-            "cell" if error.key.partition("[")[0] in ("width", "length") else section
-        ) from None
-
-
-def problem(detail: Any, table: Mapping[str, Any], sections: type[Section] = Sections) -> InvalidInput:
-    """Return the problem that an error of pydantic describes, with its key, value and an example."""
-    keys, kind, value = _place(detail["loc"], table)
-    name, path = keys[-1], "".join(f"[{each}]" if isinstance(each, int) else f".{each}" for each in keys)[1:]
-    form = section_forms(sections).get(".".join(each for each in keys[:-1] if isinstance(each, str)), {})
-    of_kinds = form.get("keys", {})
-    known = {key["name"]: key for key in of_kinds.get(kind, of_kinds.get("", ()))}
-    own = known.get(name, {})
-    example = f"{name} = {as_toml(own['example'])}" if own else ""
-    match detail["type"]:
-        case "value_error":
-            error: InvalidInput = detail["ctx"]["error"]
-            if error.key:
-                return _as_given(error.within(path), table)
-            if error.example and isinstance(own.get("example"), str):
-                error.example = as_toml(own["example"])
-            return error.at(path)
-        case "missing":
-            words = "is missing" if own else f"is missing; write a section [{path}]"
-            return InvalidInput(words, key=path, example=example)
-        case "extra_forbidden":
-            names = (*known, *["kind"] * bool(form.get("kinds"))) or (*Sections.model_fields,)
-            what = "key" if len(keys) > 1 else "section"
-            return InvalidInput(f"is an unknown {what}{suggestion(str(name), names)}", key=printable(path))
-        case "union_tag_not_found" | "union_tag_invalid":
-            kinds = tuple(section_forms(sections)[path]["kinds"])
-            given = value.get("kind") if isinstance(value, dict) else None
-            words = "is missing" if given is None else f"is unknown{suggestion(str(given), kinds)}"
-            value = None if given is None else as_written(given)
-            return InvalidInput(words, key=f"{path}.kind", value=value, example=f'kind = "{kinds[0]}"')
-        case "literal_error":
-            words = f"is unknown{suggestion(str(value), tuple(own['names']))}"
-            return InvalidInput(words, key=path, value=as_written(value))
-        case "model_type" | "model_attributes_type" | "dict_type":
-            example, must = "", f"must be a section: write [{path}] on a line of its own"
-        case "greater_than" | "greater_than_equal" | "less_than" | "less_than_equal":
-            ((bound, number),) = detail["ctx"].items()
-            must = f"must be {bound_words(bound, number, own.get('unit', ''))}"
-        case _:
-            must = re.sub(r"^\w+ should", "must", detail["msg"])
-    return InvalidInput(must, key=path, value=as_written(value), example=example)
-
-
-def _place(place: Iterable[Any], table: Any) -> tuple[list[Any], str, Any]:
-    """Return the keys of pydantic's place of an error, without kinds; the last section's kind; the value."""
-    keys: list[Any] = []
-    kind = ""
-    for part in place:
-        if isinstance(table, dict):
-            if part == table.get("kind") and part not in table:  # pydantic adds the kind
-                kind = part
-                continue
-            kind = str(table.get("kind", "")) if keys else ""
-            table = table.get(part)
-        else:
-            table = table[part] if isinstance(table, list) and part < len(table) else None
-        keys.append(part)
-    return keys, kind, table
-
-
-def _as_given(error: InvalidInput, table: Mapping[str, Any]) -> InvalidInput:
-    """Return a problem with the value as the specification states it."""
-    parts = re.findall(r"[^.\[\]]+", error.key)
-    *_, value = _place([int(part) if part.isdecimal() else part for part in parts], table)
-    if error.value is not None and value is not None:
-        error.value = as_written(value)
-    return error
-
-
-def _refused(name: str, *problems: InvalidInput | str) -> InvalidInput:
-    found = (InvalidInput(each) if isinstance(each, str) else each for each in problems)
-    return InvalidInput(name, problems=tuple(found))
+def section_named(words: list[str]) -> dict[str, Any]:
+    """Return the section ``[contact]`` that the words of ``--contact`` describe."""
+    kind, *rest = words or [""]
+    kinds: dict[str, list[Any]] = section_forms()["contact"]["keys"]
+    unknown = f'contact law "{printable(kind, 60)}" is unknown{suggestion(kind, kinds)}'
+    refuse_if(kind not in kinds, unknown)
+    section: dict[str, Any] = {"kind": kind}
+    names = [key["name"] for key in kinds[kind] if not key["listed"]]
+    if "cap" in names and rest[-1:] and rest[-1] in kinds:
+        section["cap"] = {"kind": rest.pop()}
+    if rest:
+        refuse_if(not names, f'contact law "{kind}" has no value such as {printable(" ".join(rest), 60)}')
+        section[names[0]] = " ".join(rest)
+    return section

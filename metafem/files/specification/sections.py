@@ -1,44 +1,141 @@
-"""All sections of a specification, as pydantic models with the types and meanings of their keys."""
+"""The sections of a specification but its target, as pydantic models, and the types of their keys."""
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable
-from typing import Annotated, Any, Literal, cast
+from typing import Annotated, Any, ClassVar, Literal, Self, cast
 
-from pydantic import Field
-
-from metafem.caps import Paraboloid, Power, Profile, Sphere
-from metafem.contact import JKR, Elastic, Hertz, JacksonGreen, KogutEtsion, TabulatedContact
-from metafem.errors import InvalidInput, refuse_if
-from metafem.files.part import DWELL, FEED, SAFE, SPINDLE, PartOptions
-from metafem.files.specification.fields import (
-    Angle,
-    Area,
-    Energy,
-    Feed,
-    Force,
-    Length,
-    Number,
-    PositiveLength,
-    Section,
-    Speed,
-    Stress,
-    Time,
-    key,
-    one_of,
-    optional,
+import numpy as np
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    GetJsonSchemaHandler,
+    ValidationInfo,
+    WithJsonSchema,
 )
-from metafem.files.specification.models import AUTOMATIC, MODELS
-from metafem.files.specification.targets import AnyTarget
-from metafem.files.summits import cap_named
-from metafem.inversion import Limits, PowerRange, RadiusRange, Tool
-from metafem.surface import Block, Friction, Material
+from pydantic import model_validator as validator
+
+import metafem as mf
+from metafem.errors import refuse_if
+from metafem.files.disk import RECORD
+from metafem.files.part import DWELL, FEED, SAFE, SPINDLE, PartOptions
+from metafem.files.specification import AUTOMATIC, MODELS
+from metafem.files.units import UNITS, converted, pattern
+
+# Largest number of sites, whose record can be read: that of a site has 250 bytes.
+SITES = RECORD // 250
+
+# Bounds of values by their names in pydantic: the name in a JSON schema, and words.
+BOUNDS = {
+    "gt": ("exclusiveMinimum", "greater than"),
+    "ge": ("minimum", "at least"),
+    "lt": ("exclusiveMaximum", "less than"),
+    "le": ("maximum", "at most"),
+}
+
+# Alternative sets of keys, of which one must be present.
+Choices = tuple[tuple[str, ...], ...]
+
+
+class Section(BaseModel):
+    """A section, which refuses unknown keys; `makes` is called with its keys to build its value.
+
+    Exactly one of the sets of keys in `choices` must be present.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+    choices: ClassVar[Choices] = ()
+    makes: ClassVar[Callable[..., Any] | None] = None
+
+    @validator(mode="after")
+    def _valid(self) -> Self:
+        given = [key for key in dict.fromkeys(sum(self.choices, ())) if getattr(self, key) is not None]
+        has = f"has {' and '.join(given)}; it " if given else ""
+        needs = f"{has}needs either {' or '.join(map(' and '.join, self.choices))}"
+        refuse_if(self.choices and set(given) not in map(set, self.choices), needs)
+        self.value()
+        return self
+
+    def value(self) -> Any:
+        """Return the value that the section describes, or None if it describes none by itself."""
+        return None if self.makes is None else type(self).makes(**self.given())  # type: ignore[misc]
+
+    def given(self) -> dict[str, Any]:
+        """Return the values of the keys that have one, but those of the section itself."""
+        own = {name: value for name, value in self if value is not None and name not in ("kind", "file")}
+        return {name: value.value() if isinstance(value, Section) else value for name, value in own.items()}
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, core: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        """Return the JSON schema, to which the alternative sets are added for `section_forms`."""
+        found = handler.resolve_ref_schema(handler(core))
+        return {**found, "x-choices": [list(choice) for choice in cls.choices]}
+
+
+class FromTable(Section):
+    """A section that may name a table by the key `file`; its columns replace the key before it is read."""
+
+    @validator(mode="before")
+    @classmethod
+    def _with_columns(cls, given: Any, info: ValidationInfo) -> Any:
+        """Return the section with the columns, which the function in the context of pydantic reads."""
+        if not isinstance(given, dict) or not isinstance(given.get("file"), str) or info.context is None:
+            return given
+        columns = info.context(given["file"], given["kind"])
+        twice = ", ".join(sorted(given.keys() & columns.keys()))
+        refuse_if(twice, f"and {twice} both give the points; keep one", key="file")
+        return {**given, "file": None, **{name: list(column) for name, column in columns.items()}}
+
+
+def key(meaning: str, example: Any = None, *, default: Any = ..., **bounds: Any) -> Any:
+    """Return the field of a key with its meaning, an example and bounds; it is required without a default."""
+    return Field(default, description=meaning, examples=None if example is None else [example], **bounds)
+
+
+def optional(meaning: str, example: Any = None, **bounds: float) -> Any:
+    """Return the field of a key that may be omitted, with its meaning, an example and bounds."""
+    return key(meaning, example, default=None, **bounds)
+
+
+def text_schema(*units: str) -> dict[str, Any]:
+    """Return the JSON schema of a text that states a quantity in one of these dimensions."""
+    shown = [name for unit in units for name in UNITS[unit] if name != "°"]
+    return {"type": "string", "pattern": pattern(units), "x-units": shown}
+
+
+def measured(unit: str, **bounds: float) -> Any:
+    """Return the type of a text such as "120 um", whose value is a number in `unit` within the bounds."""
+
+    def number(given: Any) -> float:
+        """Return the number of a text; an entry of a table is one already."""
+        return float(given) if isinstance(given, np.float64) else converted(given, unit)
+
+    stated = {BOUNDS[name][0]: bound for name, bound in bounds.items()}
+    schema: dict[str, Any] = text_schema(unit) | {"x-unit": unit} | stated
+    known: Any = bounds
+    return Annotated[float, Field(**known), BeforeValidator(number), WithJsonSchema(schema)]
+
+
+Name: Any = Literal[tuple(MODELS)]
+Area: Any = measured("mm^2")
+Force: Any = measured("N")
+Length: Any = measured("mm", ge=0.0)
+PositiveLength: Any = measured("mm", gt=0.0)
+Stress: Any = measured("MPa", gt=0.0)
+Energy: Any = measured("N/mm", ge=0.0)
+Angle: Any = measured("rad")
+Feed: Any = measured("mm/min", gt=0.0)
+Speed: Any = measured("1/min", gt=0.0)
+Time: Any = measured("s", ge=0.0)
+Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
+Positive = Annotated[Number, Field(gt=0.0)]
 
 TWO, SOME = Field(min_length=2, max_length=2), Field(min_length=1)
 Radii = Annotated[list[PositiveLength], SOME]
-Caps = Annotated[list[Annotated[str, Field(strict=True)]], SOME]
 Ends = Annotated[list[PositiveLength], TWO]
-Powers = Annotated[list[Annotated[Number, Field(gt=1.0)]], TWO]
 
 Site = Annotated[int, Field(strict=True, ge=0)]
 Sites = tuple[Annotated[int, Field(strict=True, ge=1)], ...]
@@ -52,17 +149,17 @@ class MaterialSection(Section):
     young_modulus: Stress | None = optional("or: E, Young's modulus", "1.02 MPa")
     poisson_ratio: Number = key("nu", 0.5, default=0.5, ge=0.0, le=0.5)
 
-    def value(self) -> Material:
+    def value(self) -> mf.Material:
         """Return the material."""
         if self.composite_modulus is None:
-            return Material.from_young(self.young_modulus or 0.0, self.poisson_ratio)
-        return Material(self.composite_modulus, self.poisson_ratio)
+            return mf.Material.from_young(self.young_modulus or 0.0, self.poisson_ratio)
+        return mf.Material(self.composite_modulus, self.poisson_ratio)
 
 
 class FrictionSection(Section):
     """The section ``[friction]``."""
 
-    makes = Friction
+    makes = mf.Friction
     shear_strength: Stress = key("sigma: friction force per real contact area", "0.358 MPa")
     area_ratio: Number = key("B: sheared over initial real contact area", 0.85, default=1.0, gt=0.0)
 
@@ -74,47 +171,28 @@ class LatticeSection(Section):
     pitch: PositiveLength = key("distance between neighbours", "1.5 mm")
     radius: PositiveLength | None = optional("either: radius of curvature; or: radii in [tools]", "526 um")
 
+    def value(self) -> None:
+        """Refuse more sites than the record of a result can hold."""
+        count, words = self.shape[0] * self.shape[1], "are allowed, so that the result can be read"
+        refuse_if(count > SITES, f"has {count:,} sites; at most {SITES:,} {words}", key="shape")
+
 
 class ToolsSection(Section):
     """The section ``[tools]``."""
 
-    choices = (("radii",), ("radius_range",), ("exponent_range",))
+    choices = (("radii",), ("radius_range",))
     radii: Radii | None = optional("either: radii of the available tools", ["300 um", "526 um"])
-    caps: Caps | None = optional("with radii: of each; default: section [cap]", ["sphere", "power 4 0.5"])
     radius_range: Ends | None = optional("or: smallest and largest radius", ["200 um", "800 um"])
     step: PositiveLength | None = optional("with radius_range: radii are its multiples", "10 um")
-    exponent_range: Powers | None = optional("or: exponents of power caps of lattice.radius", [1.2, 6.0])
-    exponent_step: Number | None = optional("with exponent_range: multiples; default: 0.1", 0.1, gt=0.0)
-    coefficient: Number | None = optional("with exponent_range: of the power caps; default: 0.5", 0.5, gt=0.0)
 
-    def value(self) -> RadiusRange | PowerRange | tuple[Tool | float, ...]:
-        """Return the range of radii or exponents, or the tools or their radii [mm]."""
-        of = {"step": "radius_range", "exponent_step": "exponent_range", "coefficient": "exponent_range"}
-        for name, other in (of | {"caps": "radii"}).items():
-            alone = getattr(self, name) is not None and getattr(self, other) is None
-            refuse_if(alone, f"needs tools.{other}", key=name)
-        for name, kind in (("radius_range", RadiusRange), ("exponent_range", PowerRange)):
-            given = self.given()
-            if name in given:
-                ends = given.pop(name)
-                options = {key.removeprefix("exponent_"): value for key, value in given.items()}
-                found: RadiusRange | PowerRange = _of_key(name, kind, *ends, **options)
-                return found
-        radii, caps = self.radii or [], self.caps
-        if caps is None:
-            return tuple(radii)
-        words = f"has {len(caps)} caps for {len(radii)} radii; give one for each"
-        refuse_if(len(caps) != len(radii), words, key="caps")
-        known = [_of_key(f"caps[{i}]", cap_named, text) for i, text in enumerate(caps)]
-        return tuple(map(Tool, radii, known))
-
-
-def _of_key(key: str, make: Callable[..., Any], *given: Any, **options: Any) -> Any:
-    """Return what `make` returns; its errors are errors of the whole value of a key."""
-    try:
-        return make(*given, **options)
-    except InvalidInput as error:
-        raise InvalidInput(f"cannot be used: {error}", key=key) from None
+    def value(self) -> mf.RadiusRange | tuple[float, ...]:
+        """Return the radii [mm] or their range."""
+        refuse_if(self.radii and self.step, "needs tools.radius_range", key="step")
+        if self.radius_range is None:
+            return tuple(self.radii or ())
+        low, high = self.radius_range
+        refuse_if(low >= high, "must increase", key="radius_range", value=low)
+        return mf.RadiusRange(low, high, self.step)
 
 
 class SitesSection(Section):
@@ -126,11 +204,9 @@ class SitesSection(Section):
 
     def value(self) -> dict[int, float | None]:
         """Return the height of each pinned site [mm], None for an empty one, by its number from 0."""
-        seen: set[int] = set()
-        for i, site in enumerate((*self.empty, *self.pinned)):
-            key = "empty" if i < len(self.empty) else "pinned"
-            refuse_if(site in seen, f"gives site {site} twice; keep one", key=key)
-            seen.add(site)
+        for site, count in Counter([*self.empty, *self.pinned]).items():
+            key = "pinned" if site in self.pinned else "empty"
+            refuse_if(count > 1, f"gives site {site} twice; keep one", key=key)
         many = f"has {len(self.heights)} entries and sites.pinned {len(self.pinned)}"
         wrong = len(self.pinned) != len(self.heights)
         refuse_if(wrong, f"{many}; give one height for each pinned site", key="heights")
@@ -141,7 +217,7 @@ class SitesSection(Section):
 class BlockSection(Section):
     """The section ``[block]``."""
 
-    makes = Block
+    makes = mf.Block
     width: PositiveLength = key("along x", "20 mm")
     length: PositiveLength = key("along y", "20 mm")
     thickness: PositiveLength = key("down to the rigid plate", "7.2 mm")
@@ -157,7 +233,7 @@ class CellSection(Section):
 class LimitsSection(Section):
     """The section ``[limits]``."""
 
-    makes = Limits
+    makes = mf.Limits
     max_height: PositiveLength = key("of the summits, above the offset", "120 um")
     min_height: Length = key("of the summits, above the offset", "10 um", default=0.0)
     offset: Length = key("added to all heights", "84 um", default=0.0)
@@ -175,9 +251,7 @@ class LayoutSection(Section):
 class ModelSection(Section):
     """The section ``[model]``."""
 
-    kind: one_of(*MODELS) = key(  # type: ignore[valid-type]
-        f"one of: {', '.join(MODELS)}", "layer", default=AUTOMATIC
-    )
+    kind: Name = key(f"one of: {', '.join(MODELS)}", "layer", default=AUTOMATIC)
 
 
 class PartSection(Section):
@@ -204,33 +278,30 @@ RHO, DEPTHS = ["0 um", "200 um", "400 um", "600 um"], ["0 um", "39 um", "184 um"
 class SphereCap(Section):
     """Spheres."""
 
-    makes = Sphere
+    makes = mf.Sphere
     kind: Literal["sphere"]
 
 
 class ParaboloidCap(Section):
     """Paraboloids."""
 
-    makes = Paraboloid
+    makes = mf.Paraboloid
     kind: Literal["paraboloid"]
 
 
 class PowerLawCap(Section):
     """Caps with the profile f = coefficient R (rho/R)^exponent."""
 
-    makes = Power
+    makes = mf.Power
     kind: Literal["power"]
     exponent: Number = key("2 is a paraboloid", 4.0, gt=1.0, le=32.0)
     coefficient: Number = key("of the profile", 0.5, default=0.5, gt=0.0)
 
 
-class ProfileCap(Section):
-    """Caps with one profile f(rho) from a table.
+class ProfileCap(FromTable):
+    """Caps with one profile f(rho) from a table."""
 
-    Before the section is read, the columns of the table replace the key `file`.
-    """
-
-    makes = staticmethod(lambda rho, f: Profile(cast(Any, [rho, f])))
+    makes = staticmethod(lambda rho, f: mf.Profile(cast(Any, [rho, f])))
     kind: Literal["profile"]
     choices = (("rho", "f"), ("file",))
     rho: list[Length] | None = optional("either: distances from the axis, from 0", RHO)
@@ -241,14 +312,14 @@ class ProfileCap(Section):
 class HertzSection(Section):
     """Elastic paraboloids with the curvature of each summit."""
 
-    makes = Hertz
+    makes = mf.Hertz
     kind: Literal["hertz"]
 
 
 class ElasticSection(Section):
     """Elastic caps of the shape in the section [cap]."""
 
-    makes = Elastic
+    makes = mf.Elastic
     kind: Literal["elastic"]
 
 
@@ -260,7 +331,7 @@ HERTZ = HertzSection(kind="hertz")
 class JKRSection(Section):
     """Elastic caps with adhesion, from the theory of Johnson, Kendall and Roberts."""
 
-    makes = JKR
+    makes = mf.JKR
     kind: Literal["jkr"]
     adhesion_energy: Energy = key("w", "9 mJ/m^2")
     cap: Under = key("one of the kinds above", {"kind": "elastic"}, default=HERTZ)
@@ -269,7 +340,7 @@ class JKRSection(Section):
 class KogutEtsionSection(Section):
     """Elastic-plastic spheres, from the formulas of Kogut and Etsion."""
 
-    makes = KogutEtsion
+    makes = mf.KogutEtsion
     kind: Literal["kogut-etsion"]
     hardness: Stress = key("H of the softer material", "10 MPa")
 
@@ -277,18 +348,15 @@ class KogutEtsionSection(Section):
 class JacksonGreenSection(Section):
     """Elastic-plastic spheres, from the formulas of Jackson and Green."""
 
-    makes = JacksonGreen
+    makes = mf.JacksonGreen
     kind: Literal["jackson-green"]
     yield_strength: Stress = key("of the softer material", "4 MPa")
 
 
-class TabulatedSection(Section):
-    """Load and area of one asperity of any radius, from a table over its indentation.
+class TabulatedSection(FromTable):
+    """Load and area of one asperity of any radius, from a table over its indentation."""
 
-    Before the section is read, the columns of the table replace the key `file`.
-    """
-
-    makes = TabulatedContact
+    makes = mf.TabulatedContact
     kind: Literal["tabulated"]
     choices = (("indentation", "load", "area"), ("file",))
     indentation: list[Length] | None = optional("either: d, increasing", ["5 um", "20 um", "90 um"])
@@ -302,23 +370,3 @@ ContactSection = Annotated[
     CapSection | JKRSection | KogutEtsionSection | JacksonGreenSection | TabulatedSection,
     Field(discriminator="kind"),
 ]
-
-
-class Sections(Section):
-    """All sections of a specification."""
-
-    target: AnyTarget = key("the target friction law, of one of these kinds")
-    material: MaterialSection = key("the elastomer")
-    friction: FrictionSection | None = optional("needed for friction forces in N")
-    lattice: LatticeSection = key("sites of asperities")
-    sites: SitesSection = key("empty sites, and sites with given heights", default=SitesSection())
-    tools: ToolsSection | None = optional("to choose from, instead of lattice.radius")
-    block: BlockSection | None = optional("needed for the part files and the models layer and block")
-    cell: CellSection | None = optional("period of an infinite surface; default: no repetition")
-    limits: LimitsSection = key("manufacturing limits")
-    layout: LayoutSection = key("assignment of heights to sites", default=LayoutSection())
-    model: ModelSection = key("model under which the target is to be met", default=ModelSection())
-    cap: ShapeSection | None = optional("shape of the caps, of one of these kinds; default: spheres")
-    contact: ContactSection = key("law of one contact, of one of these kinds; default: hertz", default=HERTZ)
-    part: PartSection = key("options of the part files", default=PartSection())
-    checks: ChecksSection = key("further checks", default=ChecksSection())

@@ -6,7 +6,7 @@ import pytest
 
 import metafem as mf
 from metafem.files import DEMOS, demo_text, manual, schema_text
-from metafem.files.specification.models import model_named
+from metafem.files.specification import model_named
 from tests.core.files.specs import PLAIN, text
 
 MATERIAL = ("--composite-modulus", "1.36 MPa")

@@ -8,16 +8,10 @@ import tomllib
 import numpy as np
 import pytest
 from jsonschema import Draft7Validator
-from pydantic import ValidationError, create_model
 
 import metafem as mf
 from metafem import files
-from metafem.explorer import form as page_form
-from metafem.files.specification import fields
-from metafem.files.specification.forms import as_toml, section_forms, whole_schema
-from metafem.files.specification.options import contact_named, contacts
-from metafem.files.specification.read import problem
-from metafem.files.specification.sections import ChecksSection, Sections
+from metafem.files.specification.forms import Sections, as_toml, whole_schema
 from metafem.models.model import contact_of, with_contact
 from tests.core.files.specs import SHAPE, spec, text
 
@@ -94,25 +88,17 @@ MEMBERS = [
     ({}, "limits", mf.Limits(0.12, offset=0.084)),
     ({"limits": 'max_height = "120 um"\nmin_height = "10 um"\nheight_step = "6 um"\nheight_sd = "0.9 um"'},
      "limits", mf.Limits(0.12, 0.01, height_step=0.006, height_sd=0.0009)),
-    ({}, "tilt", None), ({"layout": 'tilt = "0.1 deg"'}, "tilt", 0.1 * DEGREE),
-    ({}, "seed", 0), ({"layout": "seed = 3"}, "seed", 3), ({}, "hardness", None),
+    ({}, "hardness", None),
     ({"checks": 'hardness = "10 MPa"'}, "hardness", 10.0), ({}, "part", files.PartOptions()),
     ({"part": 'alignment_height = "400 um"\nchord_error = "1 um"'}, "part",
      files.PartOptions(0.4, 0.001)),
-    ({"sites": 'empty = [18, 4]\npinned = [10, 13]\nheights = ["150 um", "0.12 mm"]'}, "pinned",
-     {3: None, 17: None, 9: 0.15, 12: 0.12}),
+    ({"sites": 'empty = [18, 4]\npinned = [10, 13]\nheights = ["150 um", "0.12 mm"]'}, "limits",
+     mf.Limits(0.12, offset=0.084, pinned={3: None, 17: None, 9: 0.15, 12: 0.12})),
     ({}, "tools", None), ({"lattice": SHAPE, "tools": 'radii = ["526 um", "0.3 mm"]'}, "tools", (0.526, 0.3)),
     ({"lattice": SHAPE, "tools": 'radius_range = ["0.2 mm", "0.8 mm"]'}, "tools", mf.RadiusRange(0.2, 0.8)),
     ({"lattice": SHAPE, "tools": 'radius_range = ["0.2 mm", "0.8 mm"]\nstep = "25 um"'}, "tools",
      mf.RadiusRange(0.2, 0.8, 0.025)),
-    ({"tools": "exponent_range = [1.2, 6]"}, "tools", mf.PowerRange(1.2, 6.0)),
-    ({"tools": "exponent_range = [2, 3]\nexponent_step = 0.5\ncoefficient = 1"}, "tools",
-     mf.PowerRange(2, 3, 0.5, coefficient=1.0)),
-    ({"tools": "exponent_range = [1.2, 6]"}, "model",
-     mf.Automatic(1e-3, mf.BondedLayer(), mf.Elastic())),
     ({"block": None}, "model", mf.Automatic(1e-3)),
-    ({"lattice": SHAPE, "tools": 'radii = ["300 um", "0.4 mm"]\ncaps = ["sphere", "power 4"]'}, "tools",
-     (mf.Tool(0.3), mf.Tool(0.4, mf.Power(4)))),
     ({}, "cap", mf.Sphere()),
     *(({"contact": 'kind = "elastic"', "cap": keys}, "cap", cap) for keys, cap in {
         'kind = "sphere"': mf.Sphere(), 'kind = "paraboloid"': mf.Paraboloid(),
@@ -175,9 +161,11 @@ def test_each_contact_law_is_read_from_words_and_from_its_section(tmp_path, monk
     monkeypatch.chdir(tmp_path)
     for name, table in TABLES.items():
         (tmp_path / name).write_text(table, "utf-8")
-    assert list(dict.fromkeys(words.split()[0] for words in LAWS)) == list(contacts())
+    assert list(dict.fromkeys(words.split()[0] for words in LAWS)) == list(
+        files.section_forms()["contact"]["kinds"]
+    )
     for words, (keys, law) in LAWS.items():
-        assert contact_named(words) == law, words
+        assert files.contact_named(words) == law, words
         model = spec(TABLES, contact=f'kind = "{words.split()[0]}"\n{keys}').model
         assert contact_of(model) == law, words
     rows = 'rho = ["0 um", "0.2 mm", "0.4 mm", "0.6 mm"]\nf = ["0 um", "39.5 um", "184 um", "600 um"]'
@@ -252,7 +240,7 @@ def test_the_published_surfaces_are_demos():
         )
         assert demo.template.replaced(height=lattice.height) == lattice
         np.testing.assert_allclose(demo.template.height, top, rtol=1e-15)
-        assert (demo.model, demo.seed, demo.part.alignment_height) == (mf.Independent(), 0, 0.4)
+        assert (demo.model, demo.part.alignment_height) == (mf.Independent(), 0.4)
 
 
 def test_a_design_uses_all_keys():
@@ -281,17 +269,17 @@ def test_all_problems_are_listed_and_survive_a_process():
 
 
 # Keys of the manual that exclude others, and a table that is not there.
-COMMON = {
-    *("load", "friction_force", "friction_coefficient", "friction_coefficients", "file", "radius", "caps"),
-    *("exponent_range", "exponent_step", "coefficient"),
-}
+COMMON = {"load", "friction_force", "friction_coefficient", "friction_coefficients", "file", "radius"}
 FIRST = {*("composite_modulus", "radius_range", "step", "lowest_force", "highest_force"), *COMMON}
 SECOND = {
     *("young_modulus", "rescaled_load", "rescaled_friction", "lowest", "highest", "slope", "slopes", "file"),
-    *("radius", "radii", "caps", "exponent_range", "exponent_step", "coefficient"),
+    *("radius", "radii"),
 }
 THIRD = FIRST - {"radius"} | {"radii"}
-KEYS = files.all_keys()
+KEYS = [
+    key for name, form in files.section_forms().items() if "." not in name
+    for keys in form["keys"].values() for key in keys
+]  # fmt: skip
 KINDS = sorted({key["kind"] for key in KEYS if key["section"] == "target"})
 
 
@@ -313,7 +301,10 @@ def made(kind, law, left_out):
 @pytest.mark.parametrize("left_out", [FIRST, SECOND, THIRD], ids=["either", "or", "one radius"])
 def test_the_examples_of_the_manual_make_specifications_that_follow_the_schema(left_out):
     editor = Draft7Validator(whole_schema())
-    for kind, law in [*((kind, "hertz") for kind in KINDS), *(("linear", law) for law in contacts())]:
+    for kind, law in [
+        *((kind, "hertz") for kind in KINDS),
+        *(("linear", law) for law in files.section_forms()["contact"]["kinds"]),
+    ]:
         files.parsed(made(kind, law, left_out))
         assert list(editor.iter_errors(tomllib.loads(made(kind, law, left_out)))) == []
 
@@ -339,31 +330,6 @@ def test_forms_describe_the_values_of_keys():
     needed = [key["name"] for key in forms["target"]["keys"]["sampled"] if key["needed"]]
     assert needed == ["rescaled_load", "rescaled_friction"]
     assert list(forms["contact.cap"]["kinds"]) == ["hertz", "elastic"]
-
-
-def test_a_field_of_a_section_is_all_that_a_new_key_needs():
-    class Wider(ChecksSection):
-        gap: fields.measured("mm", gt=0.001, le=0.5) | None = fields.optional("between the plates", "20 um")
-
-    sections = create_model(
-        "Wider", __base__=Sections, checks=(Wider, fields.key("further checks", default=Wider()))
-    )
-    found = whole_schema(sections)["$defs"]["Wider"]["properties"]["gap"]["anyOf"][0]
-    assert (found["type"], found["exclusiveMinimum"], found["maximum"]) == ("string", 0.001, 0.5)
-    form = section_forms(sections)["checks"]["keys"][""][-1]
-    assert [form[name] for name in ("name", "unit", "value", "optional")] == ["gap", "mm", "quantity", True]
-    assert form["meaning"] == "between the plates; greater than 0.001 mm, at most 0.5 mm"
-    (part,) = [each for each in page_form.form(section_forms(sections)) if each["name"] == "checks"]
-    field = part["keys"][""][-1]
-    assert (field["label"], field["example"], "um" in field["units"]) == ("gap", "20 um", True)
-    assert "greater than 0.001 mm, at most 0.5 mm" in field["help"]
-    for given, words in (("1 um", "greater than 0.001 mm"), ("501 um", "at most 0.5 mm")):
-        table = files.toml_table(text() + f'[checks]\ngap = "{given}"')
-        with pytest.raises(ValidationError) as caught:
-            sections.model_validate(table)
-        (detail,) = caught.value.errors()
-        expected = f'checks.gap = "{given}" must be {words}; write for example gap = "20 um"'
-        assert str(problem(detail, table, sections)) == expected
 
 
 def test_the_schema_describes_every_key():
