@@ -37,10 +37,6 @@ ABOVE_ONE = 2.33
 COLUMNS = ("area_before", "area_sheared", "friction_force")
 LAWS = ("Af = B A0", "F = sigma Af")
 
-# Range of distances after the peak over which the paper averages the sliding friction (page 313) [mm], and
-# the rounding error of a difference between decimal displacements, relative to the last displacement.
-SLIDING, ROUNDING = (0.1, 0.2), 1e-12
-
 RESIST = "forces that resist sliding are positive"
 
 Deviation = Callable[[FloatArray], FloatArray]
@@ -270,54 +266,9 @@ def at_peak(displacement: ArrayLike, friction_force: ArrayLike, values: ArrayLik
     >>> round(at_peak(x, force), 3), round(at_peak(x, force, 0.1 - 0.02 * np.minimum(x / 0.1, 1.0)), 3)
     (1.0, 0.08)
     """
-    x, found, peak = _record(displacement, friction_force, values)
-    frames = np.flatnonzero(np.isfinite(found))
-    beside = frames.size > 0 and frames[0] <= peak <= frames[-1]
-    refuse_if(not beside, f"values have no frame on both sides of the peak at {x[peak]:g} mm")
-    # interpolate over the entries, which are equidistant in time; displacements may repeat
-    return float(np.interp(peak, frames, found[frames]))
-
-
-def over_plateau(
-    displacement: ArrayLike, friction_force: ArrayLike, values: ArrayLike | None = None
-) -> float:
-    """Return the mean friction force from 100 to 200 um after the peak [N], or the mean of other values.
-
-    Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234, supplementary text "Applying the
-    design strategy to the sliding friction force".
-
-    Parameters
-    ----------
-    displacement, friction_force : array_like, (m,)
-        As of `at_peak`; the record must end 200 um after the peak or later.
-    values : array_like, (m,), optional
-        Values to average, such as contact areas; default: the friction forces.
-
-    Returns
-    -------
-    float
-
-    Examples
-    --------
-    >>> x = np.linspace(0.0, 0.5, 51)
-    >>> round(over_plateau(x, np.minimum(x / 0.1, 1.0 - 0.2 * (x > 0.12))), 3)
-    0.8
-    """
-    x, found, peak = _record(displacement, friction_force, values)
-    after, rounding, (low, high) = x - x[peak], ROUNDING * x[-1], SLIDING
-    early = f"displacement ends {after[-1]:g} mm after the peak at {x[peak]:g} mm; sliding friction needs"
-    refuse_if(after[-1] < high - rounding, f"{early} {high:g} mm")
-    sliding = (after >= low - rounding) & (after <= high + rounding) & np.isfinite(found)
-    refuse_if(not sliding.any(), f"values have no entry between {low:g} and {high:g} mm after the peak")
-    return float(found[sliding].mean())
-
-
-def _record(
-    displacement: ArrayLike, friction_force: ArrayLike, values: ArrayLike | None
-) -> tuple[FloatArray, FloatArray, int]:
-    """Return the checked displacements and values, and the index of the largest force."""
     x = check.array("displacement", displacement, shape=(None,))
     force = check.array("friction_force", friction_force, shape=x.shape)
+    found = force if values is None else check.array_with_gaps("values", values, shape=x.shape)
     one_way = "is less than the one before; give one pull in one direction"
     check.refuse_entries("displacement", x, np.diff(x, prepend=x[0]) < 0.0, one_way)
     peak = int(force.argmax())
@@ -326,4 +277,8 @@ def _record(
         f"friction_force is largest at an end of the record, at {x[peak]:g} mm: there is no peak; begin the"
     )
     refuse_if(peak in (0, len(x) - 1), f"{none} record before the contact is sheared, and shear farther")
-    return x, force if values is None else check.array_with_gaps("values", values, shape=x.shape), peak
+    frames = np.flatnonzero(np.isfinite(found))
+    beside = frames.size > 0 and frames[0] <= peak <= frames[-1]
+    refuse_if(not beside, f"values have no frame on both sides of the peak at {x[peak]:g} mm")
+    # interpolate over the entries, which are equidistant in time; displacements may repeat
+    return float(np.interp(peak, frames, found[frames]))

@@ -11,7 +11,7 @@ import click
 import metafem as mf
 from metafem.cli.group import TEXTS
 from metafem.cli.options import Decorator, Name, Quantity, command, force_option, json_option, model_options
-from metafem.cli.output import Printed, show
+from metafem.cli.output import show
 from metafem.cli.progress import loaded, progress
 from metafem.errors import refuse_if
 
@@ -99,7 +99,7 @@ def of_design(*names: str, short_help: str) -> Callable[[Callable[..., Dataset]]
                 design = loaded(folder)
                 dataset = compute(design, **(_of_law(design, **given) if "load_range" in given else given))
                 mf.files.write_study(dataset, path, force=force)
-            show_study(as_json, {"file": str(path), **mf.files.study_data(dataset)}, dataset, path)
+            show_study(as_json, (dataset, path))
 
         run.__doc__ = compute.__doc__
         parts = (click.argument("folder", type=Name(), metavar="DIR"), *options, force_option, json_option)
@@ -119,17 +119,19 @@ def _of_law(
     return {"model": used, "load_range": load_range, **others}
 
 
-def show_study(
-    as_json: bool, data: Mapping[str, Any], study: Dataset, path: Path | None, *more: Printed, lines: Any = ()
-) -> None:
-    """Print a study: its table and further ones, its notes and its answer, or `lines` instead."""
+def show_study(as_json: bool, *studies: tuple[Dataset, Path]) -> None:
+    """Print studies: the tables, answers and notes of all, or their data, the second as an explanation."""
+    found = [mf.studies.summary(dataset) for dataset, _ in studies]
+    first, *others = (
+        {"file": str(path), "answer": own.answer, **mf.files.study_data(dataset)}
+        for own, (dataset, path) in zip(found, studies, strict=True)
+    )
     if as_json:
-        show(True, data)
+        show(True, {**first, **({"explanation": others[0]} if others else {})})
         return
-    found = mf.studies.summary(study)
-    tables = [(found.columns, found.rows, found.title), *more]
-    answers = lines or filter(None, [found.answer])
-    show(False, {}, tables=tables, lines=answers, notes=found.notes, files=[path])
+    for own, (_, path) in zip(found, studies, strict=True):
+        table = own.columns, own.rows, own.title
+        show(False, {}, tables=[table], lines=filter(None, [own.answer]), notes=own.notes, files=[path])
 
 
 @of_design(
@@ -231,10 +233,7 @@ def with_calibration(
 
     from metafem.studies.uncertainty import nominal_values
 
-    found, designed = mf.files.read_parameters(path), nominal_values(surface)
-    twice = ", ".join(name for name in found.parameters if name in deviations)
+    names, _, covariance = mf.files.read_parameters(path, nominal_values(surface))
+    twice = ", ".join(name for name in names if name in deviations)
     refuse_if(twice, f"--sd {twice} and --calibration both give the error of {twice}; keep one")
-    used = [i for i, name in enumerate(found.parameters) if name in designed]
-    others = np.diag(np.square([*deviations.values()]))
-    names = (*(found.parameters[i] for i in used), *deviations)
-    return names, block_diag(found.covariance[np.ix_(used, used)], others)
+    return (*names, *deviations), block_diag(covariance, np.diag(np.square([*deviations.values()])))
