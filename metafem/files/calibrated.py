@@ -23,7 +23,6 @@ from metafem.contact import Hertz
 from metafem.errors import InvalidInput, refuse_if
 from metafem.files.contacts import contacts_of
 from metafem.files.disk import TABLE, file_label, read_bytes
-from metafem.files.laws import refuse_entries
 from metafem.files.tables import NONE, Columns, Entries, Table, is_of_contacts, read_table
 from metafem.notes import Note, information
 
@@ -123,7 +122,7 @@ def _of_tests(entries: Entries, label: str) -> tuple[DataFrame, DataFrame]:
     # entries of a shear test may be empty
     read = {name: entries.numbers(name, empty=of_shear) for name in names}
     for name in names:
-        refuse_entries(entries, name, (read[name] < 0.0) & ("area" in name), "must not be negative")
+        entries.refuse(name, (read[name] < 0.0) & ("area" in name), "must not be negative")
     points = pd.DataFrame(read).rename(columns={"area_before": "area"})
     named = "test" in entries.columns
     points["test"] = [printable(text, 60) for text in entries.texts("test")] if named else label

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -314,6 +315,11 @@ class Entries:
                 words = f"{shown(text, 40)} must be a whole number of at least {least}"
                 raise InvalidInput(f"{self.cell(row, name)} = {words}")
         return [int(text) for text in found]
+
+    def refuse(self, name: str, wrong: Any, must: str) -> None:
+        """Raise InvalidInput for the first row of a column for which `wrong`, (k,), is true."""
+        for row in np.flatnonzero(wrong)[:1]:
+            raise InvalidInput(f"{self.cell(row, name)} = {self.texts(name)[row]} {must}")
 
     @contextmanager
     def located(self) -> Iterator[None]:
