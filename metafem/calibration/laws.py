@@ -31,9 +31,9 @@ if TYPE_CHECKING:
 # Quantities of a measured law.
 QUANTITIES = ("load", "friction_force", "asperity_area", "area")
 
-# Number of standard deviations by which a force or an area may lie below zero, and by which a slope may. A
-# larger deviation is no measurement error: one normal error in a million and in thirty thousand is so large.
-BELOW_ZERO, FALLING = 5.0, 4.0
+# Number of standard deviations by which a force or an area may lie below zero. One normal error in a million
+# is larger.
+BELOW_ZERO = 5.0
 
 # A load without contact has an error too: the standard deviation of a total area is at least the value for
 # this fraction of the largest area.
@@ -87,8 +87,8 @@ class MeasuredLaw(BaseLaw):
     ------
     InvalidInput
         If neither friction forces nor areas are passed, if the shapes of arrays do not match, if a standard
-        deviation is not positive, if a value is below zero by more than five standard deviations, if the law
-        falls with the load, or if there are friction forces but neither `friction` nor areas.
+        deviation is not positive, if a value is below zero by more than five standard deviations, or if there
+        are friction forces but neither `friction` nor areas.
 
     Examples
     --------
@@ -148,7 +148,9 @@ class MeasuredLaw(BaseLaw):
             if name in found:
                 found[f"{name}_sd"] = self._deviation(name, found)
             if name in found and name != "asperity_area":
-                _refuse_contradiction(name, found)
+                below = found[name] < -BELOW_ZERO * found[f"{name}_sd"]
+                must = "is below 0 by more than five standard deviations; check the sign of the force or the"
+                check.refuse_entries(name, found[name], below, f"{must} zero of the instrument")
         order = np.argsort(found["load"], kind="stable")
         for name, values in found.items():
             ordered = values if name == "site" else values[order]
@@ -319,23 +321,3 @@ def measured_law(
     numbers = None if sites is None else check.array("sites", sites, shape=(None,)).astype(np.int64)
     arrays, notes = of_contacts(table, friction is not None, numbers)
     return MeasuredLaw(material=material, friction=friction, errors=errors, notes=notes, **arrays)
-
-
-def _refuse_contradiction(name: str, found: Mapping[str, Any]) -> None:
-    """Raise InvalidInput if a quantity is negative, or if it decreases with the load, beyond its errors."""
-    load, values, load_sd, sd = (found[each] for each in ("load", name, "load_sd", f"{name}_sd"))
-    below = "is below 0 by more than five standard deviations; check the sign of the force or the zero"
-    check.refuse_entries(name, values, values < -BELOW_ZERO * sd, f"{below} of the instrument")
-    if np.ptp(load) <= load_sd.max():
-        return
-    centred = load - load.mean()
-    weight = centred / (centred**2).sum()
-    slope = float(weight @ values)
-    # errors of the loads also change the values, in proportion to the slope
-    spread = np.sqrt((weight**2) @ (sd**2 + (slope * load_sd) ** 2))
-    low, high = (f"{values[i]:g} at {load[i]:g} N" for i in (load.argmin(), load.argmax()))
-    refuse_if(
-        slope < -FALLING * spread,
-        f"{name} is {low} and {high}: it decreases with the load, which no friction law of contacts does; "
-        "check the columns and their units",
-    )

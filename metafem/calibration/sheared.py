@@ -33,9 +33,8 @@ from metafem.surface import Surface
 # larger.
 ABOVE_ONE = 2.33
 
-# Names of the measured quantities, and the laws between each and the next one.
+# Names of the measured quantities.
 COLUMNS = ("area_before", "area_sheared", "friction_force")
-LAWS = ("Af = B A0", "F = sigma Af")
 
 RESIST = "forces that resist sliding are positive"
 
@@ -114,7 +113,7 @@ def shear(
     Raises
     ------
     InvalidInput
-        If an array does not match, an area is not positive, a line has less than two points, or a line falls.
+        If an array does not match, an area is not positive, or a line has less than two points.
 
     Examples
     --------
@@ -145,12 +144,6 @@ def shear(
         "area_before and area_sheared are not exchanged",
     )
     verdict = Verdict(float(fit.chi_square.sum()), int(known[:, used].sum() - used.sum()) - 2)
-    for i, law in enumerate(LAWS):
-        x, y = points[i : i + 2, known[i : i + 2].all(axis=0)]
-        contradicts = (
-            f"{COLUMNS[i + 1]} decreases with {COLUMNS[i]}, which contradicts {law}; check the columns"
-        )
-        refuse_if(np.cov(x, y)[0, 1] < 0.0 and not verdict.fits, f"{contradicts} and their units")
     unused = int((~used).sum())
     words = f"{unused} of {len(used)} points hold less than two quantities and are not used"
     return Calibration(
