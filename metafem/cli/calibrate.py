@@ -115,8 +115,9 @@ def calibrate(
         boundary = {} if measured.boundary is None else {"boundary": measured.boundary}
         errors = mf.calibration.MeasurementErrors(**boundary | given)
         contact, shear = measured.compression, measured.shear
-        pressed = None if contact is None else _contact(contact, options, errors, sources)
-        slid = None if shear is None else _shear(shear, errors, sources)
+        with mf.files.of_tables(sources):
+            pressed = None if contact is None else _contact(contact, options, errors)
+            slid = None if shear is None else _shear(shear, errors)
         found = [each for each in (pressed, slid) if each is not None]
         notes = [*measured.notes, *(note for each in found for note in each.notes)]
         if output is not None:
@@ -130,9 +131,7 @@ def calibrate(
     show(as_json, results, tables=[table], lines=lines, notes=notes, files=[output])
 
 
-def _contact(
-    points: DataFrame, options: Mapping[str, Any], errors: MeasurementErrors, sources: list[str]
-) -> Calibration:
+def _contact(points: DataFrame, options: Mapping[str, Any], errors: MeasurementErrors) -> Calibration:
     """Return the calibration of E* and the adhesion energy by compression tests."""
     radius, count = options["radius"], options["contacts"]
     example = '--radius "526 um" --radius-sd "5 um"'
@@ -141,21 +140,16 @@ def _contact(
     area = points["area"] if total else points.filter(like="area_")
     must = "leave it out; the tables hold the contacts of images one by one"
     refuse_if(not total and count is not None, f"--contacts = {count}: {must}")
-    with mf.files.of_tables(sources):
-        sample = mf.calibration.Sample(
-            contacts=(count or 1) if total else area.shape[1],
-            radius_sd=options["radius_sd"] or 0.0,
-            unusual=options["unusual"],
-        )
-        test = points["test"].to_list()
-        return mf.calibration.fit_compression(points["load"], area, radius, sample, errors=errors, test=test)
+    contacts = (count or 1) if total else area.shape[1]
+    sample = mf.calibration.Sample(contacts, options["radius_sd"] or 0.0, options["unusual"])
+    load, test = points["load"], points["test"]
+    return mf.calibration.fit_compression(load, area, radius, sample, errors=errors, test=test)
 
 
-def _shear(points: DataFrame, errors: MeasurementErrors, sources: list[str]) -> Calibration:
+def _shear(points: DataFrame, errors: MeasurementErrors) -> Calibration:
     """Return the calibration of B and sigma by shear tests."""
-    with mf.files.of_tables(sources):
-        values = (points[name] for name in ("area_before", "area_sheared", "friction_force"))
-        return mf.calibration.shear(*values, errors=errors, test=points["test"].to_list())
+    values = (points[name] for name in ("area_before", "area_sheared", "friction_force"))
+    return mf.calibration.shear(*values, errors=errors, test=points["test"])
 
 
 def _verdicts(found: Calibration) -> Iterator[str]:
