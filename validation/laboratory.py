@@ -4,7 +4,8 @@
 without its material. `python -m validation.laboratory lab --part DIR` makes the design of a result folder,
 with errors, and measures it.
 
-The true material obeys JKR contacts of spheres of given adhesion energy. Sheared contacts are ellipses of the
+The true material obeys JKR contacts of given adhesion energy; those of the part interact as in the model of
+its design. Sheared contacts are ellipses of the
 area B A0, shorter in the direction of shear, and the friction force is their area times the shear strength.
 """
 
@@ -12,7 +13,7 @@ from __future__ import annotations
 
 import math
 import shutil
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import click
@@ -22,6 +23,7 @@ from numpy.typing import NDArray
 import metafem as mf
 from metafem._validate import FloatArray
 from metafem.calibration import MeasurementErrors
+from metafem.models import Model
 from validation.scenes.pictures import picture
 
 # The material of batch 1 of the paper and the shear strength of Fig. 4, red.
@@ -72,10 +74,10 @@ class Series:
         return picture((side, side), *shown, **light, rng=(self.seed, number, int(sheared)))
 
 
-def measured(surface: mf.Surface, load: FloatArray, seed: int) -> Series:
+def measured(surface: mf.Surface, load: FloatArray, seed: int, model: Model) -> Series:
     """Press and shear a surface at true loads [N]; the returned forces have the errors of the instruments."""
     rng, noise = np.random.default_rng(seed), MeasurementErrors()
-    law = mf.Independent(contact=mf.JKR(ADHESION_ENERGY))
+    law = replace(model, contact=mf.JKR(ADHESION_ENERGY))
     true = surface.replaced(material=MATERIAL, friction=FRICTION)
     area = np.array([mf.equilibrium(true, law, load=each).asperity_area for each in load.tolist()])
     force = FRICTION.shear_strength * FRICTION.area_ratio * area.sum(axis=1)
@@ -91,14 +93,15 @@ def calibration_tests() -> list[Series]:
     radius = np.linspace(0.08, 0.4, 10)
     load = 5.0 * 4.0 / 3.0 * MATERIAL.composite_modulus * radius**3 / RADIUS
     sample = mf.Surface(FIVE, np.full(5, 0.15), RADIUS, MATERIAL, FRICTION, BLOCK)
-    return [measured(sample, load, seed) for seed in (1, 2, 3)]
+    return [measured(sample, load, seed, mf.Independent()) for seed in (1, 2, 3)]
 
 
-def part_test(design: mf.Surface) -> Series:
+def part_test(design: mf.Design) -> Series:
     """Return the measurement of the made part of a design: heights scaled, with random errors, and tilted."""
-    lowest = mf.equilibrium(design, separation=float(design.height.min())).load
-    scaled = design.replaced(height=SCALE * design.height)
-    return measured(scaled.perturbed(HEIGHT_SD, rng=7).tilted(TILT, 0.0), LOADS * lowest, seed=20)
+    surface = design.surface
+    lowest = mf.equilibrium(surface, separation=float(surface.height.min())).load
+    part = surface.replaced(height=SCALE * surface.height).perturbed(HEIGHT_SD, rng=7).tilted(TILT, 0.0)
+    return measured(part, LOADS * lowest, 20, design.law.model)
 
 
 # The specification of a surface without its material.
@@ -117,7 +120,7 @@ def main(folder: Path, part: Path | None) -> None:
         shutil.copyfile(WANTED, folder / "wanted.toml")
         click.echo(f"wrote {folder / 'sample'} and {folder / 'wanted.toml'}")
         return
-    write(folder / "part", [part_test(mf.load(part).surface)])
+    write(folder / "part", [part_test(mf.load(part))])
     click.echo(f"wrote {folder / 'part'}")
 
 

@@ -49,8 +49,8 @@ class Comparison(Value):
         Standard deviations of the parameters whose errors are included.
     notes : tuple of Note
         Notes on what was left out.
-    percent, normalised : ndarray, (m,)
-        Deviation over predicted value [%], and over its standard deviation [-].
+    percent : ndarray, (m,)
+        Deviation over predicted value [%].
 
     Examples
     --------
@@ -82,14 +82,8 @@ class Comparison(Value):
         above = self.predicted > 0.0
         return np.asarray(np.divide(100.0 * self.deviation, self.predicted, infinite, where=above))
 
-    @property
-    def normalised(self) -> FloatArray:
-        """Deviation over its standard deviation [-]."""
-        return self.deviation / self.deviation_sd
-
     def __repr__(self) -> str:
-        rms = np.sqrt((self.normalised**2).mean())
-        return f"<Comparison of {self.measured!r}: {rms:.2g} standard deviations (rms), {self.verdict}>"
+        return f"<Comparison of {self.measured!r}: {self.verdict}>"
 
 
 def compare(
@@ -156,17 +150,16 @@ def compare(
     refuse_if(without, must)
     refuse_if(parameters and covariance is None, f"parameters = {shown(parameters)} need a covariance")
     names, matrix = checked_covariance(parameters, covariance, PARAMETERS)
-    known, end = measured.known(), float(design.law.rescaled_load[-1])
-    inside = known.rescaled_load <= end
+    end = float(design.law.rescaled_load[-1])
+    inside = measured.rescaled_load <= end
     newtons = measured.material.composite_modulus * end
-    limit = f"P/E* = {end:.4g} mm^2 or {newtons:.4g} N; the smallest is {known.load[0]:.4g} N"
+    limit = f"P/E* = {end:.4g} mm^2 or {newtons:.4g} N; the smallest is {measured.load[0]:.4g} N"
     refuse_if(not inside.any(), f"all measured loads exceed the largest load of the design, {limit}")
-    left_out = (
-        (measured.load[np.isnan(measured.rescaled_friction)], "the area of a contact is unknown"),
-        (known.load[~inside], f"the law of the design ends at P/E* = {end:.4g} mm^2"),
-    )
-    notes = [Note(f"points at {span(load, 'N')} are left out: {why}") for load, why in left_out if load.size]
-    law = known.only(inside)
+    notes = list(measured.notes)
+    if not inside.all():
+        beyond = f"points at {span(measured.load[~inside], 'N')} are left out: the law of the design ends at"
+        notes.append(Note(f"{beyond} P/E* = {end:.4g} mm^2"))
+    law = measured.only(inside)
     # use the material of the part, because the effect of adhesion depends on E*
     surface = design.surface.replaced(material=measured.material)
     with doing("computing the law of the design at the measured loads"):
@@ -191,7 +184,7 @@ def compare(
         covariance=total,
         verdict=Verdict(float(residual @ residual), len(residual)),
         parameters=dict(zip(names, np.sqrt(np.diag(matrix)).tolist(), strict=True)),
-        notes=(*_exchanged(law, design.law, deviation / predicted), *measured.notes, *notes),
+        notes=(*_exchanged(law, design.law, deviation / predicted), *notes),
     )
 
 

@@ -140,23 +140,20 @@ def of_contacts(
 
     `numbers` are the sites of the design's asperities; if None, asperity i is at site i. If friction forces
     were measured and can be `rescaled`, an image needs a friction force; otherwise it needs the areas of all
-    contacts, or of some that are at sites.
+    contacts.
     """
     images, areas = by_image(table)
     area, error, force = areas["area"], areas["area_error"], images["friction_force"].to_numpy()
     by_force = rescaled and bool(np.isfinite(force).any())
     site = table["site"].iloc[: area.shape[1]]
-    matched, known = bool(site.notna().all()), np.isfinite(area)
-    whole: Any = known.all(axis=1)
-    enough = known.any(axis=1) if matched else whole
-    if by_force:
-        enough = np.isfinite(force)
-    used = images["load"].notna().to_numpy() & enough
+    matched = bool(site.notna().all())
+    whole: Any = np.isfinite(area).all(axis=1)
+    used = images["load"].notna().to_numpy() & (np.isfinite(force) if by_force else whole)
     what = "a friction force" if by_force else "the areas of all its contacts"
     refuse_if(not used.any(), f"none of the {len(used)} images has a load and {what}")
     left = listed(images["image"][~used])
     notes = [Note(f"images without a load and {what} are left out: {left}")] * (left != "")
-    area, error, whole = area[used], np.nan_to_num(error[used]), whole[used]
+    area, error = area[used], np.nan_to_num(error[used])
     overlooked = float(np.max(error, where=area == 0.0, initial=0.0))
     if overlooked > 0.0 and not by_force:
         words = f"contacts of less than {overlooked:.2g} mm^2 count as open; the errors of the total areas do"
@@ -167,7 +164,7 @@ def of_contacts(
     if matched:
         found |= {"asperity_area": area, "asperity_area_sd": error}
         found["site"] = _asperities(site.to_numpy(dtype=np.int64), numbers)
-    if whole.all() or (matched and whole.any()):
+    if whole[used].all():
         found["area"] = area.sum(axis=1)
         sd = np.sqrt((np.where(area > 0.0, error, 0.0) ** 2).sum(axis=1))  # without errors of open contacts
         if (sd > 0.0).all():  # an image without contacts has sd 0: use the default errors then

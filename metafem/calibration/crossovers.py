@@ -107,7 +107,6 @@ def crossover(law: MeasuredLaw) -> Crossover:
     (array([ 7. , 12.5]), 0.1)
     """
     check.instance("law", law, MeasuredLaw, "a metafem.calibration.MeasuredLaw")
-    law = law.known()
     count, different = len(law.load), len(np.unique(law.load))
     refuse_if(count < FEWEST, f"law has {count} points; two lines that meet need at least {FEWEST}")
     few = f"law has {different} different loads; two lines that meet need {DIFFERENT}"

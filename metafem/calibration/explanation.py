@@ -53,8 +53,9 @@ class Explanation(Value):
     expected, mean, sd : mapping of str to float
         Expected standard deviation, found value and its standard deviation of ``angle_x``, ``angle_y`` [rad],
         ``height_scale``, ``composite_modulus`` and ``friction`` [-].
-    misfit_design : float
-        Chi-square of the measured values without these errors.
+    deviation : float
+        Root mean square deviation of the measured areas (without areas, of the friction forces) from those of
+        a part with these errors, over their root mean square [-].
     verdict : Verdict
         Whether the errors explain the values: chi-square of the values and of the errors over their expected
         standard deviations.
@@ -74,7 +75,7 @@ class Explanation(Value):
     expected: Mapping[str, float]
     mean: Mapping[str, float]
     sd: Mapping[str, float]
-    misfit_design: float
+    deviation: float
     verdict: Verdict
     model: Model
 
@@ -144,31 +145,29 @@ def explain(
     count = 5 if by_force else 4
     names, scale = [*EXPECTED][:count], np.array([*EXPECTED.values()])[:count]
     error = np.zeros(count)
-    off, slopes = _whitened(measured, surface, solver, stress, error)
-    misfit = float(off @ off)
     for share in SHARES:
+        off, slopes, deviation = _whitened(measured, surface, solver, stress, error)
         covariance = np.linalg.inv(slopes.T @ slopes + np.diag(scale**-2))
         # the errors are measured values of 0
-        change = covariance @ (slopes.T @ off - error / scale**2)
-        error = np.clip(error + share * change, -MOST[:count], MOST[:count])
-        sd = np.sqrt(np.diagonal(covariance))
-        off, slopes = _whitened(measured, surface, solver, stress, error)
+        change, sd = covariance @ (slopes.T @ off - error / scale**2), np.sqrt(np.diagonal(covariance))
         if (np.abs(change) <= ENOUGH * sd).all():
             break
+        error = np.clip(error + share * change, -MOST[:count], MOST[:count])
     else:
         raise NotConverged("the fit of the errors that explain the measured law does not converge", error)
-    expected, mean, deviation = (dict(zip(names, each.tolist(), strict=True)) for each in (scale, error, sd))
+    expected, mean, sds = (dict(zip(names, each.tolist(), strict=True)) for each in (scale, error, sd))
     verdict = Verdict(float(off @ off + ((error / scale) ** 2).sum()), len(off))
-    return Explanation(expected, mean, deviation, misfit, verdict, solver)
+    return Explanation(expected, mean, sds, deviation, verdict, solver)
 
 
 def _whitened(
     law: MeasuredLaw, surface: Surface, model: Model, stress: float, error: FloatArray
-) -> tuple[FloatArray, FloatArray]:
+) -> tuple[FloatArray, FloatArray, float]:
     """Return measured minus computed values of a part with errors, and derivatives of the computed ones.
 
-    Both are in standard deviations of the measured values. The derivatives of the areas are those of contacts
-    without interaction at a fixed load. `stress` is sigma B, or 0 without friction forces.
+    Both are in standard deviations of the measured values; the third value is the relative deviation (rms) of
+    the areas, or of the forces without areas. The derivatives of the areas are those of contacts without
+    interaction at a fixed load. `stress` is sigma B, or 0 without friction forces.
     """
     angle_x, angle_y, scale, stiffer, rougher = (*error.tolist(), 0.0)[:5]
     modulus = law.material.composite_modulus * (1.0 + stiffer)
@@ -211,8 +210,10 @@ def _whitened(
     by_friction = np.where(np.arange(len(own)) < count, value[:, 0] / (1.0 + rougher), 0.0)
     slopes = np.column_stack([value[:, 1:5], by_friction])[:, : len(error)]
     root = np.linalg.cholesky(np.diag(sd**2) + value[:, 5:] @ value[:, 5:].T)
-    found = np.linalg.solve(root, np.column_stack([own - value[:, 0], slopes]))
-    return found[:, 0], found[:, 1:]
+    off = own - value[:, 0]
+    found = np.linalg.solve(root, np.column_stack([off, slopes]))
+    last = slice(-np.isfinite(parts[-1][1]).sum(), None)
+    return found[:, 0], found[:, 1:], float(np.linalg.norm(off[last]) / np.linalg.norm(own[last]))
 
 
 def row(name: str, mean: float, sd: float, expected: float) -> tuple[str, str, str]:

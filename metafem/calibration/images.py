@@ -416,7 +416,9 @@ def _contacts(
     blur_error = levels.blur_error * levels.blur / total
     for region in regions:
         inside, length, holes = contour(_window(smooth, labels, region), levels.half)
-        area = enclosed(inside, holes, total)
+        # within the contour of a circle of the least area is three quarters of it; the series for still
+        # smaller ones diverges
+        area = enclosed(inside, holes, total) if 2.0 * inside > levels.least else 0.0
         if area >= levels.least:
             error = of_contour(length, noise, width, total, at_level, blur_error)
             centre = pixel * np.array([region.centroid[1] + 0.5, len(smooth) - 0.5 - region.centroid[0]])

@@ -31,9 +31,9 @@ if TYPE_CHECKING:
 # Quantities of a measured law.
 QUANTITIES = ("load", "friction_force", "asperity_area", "area")
 
-# Number of standard deviations by which a force or an area may lie below zero, and by which a slope may. A
-# larger deviation is no measurement error: one normal error in a million and in thirty thousand is so large.
-BELOW_ZERO, FALLING = 5.0, 4.0
+# Number of standard deviations by which a force or an area may lie below zero. One normal error in a million
+# is larger.
+BELOW_ZERO = 5.0
 
 # A load without contact has an error too: the standard deviation of a total area is at least the value for
 # this fraction of the largest area.
@@ -61,9 +61,8 @@ class MeasuredLaw(BaseLaw):
     area : array_like, (k,), optional
         Real contact areas A0 [mm^2]; default: the sums of `asperity_area`.
     asperity_area : array_like, (k, n), optional
-        Contact area of each asperity [mm^2]; 0 for an open contact, nan for an area that could not be
-        measured. If an area at a load is nan, so is the total area, unless `area` is passed; `compare` leaves
-        this load out.
+        Contact area of each asperity [mm^2]; 0 for an open contact and, if friction forces were measured, nan
+        for an area that could not be measured.
     site : array_like of int, (n,), optional
         Numbers of the asperities in the design; default: 0 to n - 1.
     material : Material
@@ -88,8 +87,8 @@ class MeasuredLaw(BaseLaw):
     ------
     InvalidInput
         If neither friction forces nor areas are passed, if the shapes of arrays do not match, if a standard
-        deviation is not positive, if a value is below zero by more than five standard deviations, if the law
-        falls with the load, or if there are friction forces but neither `friction` nor areas.
+        deviation is not positive, if a value is below zero by more than five standard deviations, or if there
+        are friction forces but neither `friction` nor areas.
 
     Examples
     --------
@@ -128,7 +127,8 @@ class MeasuredLaw(BaseLaw):
         if self.friction_force is not None:
             found["friction_force"] = check.array("friction_force", self.friction_force, shape=shape)
         if self.asperity_area is not None:
-            areas = check.array_with_gaps("asperity_area", self.asperity_area, shape=(*shape, None))
+            checked = check.array if self.friction_force is None else check.array_with_gaps
+            areas = checked("asperity_area", self.asperity_area, shape=(*shape, None))
             must = "must be at least 0; 0 is an open contact"
             check.refuse_entries("asperity_area", areas, areas < 0.0, must)
             count = areas.shape[1]
@@ -137,10 +137,10 @@ class MeasuredLaw(BaseLaw):
             must = f"must hold a different number of the design for each of the {count} asperities"
             refuse_if(wrong or len(np.unique(site)) < count, f"site = {shown(self.site)} {must}")
             found |= {"asperity_area": areas, "site": site.astype(np.intp)}
-            if not ("friction_force" in found and np.isnan(areas).any(axis=1).all()):
+            if not np.isnan(areas).any():
                 found["area"] = areas.sum(axis=1)
         if self.area is not None:
-            found["area"] = check.array_with_gaps("area", self.area, shape=shape)
+            found["area"] = check.array("area", self.area, shape=shape)
         refuse_if(len(found) < 2, "a measured law needs friction_force, area or asperity_area")
         for name in QUANTITIES:
             alone = name not in found and getattr(self, f"{name}_sd") is not None
@@ -148,7 +148,9 @@ class MeasuredLaw(BaseLaw):
             if name in found:
                 found[f"{name}_sd"] = self._deviation(name, found)
             if name in found and name != "asperity_area":
-                _refuse_contradiction(name, found)
+                below = found[name] < -BELOW_ZERO * found[f"{name}_sd"]
+                must = "is below 0 by more than five standard deviations; check the sign of the force or the"
+                check.refuse_entries(name, found[name], below, f"{must} zero of the instrument")
         order = np.argsort(found["load"], kind="stable")
         for name, values in found.items():
             ordered = values if name == "site" else values[order]
@@ -172,28 +174,18 @@ class MeasuredLaw(BaseLaw):
     def _deviation(self, name: str, found: Mapping[str, Any]) -> FloatArray:
         """Return the standard deviations of a quantity, as passed or computed from `errors`."""
         values, sd, errors = found[name], getattr(self, f"{name}_sd"), self.errors
-        missing = np.isnan(values)
         if sd is not None:
-            filled = np.where(missing, 1.0, sd) if np.shape(sd) == values.shape else sd
             # the standard deviation of an open contact may be 0
-            given = check.array(f"{name}_sd", filled, shape=values.shape, positive=name != "asperity_area")
-            return np.where(missing, np.nan, given)
+            return check.array(f"{name}_sd", sd, shape=values.shape, positive=name != "asperity_area")
         of = {"load": errors.of_load, "friction_force": errors.of_friction_force}.get(name, errors.of_area)
         if name != "area":
             return of(values)
-        single = values[:, None] if self.area is not None else found["asperity_area"]
-        each = of(single) if self.area is not None else found["asperity_area_sd"]
-        total = np.sqrt((np.where(single > 0.0, each, 0.0) ** 2).sum(axis=1))
-        largest = np.nansum(single, axis=1).max()
-        refuse_if(not largest > 0.0, f"area is {largest:g} mm^2 at most: there is no contact")
-        return np.where(missing, np.nan, np.maximum(total, of(np.array(SMALL_CONTACT * largest))))
-
-    def known(self) -> MeasuredLaw:
-        """Return the law without the loads at which the rescaled friction is unknown."""
-        known = ~np.isnan(self.rescaled_friction)
-        none = "the contact area is unknown at every load, since an area of a contact is nan at each"
-        refuse_if(not known.any(), none)
-        return self.only(known)
+        refuse_if(not values.max() > 0.0, f"area is {values.max():g} mm^2 at most: there is no contact")
+        total = errors.of_area(values)
+        if self.area is None:
+            closed = np.where(found["asperity_area"] > 0.0, found["asperity_area_sd"], 0.0)
+            total = np.linalg.norm(closed, axis=1)
+        return np.maximum(total, errors.of_area(SMALL_CONTACT * values.max()))
 
     def only(self, chosen: NDArray[np.bool_]) -> MeasuredLaw:
         """Return the law at some of its loads, (k,)."""
@@ -292,8 +284,7 @@ def measured_law(
 
     The area at a load is the sum over the contacts. Images without a load are left out. If some images have
     a friction force and `friction` is passed, images without a friction force are left out too. The notes
-    name these images. The areas of contacts without a site contribute to the sums only. If the area of a
-    matched contact is unknown in an image, the areas of the image's other contacts are used.
+    name these images. The areas of contacts without a site contribute to the sums only.
 
     Parameters
     ----------
@@ -330,25 +321,3 @@ def measured_law(
     numbers = None if sites is None else check.array("sites", sites, shape=(None,)).astype(np.int64)
     arrays, notes = of_contacts(table, friction is not None, numbers)
     return MeasuredLaw(material=material, friction=friction, errors=errors, notes=notes, **arrays)
-
-
-def _refuse_contradiction(name: str, found: Mapping[str, Any]) -> None:
-    """Raise InvalidInput if a quantity is negative, or if it decreases with the load, beyond its errors."""
-    known = ~np.isnan(found[name])
-    load, values, load_sd, sd = (found[each][known] for each in ("load", name, "load_sd", f"{name}_sd"))
-    below = "is below 0 by more than five standard deviations; check the sign of the force or the zero"
-    wrong = known & (found[name] < -BELOW_ZERO * found[f"{name}_sd"])
-    check.refuse_entries(name, found[name], wrong, f"{below} of the instrument")
-    if not values.size or np.ptp(load) <= load_sd.max():
-        return
-    centred = load - load.mean()
-    weight = centred / (centred**2).sum()
-    slope = float(weight @ values)
-    # errors of the loads also change the values, in proportion to the slope
-    spread = np.sqrt((weight**2) @ (sd**2 + (slope * load_sd) ** 2))
-    low, high = (f"{values[i]:g} at {load[i]:g} N" for i in (load.argmin(), load.argmax()))
-    refuse_if(
-        slope < -FALLING * spread,
-        f"{name} is {low} and {high}: it decreases with the load, which no friction law of contacts does; "
-        "check the columns and their units",
-    )

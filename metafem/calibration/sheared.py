@@ -1,4 +1,4 @@
-"""Area ratio and shear strength from sheared contacts, from a part in full contact, and from records."""
+"""Area ratio and shear strength from sheared contacts, and from a part in full contact."""
 
 from __future__ import annotations
 
@@ -33,13 +33,8 @@ from metafem.surface import Surface
 # larger.
 ABOVE_ONE = 2.33
 
-# Names of the measured quantities, and the laws between each and the next one.
+# Names of the measured quantities.
 COLUMNS = ("area_before", "area_sheared", "friction_force")
-LAWS = ("Af = B A0", "F = sigma Af")
-
-# Range of distances after the peak over which the paper averages the sliding friction (page 313) [mm], and
-# the rounding error of a difference between decimal displacements, relative to the last displacement.
-SLIDING, ROUNDING = (0.1, 0.2), 1e-12
 
 RESIST = "forces that resist sliding are positive"
 
@@ -118,7 +113,7 @@ def shear(
     Raises
     ------
     InvalidInput
-        If an array does not match, an area is not positive, a line has less than two points, or a line falls.
+        If an array does not match, an area is not positive, or a line has less than two points.
 
     Examples
     --------
@@ -149,12 +144,6 @@ def shear(
         "area_before and area_sheared are not exchanged",
     )
     verdict = Verdict(float(fit.chi_square.sum()), int(known[:, used].sum() - used.sum()) - 2)
-    for i, law in enumerate(LAWS):
-        x, y = points[i : i + 2, known[i : i + 2].all(axis=0)]
-        contradicts = (
-            f"{COLUMNS[i + 1]} decreases with {COLUMNS[i]}, which contradicts {law}; check the columns"
-        )
-        refuse_if(np.cov(x, y)[0, 1] < 0.0 and not verdict.fits, f"{contradicts} and their units")
     unused = int((~used).sum())
     words = f"{unused} of {len(used)} points hold less than two quantities and are not used"
     return Calibration(
@@ -238,92 +227,3 @@ def shear_strength(
     refuse_if(factor <= 0.0, f"friction_force is not positive: sigma B = {factor:.4g} MPa; {RESIST}")
     strength = float(factor / ratio)
     return positive(strength, float(fit.covariance[0, 0]) / ratio**2)
-
-
-def at_peak(displacement: ArrayLike, friction_force: ArrayLike, values: ArrayLike | None = None) -> float:
-    """Return the largest friction force of a record [N], or other values at the displacement of this peak.
-
-    Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234, supplementary text "Mechanical
-    testing".
-
-    Parameters
-    ----------
-    displacement, friction_force : array_like, (m,)
-        Tangential displacement [mm], not decreasing, and force [N], positive if it resists sliding.
-    values : array_like, (m,), optional
-        Values to interpolate at the peak, such as contact areas, nan between the frames of the camera;
-        default: the friction forces.
-
-    Returns
-    -------
-    float
-
-    Raises
-    ------
-    InvalidInput
-        If the record has no peak, or no values on both sides of it.
-
-    Examples
-    --------
-    >>> x = np.linspace(0.0, 0.5, 51)
-    >>> force = 0.2 * x / (x**2 + 0.01)
-    >>> round(at_peak(x, force), 3), round(at_peak(x, force, 0.1 - 0.02 * np.minimum(x / 0.1, 1.0)), 3)
-    (1.0, 0.08)
-    """
-    x, found, peak = _record(displacement, friction_force, values)
-    frames = np.flatnonzero(np.isfinite(found))
-    beside = frames.size > 0 and frames[0] <= peak <= frames[-1]
-    refuse_if(not beside, f"values have no frame on both sides of the peak at {x[peak]:g} mm")
-    # interpolate over the entries, which are equidistant in time; displacements may repeat
-    return float(np.interp(peak, frames, found[frames]))
-
-
-def over_plateau(
-    displacement: ArrayLike, friction_force: ArrayLike, values: ArrayLike | None = None
-) -> float:
-    """Return the mean friction force from 100 to 200 um after the peak [N], or the mean of other values.
-
-    Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234, supplementary text "Applying the
-    design strategy to the sliding friction force".
-
-    Parameters
-    ----------
-    displacement, friction_force : array_like, (m,)
-        As of `at_peak`; the record must end 200 um after the peak or later.
-    values : array_like, (m,), optional
-        Values to average, such as contact areas; default: the friction forces.
-
-    Returns
-    -------
-    float
-
-    Examples
-    --------
-    >>> x = np.linspace(0.0, 0.5, 51)
-    >>> round(over_plateau(x, np.minimum(x / 0.1, 1.0 - 0.2 * (x > 0.12))), 3)
-    0.8
-    """
-    x, found, peak = _record(displacement, friction_force, values)
-    after, rounding, (low, high) = x - x[peak], ROUNDING * x[-1], SLIDING
-    early = f"displacement ends {after[-1]:g} mm after the peak at {x[peak]:g} mm; sliding friction needs"
-    refuse_if(after[-1] < high - rounding, f"{early} {high:g} mm")
-    sliding = (after >= low - rounding) & (after <= high + rounding) & np.isfinite(found)
-    refuse_if(not sliding.any(), f"values have no entry between {low:g} and {high:g} mm after the peak")
-    return float(found[sliding].mean())
-
-
-def _record(
-    displacement: ArrayLike, friction_force: ArrayLike, values: ArrayLike | None
-) -> tuple[FloatArray, FloatArray, int]:
-    """Return the checked displacements and values, and the index of the largest force."""
-    x = check.array("displacement", displacement, shape=(None,))
-    force = check.array("friction_force", friction_force, shape=x.shape)
-    one_way = "is less than the one before; give one pull in one direction"
-    check.refuse_entries("displacement", x, np.diff(x, prepend=x[0]) < 0.0, one_way)
-    peak = int(force.argmax())
-    refuse_if(force[peak] <= 0.0, f"friction_force is at most {force[peak]:g} N; {RESIST}")
-    none = (
-        f"friction_force is largest at an end of the record, at {x[peak]:g} mm: there is no peak; begin the"
-    )
-    refuse_if(peak in (0, len(x) - 1), f"{none} record before the contact is sheared, and shear farther")
-    return x, force if values is None else check.array_with_gaps("values", values, shape=x.shape), peak

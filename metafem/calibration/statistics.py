@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any, NamedTuple
 
@@ -137,8 +137,8 @@ class Calibration(Value):
         interval of w does not begin at 0, and otherwise that of the cap without adhesion.
     friction : Friction or None
         Of shear tests: B, or 1 if errors make it larger, and sigma.
-    tests : mapping of str to Calibration
-        Calibration by each test if there are several; None for a test without a fit.
+    tests : tuple of str
+        Labels of the tests if there are several.
     heterogeneity : Verdict or None
         Whether the tests agree: by how much the chi-square of the common fit exceeds the sum of those of the
         tests. None for a single test, and if a test has no fit.
@@ -160,7 +160,7 @@ class Calibration(Value):
     material: Material | None = None
     contact_law: Contact | None = None
     friction: Friction | None = None
-    tests: Mapping[str, Calibration | None] = field(default_factory=dict)
+    tests: tuple[str, ...] = ()
     heterogeneity: Verdict | None = None
     notes: tuple[Note, ...] = ()
 
@@ -188,33 +188,29 @@ class Calibration(Value):
             found |= {f"{name}{unit}": value, f"{name}_sd{unit}": sd, f"{name}_interval{unit}": list(ends)}
         found["verdict"] = self.verdict.to_dict()
         if self.tests:
-            found["tests"] = {name: test and test.to_dict() for name, test in self.tests.items()}
+            found["tests"] = list(self.tests)
             found["heterogeneity"] = self.heterogeneity and self.heterogeneity.to_dict()
         return found
 
     def of_tests(self, test: Any, count: int, fit: Callable[[Any], Calibration]) -> Calibration:
-        """Return the result with the fit of each test, whose labels `test` holds for each of `count` points.
+        """Return the result with the comparison of tests; `test` holds the label of each of `count` points.
 
         `fit` takes the numbers of the points of a test. Notes tell what does not fit or agree.
         """
-        tests = dict[str, Calibration | None]()
-        heterogeneity = None
-        if test is not None:
-            wrong = isinstance(test, str) or np.ndim(test) != 1 or len(test) != count
-            refuse_if(wrong, f"test = {shown(test)} must hold a label for each of the {count} points")
-            labels = np.array([str(name) for name in test])
-            names = dict.fromkeys(labels.tolist())
-            for name in names if len(names) > 1 else ():
-                try:
-                    tests[name] = fit(np.flatnonzero(labels == name))
-                except (InvalidInput, NotConverged):
-                    tests[name] = None
-        fitted = [each.verdict for each in tests.values() if each is not None]
-        if tests and len(fitted) == len(tests):
-            square = self.verdict.chi_square - sum(each.chi_square for each in fitted)
-            freedom = self.verdict.freedom - sum(each.freedom for each in fitted)
-            heterogeneity = Verdict(max(square, 0.0), freedom)
-        notes = [
+        wrong = test is not None and (isinstance(test, str) or np.shape(test) != (count,))
+        refuse_if(wrong, f"test = {shown(test)} must hold a label for each of the {count} points")
+        labels = np.array([str(name) for name in (count * [""] if test is None else test)])
+        names, heterogeneity = tuple(dict.fromkeys(labels.tolist())), None
+        notes = list(self.notes)
+        if len(names) > 1:
+            try:
+                alone = [fit(np.flatnonzero(labels == name)).verdict for name in names]
+                square = self.verdict.chi_square - sum(each.chi_square for each in alone)
+                freedom = self.verdict.freedom - sum(each.freedom for each in alone)
+                heterogeneity = Verdict(max(square, 0.0), freedom)
+            except (InvalidInput, NotConverged) as error:
+                notes.append(Note(f"the tests are not compared, as one has no fit of its own: {error}"))
+        notes += [
             Note(
                 f"{what}: {verdict}; the stated uncertainties do not include this; uncertainties "
                 f"{verdict.birge_ratio:.2g} times as large would (Birge ratio)"
@@ -225,11 +221,8 @@ class Calibration(Value):
             )
             if verdict is not None and not verdict.fits
         ]
-        unfitted = ", ".join(name for name, each in tests.items() if each is None)
-        if unfitted:
-            words = "have no fit of their own; they are part of the common fit only"
-            notes.append(Note(f"the tests {unfitted} {words}"))
-        return replace(self, tests=tests, heterogeneity=heterogeneity, notes=(*self.notes, *notes))
+        several = names if len(names) > 1 else ()
+        return replace(self, tests=several, heterogeneity=heterogeneity, notes=tuple(notes))
 
 
 def bounded_interval(estimate: ArrayLike, sd: ArrayLike) -> tuple[FloatArray, FloatArray]:

@@ -22,7 +22,6 @@ from metafem.cli.options import (
 from metafem.cli.output import notes_data, show
 from metafem.cli.progress import progress
 from metafem.errors import refuse_if
-from metafem.notes import information
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -99,10 +98,9 @@ def calibrate(
 ) -> None:
     """Determine composite modulus, adhesion energy, area ratio and shear strength from tables of tests.
 
-    The columns determine the kind of a table. A compression test has load_mN,area_mm2 (or area_1_mm2,
-    area_2_mm2 ... for single contacts). A shear test has area_before_mm2,area_sheared_mm2,friction_force_mN.
-    The record of one pull has displacement_um,friction_force_mN,area_mm2. Tables of metafem images are also
-    read. Each table is one test, unless a column test holds labels.
+    The columns determine the kind of a table. A compression test has load_mN,area_mm2. A shear test has
+    area_before_mm2,area_sheared_mm2,friction_force_mN. Tables of metafem images are also read. Each table is
+    one test, unless a column test holds labels.
 
     Example: metafem calibrate compression.csv shear.csv --contacts 5 --radius "526 um" --radius-sd "5 um"
     """
@@ -117,15 +115,11 @@ def calibrate(
         boundary = {} if measured.boundary is None else {"boundary": measured.boundary}
         errors = mf.calibration.MeasurementErrors(**boundary | given)
         contact, shear = measured.compression, measured.shear
-        pressed = None if contact is None else _contact(contact, options, errors, sources)
-        slid = None if shear is None else _shear(shear, errors, sources)
+        with mf.files.of_tables(sources):
+            pressed = None if contact is None else _contact(contact, options, errors)
+            slid = None if shear is None else _shear(shear, errors)
         found = [each for each in (pressed, slid) if each is not None]
         notes = [*measured.notes, *(note for each in found for note in each.notes)]
-        if contact is not None and shear is not None and contact["place"].isin(shear["place"]).any():
-            words = (
-                "E* and B follow from the same areas before shear; the covariance of their errors is left out"
-            )
-            notes.append(information(words))
         if output is not None:
             text = mf.files.calibration_text(pressed, slid, sources=sources)
             mf.files.write_text(output, text, force=force)
@@ -137,32 +131,25 @@ def calibrate(
     show(as_json, results, tables=[table], lines=lines, notes=notes, files=[output])
 
 
-def _contact(
-    points: DataFrame, options: Mapping[str, Any], errors: MeasurementErrors, sources: list[str]
-) -> Calibration:
+def _contact(points: DataFrame, options: Mapping[str, Any], errors: MeasurementErrors) -> Calibration:
     """Return the calibration of E* and the adhesion energy by compression tests."""
     radius, count = options["radius"], options["contacts"]
     example = '--radius "526 um" --radius-sd "5 um"'
     refuse_if(radius is None, f"E* needs the radius of the caps; add for example {example}")
     total = "area" in points
     area = points["area"] if total else points.filter(like="area_")
-    must = f"the tables hold {area.shape[-1]} contacts one by one; leave it out"
-    refuse_if(not total and count not in (None, area.shape[-1]), f"--contacts: {must}")
-    with mf.files.of_tables(sources, points["place"]):
-        sample = mf.calibration.Sample(
-            contacts=(count or 1) if total else area.shape[-1],
-            radius_sd=options["radius_sd"] or 0.0,
-            unusual=options["unusual"],
-        )
-        load, test = points["load"], points["test"].to_list()
-        return mf.calibration.fit_compression(load, area, radius, sample, errors=errors, test=test)
+    must = "leave it out; the tables hold the contacts of images one by one"
+    refuse_if(not total and count is not None, f"--contacts = {count}: {must}")
+    contacts = (count or 1) if total else area.shape[1]
+    sample = mf.calibration.Sample(contacts, options["radius_sd"] or 0.0, options["unusual"])
+    load, test = points["load"], points["test"]
+    return mf.calibration.fit_compression(load, area, radius, sample, errors=errors, test=test)
 
 
-def _shear(points: DataFrame, errors: MeasurementErrors, sources: list[str]) -> Calibration:
+def _shear(points: DataFrame, errors: MeasurementErrors) -> Calibration:
     """Return the calibration of B and sigma by shear tests."""
-    with mf.files.of_tables(sources, points["place"]):
-        values = (points[name] for name in ("area_before", "area_sheared", "friction_force"))
-        return mf.calibration.shear(*values, errors=errors, test=points["test"].to_list())
+    values = (points[name] for name in ("area_before", "area_sheared", "friction_force"))
+    return mf.calibration.shear(*values, errors=errors, test=points["test"])
 
 
 def _verdicts(found: Calibration) -> Iterator[str]:

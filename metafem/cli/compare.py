@@ -18,7 +18,6 @@ from metafem.cli.options import (
     json_option,
     quantities,
 )
-from metafem.cli.output import show
 from metafem.cli.progress import loaded, progress
 from metafem.cli.study import show_study
 from metafem.errors import refuse_if
@@ -65,20 +64,17 @@ def compare(folder: Path, table: Path, explain: bool, force: bool, as_json: bool
     Example: metafem compare linear measured.csv --calibration calibration.toml --explain
     """
     from metafem.studies.measured import explained, measured
-    from metafem.studies.summary import summary
 
     with progress():
         design = loaded(folder)
         values = {name: given[name] for name in PAIR if given[name] is not None}
         errors: dict[str, Any] = {}
         if given["calibration"] is not None:
-            found = mf.files.read_parameters(given["calibration"])
-            calibrated = dict(zip(found.parameters, found.value.tolist(), strict=True))
             # the calibration's error does not apply to a value that an option states
-            used = [i for i, name in enumerate(calibrated) if name in PAIR.keys() - values.keys()]
-            names = [found.parameters[i] for i in used]
-            errors = {"parameters": names, "covariance": found.covariance[used][:, used]}
-            values |= {name: calibrated[name] for name in names}
+            others = PAIR.keys() - values.keys()
+            names, value, covariance = mf.files.read_parameters(given["calibration"], others)
+            errors = {"parameters": names, "covariance": covariance}
+            values |= dict(zip(names, value.tolist(), strict=True))
         surface, modulus = design.surface, values.pop("composite_modulus", None)
         material = (
             surface.material if modulus is None else mf.Material(modulus, surface.material.poisson_ratio)
@@ -100,12 +96,4 @@ def compare(folder: Path, table: Path, explain: bool, force: bool, as_json: bool
         # all files are written at the end, so that a stopped run leaves none that a repeated run would refuse
         for study, path in zip(studies, files, strict=True):
             mf.files.write_study(study, path, force=force)
-    if as_json:
-        data = [
-            {"file": str(path), "answer": summary(study).answer, **mf.files.study_data(study)}
-            for study, path in zip(studies, files, strict=True)
-        ]
-        show(True, {**data[0], **({"explanation": data[1]} if explain else {})})
-        return
-    for study, path in zip(studies, files, strict=True):
-        show_study(False, {}, study, path)
+    show_study(as_json, *zip(studies, files, strict=True))

@@ -23,13 +23,12 @@ from metafem.cli.options import (
     quantities,
     refuse_files,
 )
-from metafem.cli.output import Printed, in_columns, notes_data, show
+from metafem.cli.output import in_columns, notes_data, show
 from metafem.cli.progress import loaded, progress
 from metafem.errors import refuse_if
 from metafem.progress import doing
 
 if TYPE_CHECKING:
-    from metafem.prediction import FrictionLaw
     from metafem.surface import Surface
 
 # Dimensions of a block, which are options and arguments of `Block`.
@@ -110,6 +109,9 @@ def predict(
         chosen = mf.files.chosen_model(used, model, contact, surface.block)
         mf.files.refuse_missing_block(chosen, surface, remedy)
         law = mf.friction_law(surface, chosen, load=load or None)
+    # all loads that the user states, otherwise about ten
+    step = 1 if load else max(1, len(law.load) // 10)
+    columns = {name: values.tolist() for name, values in law.columns().items() if name in SHOWN}
     if output is not None:
         mf.files.write_text(output, mf.files.law_table(law), force=force)
     show(
@@ -121,18 +123,11 @@ def predict(
             **mf.files.plain_data(law.columns()),
             "notes": notes_data(law.notes),
         },
-        tables=[_table(law, whole=bool(load))],
+        tables=[in_columns(columns, range(step - 1, len(law.load), step))],
         lines=[f"model {law.model.name}, {law.status.value}", mf.report.error_words(law.model_error)],
         notes=law.notes,
         files=[output],
     )
-
-
-def _table(law: FrictionLaw, whole: bool) -> Printed:
-    """Return the table of a law at all loads if the user stated them, otherwise at about ten."""
-    step = 1 if whole else max(1, len(law.load) // 10)
-    columns = {name: values.tolist() for name, values in law.columns().items() if name in SHOWN}
-    return in_columns(columns, range(step - 1, len(law.load), step))
 
 
 def _surface(source: Path, given: Mapping[str, float], columns: Mapping[str, str]) -> Surface:

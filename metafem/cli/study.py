@@ -11,7 +11,7 @@ import click
 import metafem as mf
 from metafem.cli.group import TEXTS
 from metafem.cli.options import Decorator, Name, Quantity, command, force_option, json_option, model_options
-from metafem.cli.output import Printed, show
+from metafem.cli.output import show
 from metafem.cli.progress import loaded, progress
 from metafem.errors import refuse_if
 
@@ -32,12 +32,6 @@ INPUTS = {
 }
 
 
-def deviation_option(inputs: Mapping[str, Any]) -> Decorator:
-    """Return the option --sd, which states the standard deviations of inputs."""
-    text = "Standard deviation of an input, such as radius=2um; repeat it for several. The inputs are "
-    return click.option("--sd", multiple=True, metavar="INPUT=QUANTITY", help=f"{text}{', '.join(inputs)}.")
-
-
 def _option(name: str, kind: Any, words: str, **settings: Any) -> Decorator:
     return click.option(*name.split(), type=kind, help=words, show_default="default" in settings, **settings)
 
@@ -48,6 +42,7 @@ ANGLE, LENGTH = Quantity("rad", "0.05deg"), Quantity("mm", "2um")
 LENGTHS, LEVELS = Quantity("mm", "3um", listed=True), "0,0.5um,1um,1.5um,2um,2.5um,3um"
 
 FITTED = "Loads between which the slope is fitted, P/E* or P, such as 0.05mm^2 0.2mm^2."
+DEVIATION = f"Standard deviation of an input; repeat it for several. The inputs are {', '.join(INPUTS)}."
 CALIBRATED = "Errors and correlations of a metafem calibrate -o FILE.toml; --sd adds other inputs."
 
 # Options of the studies, each with its type, help text and settings; each study lists those that it has.
@@ -60,7 +55,7 @@ OPTIONS: dict[str, Decorator] = {
     "angle": _option("--angle", ANGLE, "Largest angle, reached in 1,000 steps.", default="0.1deg"),
     "shuffles": _option("--shuffles", FROM_0, "Number of random placements to compare with.", default=20),
     "placements": _option("--placements", FROM_1, "Number of random placements.", default=1000),
-    "sd": deviation_option(INPUTS),
+    "sd": _option("--sd", str, DEVIATION, multiple=True, metavar="INPUT=QUANTITY"),
     "calibration": _option("--calibration", Name(), CALIBRATED, metavar="FILE.toml"),
     "load_range": _option("--load-range", Quantity("load"), FITTED, nargs=2, metavar="FROM TO"),
     "draws": _option("--draws", FROM_2, "Number of draws.", default=10_000),
@@ -99,7 +94,7 @@ def of_design(*names: str, short_help: str) -> Callable[[Callable[..., Dataset]]
                 design = loaded(folder)
                 dataset = compute(design, **(_of_law(design, **given) if "load_range" in given else given))
                 mf.files.write_study(dataset, path, force=force)
-            show_study(as_json, {"file": str(path), **mf.files.study_data(dataset)}, dataset, path)
+            show_study(as_json, (dataset, path))
 
         run.__doc__ = compute.__doc__
         parts = (click.argument("folder", type=Name(), metavar="DIR"), *options, force_option, json_option)
@@ -119,17 +114,19 @@ def _of_law(
     return {"model": used, "load_range": load_range, **others}
 
 
-def show_study(
-    as_json: bool, data: Mapping[str, Any], study: Dataset, path: Path | None, *more: Printed, lines: Any = ()
-) -> None:
-    """Print a study: its table and further ones, its notes and its answer, or `lines` instead."""
+def show_study(as_json: bool, *studies: tuple[Dataset, Path]) -> None:
+    """Print studies: the tables, answers and notes of all, or their data, the second as an explanation."""
+    found = [mf.studies.summary(dataset) for dataset, _ in studies]
+    first, *others = (
+        {"file": str(path), "answer": own.answer, **mf.files.study_data(dataset)}
+        for own, (dataset, path) in zip(found, studies, strict=True)
+    )
     if as_json:
-        show(True, data)
+        show(True, {**first, **({"explanation": others[0]} if others else {})})
         return
-    found = mf.studies.summary(study)
-    tables = [(found.columns, found.rows, found.title), *more]
-    answers = lines or filter(None, [found.answer])
-    show(False, {}, tables=tables, lines=answers, notes=found.notes, files=[path])
+    for own, (_, path) in zip(found, studies, strict=True):
+        table = own.columns, own.rows, own.title
+        show(False, {}, tables=[table], lines=filter(None, [own.answer]), notes=own.notes, files=[path])
 
 
 @of_design(
@@ -176,7 +173,7 @@ def uncertainty(design: Design, sd: tuple[str, ...], calibration: Path | None, *
 
     Example: metafem study uncertainty linear --sd composite_modulus=0.04MPa --sd radius=2um
     """
-    deviations: Any = given_deviations(sd, INPUTS)
+    deviations: Any = given_deviations(sd)
     if calibration is not None:
         deviations = with_calibration(calibration, deviations, design.surface)
     example = "--sd radius=2um, or --calibration calibration.toml"
@@ -207,17 +204,17 @@ def fidelity(design: Design) -> Dataset:
     return mf.studies.fidelity(design)
 
 
-def given_deviations(given: tuple[str, ...], inputs: Mapping[str, tuple[str, str]]) -> dict[str, float]:
+def given_deviations(given: tuple[str, ...]) -> dict[str, float]:
     """Return the standard deviations that --sd states, by the name of the input."""
     found: dict[str, float] = {}
     texts = click.get_current_context().meta.setdefault(TEXTS, {})
     for text in given:
         name, _, value = text.partition("=")
         name = name.strip().replace("-", "_")
-        must = f"must be INPUT=QUANTITY, such as radius=2um; the inputs are {', '.join(inputs)}"
-        refuse_if(name not in inputs, f'--sd "{text:.60}" {must}')
+        must = f"must be INPUT=QUANTITY, such as radius=2um; the inputs are {', '.join(INPUTS)}"
+        refuse_if(name not in INPUTS, f'--sd "{text:.60}" {must}')
         refuse_if(name in found, f"--sd {name} is given twice")
-        found[name] = mf.files.quantity(f"--sd {name}", value, *inputs[name])
+        found[name] = mf.files.quantity(f"--sd {name}", value, *INPUTS[name])
         texts[f"parameters.{name}"] = f"--sd {name}", [value]
     return found
 
@@ -231,10 +228,7 @@ def with_calibration(
 
     from metafem.studies.uncertainty import nominal_values
 
-    found, designed = mf.files.read_parameters(path), nominal_values(surface)
-    twice = ", ".join(name for name in found.parameters if name in deviations)
+    names, _, covariance = mf.files.read_parameters(path, nominal_values(surface))
+    twice = ", ".join(name for name in names if name in deviations)
     refuse_if(twice, f"--sd {twice} and --calibration both give the error of {twice}; keep one")
-    used = [i for i, name in enumerate(found.parameters) if name in designed]
-    others = np.diag(np.square([*deviations.values()]))
-    names = (*(found.parameters[i] for i in used), *deviations)
-    return names, block_diag(found.covariance[np.ix_(used, used)], others)
+    return (*names, *deviations), block_diag(covariance, np.diag(np.square([*deviations.values()])))

@@ -1,4 +1,3 @@
-from .calibrated import CalibratedParameters as CalibratedParameters
 from .calibrated import CalibrationData as CalibrationData
 from .calibrated import calibration_data as calibration_data
 from .calibrated import calibration_text as calibration_text

@@ -9,7 +9,7 @@ import numpy as np
 
 from metafem._validate import FloatArray, IntArray
 from metafem.errors import InvalidInput, refuse_if
-from metafem.files.tables import Columns, Entries, Table, is_of_contacts, read_table
+from metafem.files.tables import Columns, Table, is_of_contacts, read_table
 from metafem.inversion import SampledLaw
 from metafem.surface import Friction, Material
 
@@ -171,11 +171,11 @@ def columns_of(source: str | Path | Table, kind: str) -> Keys:
     entries = COLUMNS[kind].read(source)
     found = {name: entries.numbers(name) for name in entries.columns}
     for name, values in found.items():
-        _refuse(entries, name, values < 0.0, "must not be negative")
+        entries.refuse(name, values < 0.0, "must not be negative")
         rises = np.append(True, np.diff(values) > 0.0)
-        _refuse(entries, name, ~rises, f"must exceed the {name} of the previous line")
+        entries.refuse(name, ~rises, f"must exceed the {name} of the previous line")
         origin = (np.arange(len(values)) == 0) & (values != 0.0) & (kind == "profile")
-        _refuse(entries, name, origin, "must be 0; the first line of a profile is its origin")
+        entries.refuse(name, origin, "must be 0; the first line of a profile is its origin")
     return found
 
 
@@ -190,7 +190,7 @@ def samples_of(source: str | Path | Table) -> Keys:
     values = {name: entries.numbers(name) for name in entries.columns}
     for name in values.keys() - TARGET.plain:
         hint = "" if name.endswith("_sd") else "; omit the origin"
-        _refuse(entries, name, values[name] <= 0.0, f"must be greater than 0{hint}")
+        entries.refuse(name, values[name] <= 0.0, f"must be greater than 0{hint}")
     load, friction = (next(key for key in keys if key in values) for keys in (LOADS, FRICTIONS))
     x, y = values[load], values[friction]
     stated = [key for key in (f"{load}_sd", f"{friction}_sd") if key in values]
@@ -234,11 +234,5 @@ def read_sites(path: str | Path | Table) -> tuple[FloatArray, IntArray]:
         return position, np.arange(len(position))
     number = np.array(entries.whole("site", 1)) - 1
     twice = np.array([site in number[:row] for row, site in enumerate(number)])
-    _refuse(entries, "site", twice, "is the number of another site too")
+    entries.refuse("site", twice, "is the number of another site too")
     return position, number
-
-
-def _refuse(entries: Entries, name: str, wrong: Any, must: str) -> None:
-    """Raise InvalidInput for the first row of a column for which `wrong`, (k,), is true."""
-    for row in np.flatnonzero(wrong)[:1]:
-        raise InvalidInput(f"{entries.cell(row, name)} = {entries.texts(name)[row]} {must}")

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -36,9 +37,8 @@ ALIASES = {
     "contact_area": "area", "f": "friction_force",
 }  # fmt: skip
 
-# A title with its unit in brackets, such as "Load [mN]", and the area of one contact of several.
+# A title with its unit in brackets, such as "Load [mN]".
 LABEL = re.compile(r"(.*?)\s*[\[(]\s*([^\[\]()]*?)\s*[\])]")
-SINGLE = re.compile(r"area_\d{1,4}", re.ASCII)
 
 # A number with a decimal sign that could be a sign of thousands.
 GROUP = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}", re.ASCII)
@@ -50,8 +50,8 @@ NONE: Mapping[str, str] = {}
 
 
 def base_of(name: str) -> str:
-    """Return the quantity that a column holds: "area" for "area_1" and for "area_sd"."""
-    return "area" if SINGLE.fullmatch(name) else name.removesuffix("_sd")
+    """Return the quantity that a column holds: "area" for "area_sd"."""
+    return name.removesuffix("_sd")
 
 
 def named(title: str) -> tuple[str, str]:
@@ -218,8 +218,7 @@ class Columns:
         """Return the entries of a file or table, and report which columns are not read."""
         table, found = read_table(source), dict[str, tuple[int, Fraction]]()
         for index, (name, unit) in enumerate(table.quantities):
-            single = SINGLE.fullmatch(name) and "area_1" in self.units
-            if name in self.plain or name in self.units or single:
+            if name in self.plain or name in self.units:
                 refuse_if(name in found, f"{table.name}: {name} is in two columns; keep one")
                 found[name] = index, self._size(table, index, name, unit)
         entries = Entries(table, found)
@@ -316,6 +315,11 @@ class Entries:
                 words = f"{shown(text, 40)} must be a whole number of at least {least}"
                 raise InvalidInput(f"{self.cell(row, name)} = {words}")
         return [int(text) for text in found]
+
+    def refuse(self, name: str, wrong: Any, must: str) -> None:
+        """Raise InvalidInput for the first row of a column for which `wrong`, (k,), is true."""
+        for row in np.flatnonzero(wrong)[:1]:
+            raise InvalidInput(f"{self.cell(row, name)} = {self.texts(name)[row]} {must}")
 
     @contextmanager
     def located(self) -> Iterator[None]:

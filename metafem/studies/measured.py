@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from metafem._validate import FloatArray
-from metafem._values import percent, three_digits
+from metafem._values import percent
 from metafem.calibration import Comparison, Explanation
 from metafem.calibration.explanation import row
 from metafem.calibration.statistics import REJECTED, Verdict
@@ -68,8 +69,8 @@ def explained(found: Explanation) -> xr.Dataset:
     -------
     xarray.Dataset
         Over ``cause``: ``expected``, ``mean`` and ``sd`` [rad or relative]. Single numbers are
-        ``misfit_design`` and ``misfit``, chi-square without and with these errors, ``values``, the number of
-        measured values, and ``fits``, 1 if the errors explain them.
+        ``deviation``, the relative deviation (rms) of a part with these errors, ``misfit``, its chi-square,
+        ``values``, the number of measured values, and ``fits``, 1 if the errors explain them.
 
     Examples
     --------
@@ -87,7 +88,7 @@ def explained(found: Explanation) -> xr.Dataset:
         for name in ("expected", "mean", "sd")
     }
     variables |= {
-        "misfit_design": ((), found.misfit_design),
+        "deviation": ((), found.deviation),
         "misfit": ((), verdict.chi_square),
         "values": ((), verdict.freedom),
         "fits": ((), int(verdict.fits)),
@@ -128,8 +129,10 @@ def explained_summary(study: xr.Dataset) -> Summary:
     values = (study[name].values.tolist() for name in ("cause", "mean", "sd", "expected"))
     rows = zip(*(row(*each) for each in zip(*values, strict=True)), strict=True)
     columns = dict(zip(("cause", "found (68 %)", "expected"), rows, strict=True))
-    misfit, count = float(study["misfit"]), float(study["values"])
-    explains = "agrees" if int(study["fits"]) else "does not agree"
-    words = f"with the {count:.0f} measured values: chi² = {three_digits(misfit)}."
-    answer = f"A part with these errors {explains} {words}"
+    deviation, misfit, count = (float(study[name]) for name in ("deviation", "misfit", "values"))
+    agrees = "agrees" if int(study["fits"]) else "does not agree"
+    answer = (
+        f"A part with these errors {agrees} with the {count:.0f} measured values: they deviate from it by "
+        f"{percent(deviation)} (rms), {math.sqrt(misfit / count):.2g} times their errors."
+    )
     return Summary.of(study, "What explains the measured law", columns, answer)

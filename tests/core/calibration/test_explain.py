@@ -54,7 +54,8 @@ def test_the_errors_of_a_part_are_found_within_their_standard_deviations(first):
         made = PART.replaced(height=1.03 * PART.height).tilted(1.4e-3, -9e-4).perturbed(0.9e-3, rng)
         found = explain(measured(made, rng, stiffer=1.05, friction=0.97), PART)
         assert found.verdict.fits
-        assert found.misfit_design > 2.0 * found.verdict.chi_square
+        # the errors of the boundaries, loads and heights are some percent of the areas
+        assert 0.01 < found.deviation < 0.05
         off += scores(found, **true)
     # 20 values of s.d. 1: their rms within three of its standard errors, 1/sqrt(40)
     assert np.sqrt(np.mean(np.square(off))) < 1.0 + 3.0 / math.sqrt(40)

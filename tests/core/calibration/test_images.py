@@ -101,6 +101,17 @@ def test_bad_pixels_and_a_dark_frame_do_not_change_the_areas():
     assert spot.dark_level == pytest.approx(one.dark_level, abs=0.02)
 
 
+def test_contacts_too_small_for_their_half_level_are_left_out():
+    # one pixel within the half level is a contact of 2.5 pixels, or of any size up to that
+    radii = np.append(np.linspace(2.3, 6.0, 40), 30.0)
+    centre = [(30.0 * (i % 7) + 20.1, 30.0 * (i // 7) + 20.3) for i in range(40)] + [(290.0, 100.0)]
+    found = contact_areas(picture((240, 360), centre, radii), 1.0)
+    which = np.linalg.norm(found.centre[:, None] - centre, axis=2).argmin(axis=1)
+    assert found.area == pytest.approx(np.pi * radii[which] ** 2, rel=0.01)
+    assert found.area.min() >= found.smallest_area
+    assert set(which) == set(np.flatnonzero(np.pi * radii**2 > found.smallest_area))
+
+
 def test_dark_level_and_blur_are_those_of_the_picture():
     for radius, blur in ((8.0, 2.0), (40.0, 0.5)):
         rng = np.random.default_rng(int(radius))

@@ -1,7 +1,5 @@
 """Measured laws, their two branches, and their agreement with designs."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from scipy.optimize import minimize
@@ -70,26 +68,16 @@ def test_the_contacts_of_images_become_a_law_without_images_that_lack_a_quantity
     np.testing.assert_allclose(law.friction_force, [0.05, 0.1])
     assert [str(note).endswith("left out: c") for note in law.notes] == [True]
     merged = np.array([[0.1, np.nan], [0.05, 0.0], [0.3, 0.4]])
-    law = measured_law(contacts(area=merged, area_error=0.01 * merged), MATERIAL)
-    assert np.isnan(law.area).tolist() == [False, True, False]
-    unmatched = contacts(area=merged, area_error=0.01 * merged, matched=False)
-    assert "left out: a" in str(measured_law(unmatched, MATERIAL).notes[0])
+    for matched in (True, False):
+        some = contacts(area=merged, area_error=0.01 * merged, matched=matched)
+        assert "left out: a" in str(measured_law(some, MATERIAL).notes[0])
+    forces = contacts(area=merged, area_error=0.01 * merged, friction_force=np.array([0.1, 0.05, 0.2]))
+    law = measured_law(forces, MATERIAL, FRICTION)
+    assert (np.isnan(law.asperity_area).sum(), law.area) == (1, None)
     faint = contacts(area_error=np.array([[0.01, 0.01], [0.01, 0.006], [0.01, 0.01]]))
     law = measured_law(faint, MATERIAL)
     assert law.asperity_area_sd[0].tolist() == [0.01, 0.006]
     assert "0.006 mm^2" in str(law.notes[0])
-
-
-def test_loads_with_an_unknown_contact_are_used_for_what_they_tell():
-    load = np.linspace(0.02, 0.2, 10)
-    whole = MeasuredLaw(load, asperity_area=np.outer(load, [1.0, 2.0]), material=MATERIAL)
-    areas = np.vstack([np.outer(load, [1.0, 2.0]), [[0.3, np.nan]]])
-    law = MeasuredLaw(np.append(load, 0.1), asperity_area=areas, material=MATERIAL)
-    assert np.isnan(law.area).sum() == np.isnan(law.area_sd).sum() == 1
-    np.testing.assert_array_equal(law.known().area, whole.area)
-    assert law.fit(load=(0.02, 0.2)).slope == whole.fit(load=(0.02, 0.2)).slope
-    forces = replace(law, friction_force=0.3 * law.load, friction=FRICTION)
-    assert len(forces.known().load) == 11
 
 
 def test_the_least_chi_square_is_that_of_a_minimiser_over_lines_and_true_loads():
@@ -153,7 +141,7 @@ def test_deviations_have_the_stated_covariance():
     assert correlation == pytest.approx(stated, abs=4.0 * (1.0 - stated**2) / np.sqrt(200))
 
 
-def test_loads_beyond_the_design_and_loads_with_an_unknown_contact_are_left_out_and_named():
+def test_loads_beyond_the_design_are_left_out_and_named():
     linear = linear_design()
     end = float(linear.law.load[-1])
     law = measured_on(linear, np.linspace(0.1, 0.8, 8))
@@ -161,13 +149,6 @@ def test_loads_beyond_the_design_and_loads_with_an_unknown_contact_are_left_out_
     found = compare(measured_on(linear, load, friction_force=force), linear)
     assert len(found.deviation) == (law.load <= end).sum()
     assert "left out" in found.notes[0].text
-    load = np.linspace(0.1, 0.5, 5)
-    areas = np.array([mf.equilibrium(linear.surface, load=value).asperity_area for value in load])
-    areas[1, 7] = np.nan
-    found = compare(MeasuredLaw(load, asperity_area=areas, material=linear.surface.material), linear)
-    assert found.measured.load.tolist() == load[[0, 2, 3, 4]].tolist()
-    assert np.isfinite(found.normalised).all()
-    assert "0.2 N" in found.notes[0].text
 
 
 def test_the_part_that_is_the_design_is_accepted_as_often_as_stated():

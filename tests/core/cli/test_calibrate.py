@@ -66,7 +66,7 @@ def test_tests_are_compared(run, tables):
     arguments = ("calibrate", "shear.csv", "second.csv")
     assert "2 tests: the tests agree" in run(*arguments).told
     data = run(*arguments, "--json").data
-    assert list(data["shear"]["tests"]) == ["shear", "second"]
+    assert data["shear"]["tests"] == ["shear", "second"]
     assert data["covariance"]["parameters"] == ["area_ratio", "shear_strength"]
 
 

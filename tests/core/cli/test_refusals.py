@@ -66,7 +66,7 @@ REFUSALS = [
     (("calibrate", "shear.csv", "--load-error", "5 mm"), "--load-error", "5 mm"),
     (("calibrate", "shear.csv", "--friction-relative-error", "3"), "--friction-relative-error", "3"),
     (("calibrate", "shear.csv", "-o", "a.txt"), "a.txt", ".toml"),
-    (("calibrate", "negative.csv", *RADIUS), "negative.csv, line 3", "area = -1 mm^2"),
+    (("calibrate", "negative.csv", *RADIUS), "negative.csv, line 3", "-1"),
     ((*MAP[:2], "--design", "linear"), "part.npy", "pixels"),
     (("images", "part.npy", "--pixel", "5 um", "--picture", "made.pdf"), "made.pdf", ".svg"),
     ((*MAP, "-o", "part.npy"), "part.npy", "exists"),

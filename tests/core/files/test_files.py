@@ -44,14 +44,9 @@ def write_specification(path):
     path.write_text(text(), "utf-8")
 
 
-def of_parameters(found):
-    """Return the parameters of a calibration as lists."""
-    return list(found.parameters), found.value.tolist(), found.covariance.tolist()
-
-
 def parameters():
     data = calibration_data(PRESSED, SHEARED)["covariance"]
-    return data["parameters"], data["values"], data["matrix"]
+    return [data["parameters"], data["values"], data["matrix"]]
 
 
 # How each file is written and read, and what is then equal to what was written.
@@ -71,7 +66,7 @@ FILES = {
         lambda: plain_data(CONTACTS.to_dict("list")),
     ),
     "calibration.toml": (
-        write_calibration, lambda path: of_parameters(files.read_parameters(path)), parameters,
+        write_calibration, lambda path: plain_data(files.read_parameters(path)), parameters,
     ),
     "interaction.nc": (
         lambda path: files.write_study(STUDY, path, force=True),

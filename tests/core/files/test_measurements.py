@@ -22,9 +22,6 @@ from tests.core.files.specs import spec
 from tests.core.files.test_files import CONTACTS, PRESSED, SHEARED, A
 
 MATERIAL, FRICTION = mf.Material(1.36), mf.Friction(0.404, 0.85)
-PULL = "displacement_um,friction_force_mN,area_mm2\n" + "".join(
-    f"{10 * i},{i if i <= 15 else 12},{0.5 - 0.01 * min(i, 15) if i % 5 == 0 else ''}\n" for i in range(61)
-)  # fmt: skip
 
 
 @pytest.fixture
@@ -100,16 +97,7 @@ def test_compression_tests_are_pooled_with_their_labels(read):
     assert points["load"].tolist() == [0.01, 0.02, 0.0105, 0.02]
     assert points["area"].tolist() == [0.1, 0.2, 0.1, 0.2]
     assert points["test"].tolist() == ["a", "a", "first", "second"]
-    assert points["place"].tolist()[1:3] == ["a.csv, line 3", "b.csv, line 2"]
     assert data.shear is None
-    points = read("area_10_mm2,load_mN,area_2_mm2\n0.1,10,0.2\n").compression
-    assert points[["area_2", "area_10"]].to_numpy().tolist() == [[0.2, 0.1]]
-    assert list(points)[1:3] == ["area_2", "area_10"]
-    single, two = "load_mN,area_1_mm2\n1,2\n", "load_mN,area_1_mm2,area_2_mm2\n1,2,3\n"
-    for other, count in ((single, "1"), (one, "a total")):
-        words = rf"2 \(a.csv, line 2\) and {count} \(b.csv, line 2\) contacts"
-        with pytest.raises(mf.InvalidInput, match=words):
-            read(two, other)
     Path("d").mkdir()
     for name in ("a.csv", "d/a.csv"):
         Path(name).write_text(one, "utf-8")
@@ -123,19 +111,15 @@ def test_compression_tests_are_pooled_with_their_labels(read):
         files.read_calibration(["a.csv", "./a.csv"])
 
 
-def test_shear_tests_and_records_are_points(read):
+def test_shear_tests_are_points(read):
     table = "load_mN,area_mm2,area_sheared_mm2,friction_force_mN\n10,0.1,0.085,31\n20,0.15,,\n,0.2,0.17,63\n"
     data = read(table)
     assert data.compression["load"].tolist() == [0.01, 0.02]
     assert data.shear["area_before"].tolist() == [0.1, 0.15, 0.2]
     np.testing.assert_array_equal(data.shear["area_sheared"], [0.085, np.nan, 0.17])
     np.testing.assert_array_equal(data.shear["friction_force"], [0.031, np.nan, 0.063])
-    assert data.shear["place"][2] == "a.csv, line 4"
+    assert "covariance of their errors is left out" in str(data.notes[0])
     assert read("area_sheared_mm2,friction_force_mN\n0.085,31\n").shear["area_before"].isna().all()
-    static = read(PULL, PULL).shear
-    assert static["test"].tolist() == ["records"] * 2
-    values = static[["area_before", "area_sheared", "friction_force"]]
-    np.testing.assert_allclose(values, [[0.5, 0.35, 0.015]] * 2, rtol=1e-12)
 
 
 def test_contacts_of_images_are_points(read):
@@ -146,18 +130,20 @@ def test_contacts_of_images_are_points(read):
     )  # fmt: skip
     data = read(files.contacts_table(table))
     pressed, slid = data.compression, data.shear
-    assert pressed[["load", "area_1", "area_2", "place"]].values.tolist() == [
-        [0.05, 0.1, 0.2, "a.csv, image 1"]
-    ]
+    assert pressed[["load", "area_1", "area_2"]].values.tolist() == [[0.05, 0.1, 0.2]]
     np.testing.assert_allclose(slid["area_before"], [0.3, 0.15, 0.5], rtol=1e-12)
     np.testing.assert_array_equal(slid["friction_force"], [0.09, np.nan, 0.15])
     assert slid["test"].tolist() == ["a", "a", "b"]
-    assert [note.text.partition(":")[0] for note in data.notes] == ["a.csv"] * 2
+    assert [note.text.partition(":")[0] for note in data.notes] == ["a.csv"] * 3
     assert data.boundary == pytest.approx(1e-3, rel=1e-12)
-    assert read(files.contacts_table(table), "load_mN,area_1_mm2,area_2_mm2\n1,2,3\n").boundary is None
-    for words, message in (("too few", "a.csv, b.csv: too few"), ("b.csv, line 2: x", "b.csv, line 2: x")):
+    whole = "load_mN,area_mm2\n1,2\n"
+    with pytest.raises(mf.InvalidInput, match="different numbers of contacts"):
+        read(files.contacts_table(table), whole)
+    assert read(files.contacts_table(table), "area_sheared_mm2,friction_force_mN\n1,2\n").boundary is None
+    for key, message in (("", "a.csv, b.csv: too few"), ("area[1]", "a.csv, b.csv: entry 2 of area too few"),
+                         ("radius", "radius too few")):  # fmt: skip
         with pytest.raises(mf.InvalidInput) as caught, files.of_tables(["a.csv", "b.csv"]):
-            raise mf.InvalidInput(words)
+            raise mf.InvalidInput("too few", key=key)
         assert str(caught.value) == message
 
 
@@ -255,8 +241,7 @@ def test_a_calibration_is_written_as_data():
     load, labels = load_of(0.0), ["a"] * 20 + ["b"] * 20
     both = fit_compression(np.append(load, 2.0 * load), np.tile(np.pi * A**2, 2), 0.526, test=labels)
     both = calibration_data(both, None)["compression"]
-    assert [test["composite_modulus_MPa"] for test in both["tests"].values()] == pytest.approx([1.36, 2.72])
-    assert both["heterogeneity"]["fits"] is False
+    assert (both["tests"], both["heterogeneity"]["fits"]) == (["a", "b"], False)
 
 
 def test_images_of_all_kinds_have_their_grey_levels(tmp_path):

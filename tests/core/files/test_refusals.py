@@ -235,7 +235,6 @@ def test_other_borders_refuse_by_key_and_value(border, tmp_path):
 SURFACE = "x_mm,y_mm,height_um,radius_um"
 IMAGES = "image,load_N,contact,site,x_mm,y_mm,area_mm2,area_error_mm2"
 FIRST = f"{IMAGES}\na,.05,1,3,0,0,.1,.01\n"
-PULL = "displacement_um,friction_force_mN,area_mm2\n"
 TABLES = {
     partial(files.read_surface, material=MATERIAL): [
         ("", "t.csv", "empty"), ("x_mm:y_mm\n", "t.csv", "x_mm:y_mm"),
@@ -291,10 +290,8 @@ TABLES = {
     ],
     calibration: [
         ("load_mN,height_um\n1,2\n", "height_um", "load_mN,area_mm2"),
-        ("load_mN,area_mm2,area_1_mm2\n1,2,3\n", "area", "area_1"),
         ("area_mm2,area_before_mm2,area_sheared_mm2\n1,2,3\n", "area", "area_before"),
-        (f"{PULL}1,2,3\n".replace(",area_mm2", ",test"), "area_mm2", "displacement_um"),
-        (PULL + "".join(f"{i},{i},{5 - i}\n" for i in range(5)), "friction_force", "end of the record"),
+        ("load_mN,area_mm2\n1,2\n3,-4\n", "line 3: area_mm2", "-4"),
         (f"{IMAGES}\na,,1,3,0,0,.1,.01\n", "t.csv", "no image has a load"),
     ],
     partial(files.read_forces, ["1.tif", "s.tif:1", "s.tif:2"]): [
