@@ -49,8 +49,8 @@ class Comparison(Value):
         Standard deviations of the parameters whose errors are included.
     notes : tuple of Note
         Notes on what was left out.
-    percent : ndarray, (m,)
-        Deviation over predicted value [%].
+    percent, normalised : ndarray, (m,)
+        Deviation over predicted value [%], and over its standard deviation [-].
 
     Examples
     --------
@@ -82,8 +82,14 @@ class Comparison(Value):
         above = self.predicted > 0.0
         return np.asarray(np.divide(100.0 * self.deviation, self.predicted, infinite, where=above))
 
+    @property
+    def normalised(self) -> FloatArray:
+        """Deviation over its standard deviation [-]."""
+        return self.deviation / self.deviation_sd
+
     def __repr__(self) -> str:
-        return f"<Comparison of {self.measured!r}: {self.verdict}>"
+        rms = np.sqrt((self.normalised**2).mean())
+        return f"<Comparison of {self.measured!r}: {rms:.2g} standard deviations (rms), {self.verdict}>"
 
 
 def compare(
