@@ -28,7 +28,7 @@ TITLES: Mapping[str, str] = {
     "limits.height_sd": "error when made (SD)",
     "material.composite_modulus": "composite modulus E*", "material.poisson_ratio": "Poisson's ratio ν",
     "friction.shear_strength": "shear strength σ", "friction.area_ratio": "area ratio B",
-    "tools.radii": "radii of the tools", "tools.caps": "their caps",
+    "tools.radii": "radii of the tools",
     "sites.pinned": "sites with given heights", "sites.heights": "their heights",
     "model.kind": "model", "layout.seed": "random seed", "layout.tilt": "against a tilt of",
 }  # fmt: skip

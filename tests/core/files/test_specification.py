@@ -8,10 +8,14 @@ import tomllib
 import numpy as np
 import pytest
 from jsonschema import Draft7Validator
+from pydantic import create_model
 
 import metafem as mf
 from metafem import files
-from metafem.files.specification.forms import Sections, as_toml, whole_schema
+from metafem.explorer import form as page_form
+from metafem.files.specification import forms, read
+from metafem.files.specification.forms import Sections, as_toml, section_forms, whole_schema
+from metafem.files.specification.sections import ChecksSection, key, measured, optional
 from metafem.models.model import contact_of, with_contact
 from tests.core.files.specs import SHAPE, spec, text
 
@@ -330,6 +334,38 @@ def test_forms_describe_the_values_of_keys():
     needed = [key["name"] for key in forms["target"]["keys"]["sampled"] if key["needed"]]
     assert needed == ["rescaled_load", "rescaled_friction"]
     assert list(forms["contact.cap"]["kinds"]) == ["hertz", "elastic"]
+
+
+@pytest.fixture
+def wider(monkeypatch):
+    """The sections of a specification, in which `checks` has one key more."""
+
+    class Wider(ChecksSection):
+        gap: measured("mm", gt=0.001, le=0.5) | None = optional("between the plates", "20 um")
+
+    sections = create_model("Wider", __base__=Sections, checks=(Wider, key("further checks", default=Wider())))
+    for module in (forms, read):
+        monkeypatch.setattr(module, "Sections", sections)
+    for cached in (whole_schema, section_forms):
+        cached.cache_clear()
+    yield
+    monkeypatch.undo()
+    for cached in (whole_schema, section_forms):
+        cached.cache_clear()
+
+
+@pytest.mark.usefixtures("wider")
+def test_a_field_of_a_section_is_all_that_a_new_key_needs():
+    (part,) = [each for each in page_form.form() if each["name"] == "checks"]
+    field = part["keys"][""][-1]
+    assert (field["label"], field["example"], "um" in field["units"]) == ("gap", "20 um", True)
+    assert "between the plates; greater than 0.001 mm, at most 0.5 mm" in field["help"]
+    assert 'gap = "20 um"' in files.manual()
+    assert files.parsed(text() + '[checks]\ngap = "30 um"').sections.checks.gap == pytest.approx(0.03)
+    for given, words in (("1 um", "greater than 0.001 mm"), ("501 um", "less than or equal to 0.5 mm")):
+        with pytest.raises(mf.InvalidInput) as caught:
+            files.parsed(text() + f'[checks]\ngap = "{given}"')
+        assert f'checks.gap = "{given}" must be {words}' in str(caught.value)
 
 
 def test_the_schema_describes_every_key():
