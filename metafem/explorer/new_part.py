@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from functools import cached_property
 from typing import Any
 
 from nicegui import ui
@@ -13,7 +12,7 @@ from metafem._values import MICROMETRES
 from metafem.errors import InvalidInput
 from metafem.explorer.control import Control
 from metafem.explorer.fields import with_points, with_unit
-from metafem.explorer.table import Table, on_page, written
+from metafem.explorer.table import Table, written
 from metafem.files import quantity
 
 # The fields with their labels, units and first values, those of the paper's part.
@@ -103,45 +102,34 @@ def _number(text: str) -> float | str:
         return text
 
 
-class NewPart:
-    """A dialog with the fields of a new part."""
+def new_part_dialog(page: Control) -> ui.dialog:
+    """Return the dialog for a new part, which is one step of the history."""
 
-    def __init__(self, page: Control) -> None:
-        self.page = page
-
-    def open(self, _: object) -> None:
-        """Open the dialog."""
-        self.dialog.open()
-
-    @cached_property
-    def dialog(self) -> ui.dialog:
-        """The dialog, which is created when it is first opened."""
-        with ui.dialog().props('aria-labelledby="new-part"') as dialog, ui.card().classes("new-part"):
-            ui.html("<h2 id='new-part'>New part</h2>", sanitize=False)
-            ui.label(
-                "The lattice fills the block. Numbers have the units beside them. Undo restores the part."
-            ).classes("quiet small")
-            self.fields = {
-                name: ui.input(label, value=first)
-                .props(f'dense outlined suffix="{unit}"')
-                .on("keydown.enter", self.make)
-                for name, (label, unit, first) in FIELDS.items()
-            }
-            self.words = ui.label().classes("warn").props('role="status"')
-            self.words.set_visibility(False)
-            with ui.element("div").classes("row"):
-                ui.button("Make it", on_click=self.make).props("no-caps unelevated")
-                ui.button("Cancel", on_click=dialog.close).props("no-caps flat")
-        return dialog
-
-    async def make(self) -> None:
-        """Show the part as one step of the history, or which value cannot be read."""
+    async def make() -> None:
+        words.set_visibility(False)
         try:
-            text = written(new_part({name: field.value for name, field in self.fields.items()}))
+            text = written(new_part({name: field.value for name, field in fields.items()}))
         except InvalidInput as error:
-            self.words.text = on_page(str(error))
-            self.words.set_visibility(True)
+            words.text = str(error)
+            words.set_visibility(True)
             return
-        self.words.set_visibility(False)
-        self.dialog.close()
-        await self.page.alter(text=text, load=None)
+        dialog.close()
+        await page.alter(text=text, load=None)
+
+    with ui.dialog().props('aria-labelledby="new-part"') as dialog, ui.card().classes("new-part"):
+        ui.html("<h2 id='new-part'>New part</h2>", sanitize=False)
+        ui.label(
+            "The lattice fills the block. Numbers have the units beside them. Undo restores the part."
+        ).classes("quiet small")
+        fields = {
+            name: ui.input(label, value=first)
+            .props(f'dense outlined suffix="{unit}"')
+            .on("keydown.enter", make)
+            for name, (label, unit, first) in FIELDS.items()
+        }
+        words = ui.label().classes("warn").props('role="status"')
+        words.set_visibility(False)
+        with ui.element("div").classes("row"):
+            ui.button("Make it", on_click=make).props("no-caps unelevated")
+            ui.button("Cancel", on_click=dialog.close).props("no-caps flat")
+    return dialog

@@ -11,7 +11,7 @@ from nicegui.page import page as page_of
 
 from metafem.errors import InvalidInput
 from metafem.explorer import control, queue
-from metafem.explorer.control import Panel, Request, Widget, patience, whole_of
+from metafem.explorer.control import Panel, Request, patience, whole_of
 from metafem.explorer.files import Taking
 from metafem.explorer.form import Workshop
 from metafem.explorer.header import FIRST, Header
@@ -227,7 +227,7 @@ def test_a_search_ends_when_the_drag_goes_on_and_a_draft_is_computed_fully_at_re
 
 def test_the_plot_of_the_law_moves_adds_and_removes_points():
     async def scene(page, law):
-        sent, texts = calls_of(law.plot), []
+        sent, texts = calls_of(law), []
 
         async def event(kind, **given):
             await law._handle(getattr(law, f"on_{kind}"), given)
@@ -270,7 +270,7 @@ def test_the_plot_of_the_law_moves_adds_and_removes_points():
 
 def test_the_pictures_of_the_surface_get_what_changed_and_edit_sites():
     async def scene(page, surface):
-        sent = calls_of(surface.view)
+        sent = calls_of(surface)
         surface.contacts.pause = 0.0
         await page.alter(load=0.3)
         await shown(page)
@@ -288,14 +288,14 @@ def test_the_pictures_of_the_surface_get_what_changed_and_edit_sites():
     assert len(first["layout"]["x"]) == len(first["height"]) == 64
     assert "layout" not in second
     assert [second["height"][i] for i in (3, 4)] == [None, None]
-    assert asked_sites(answer.state.table).empty == {3, 4}
+    assert asked_sites(answer.state.table) == ({}, [3, 4])
     contacts = [given for name, given in sent if name == "contact"]
     assert contacts[0]["load"] == pytest.approx(0.3, rel=1e-9)
 
 
 def test_header_and_fields_show_what_is_chosen_and_what_is_refused():
     async def scene(page, header, fields):
-        bar, sent = calls_of(header.bar), calls_of(fields.fields)
+        bar, sent = calls_of(header), calls_of(fields)
         await page.alter()
         await shown(page)
         bar.clear(), sent.clear()
@@ -360,30 +360,25 @@ def test_files_are_taken_or_it_is_said_why_not(monkeypatch):
     assert taken["mould.csv"].count(b"\n") > 60
 
 
-def test_what_a_tab_holds_is_created_once_and_elements_send_what_has_changed():
+def test_elements_send_what_has_changed_in_one_message():
     sent = []
 
     async def scene():
         client = Client(page_of("/"))
         with client:
-            tabs = build(State(TEXT)).tabs
-            one, other = Widget({"names": ["a"]}), Widget()
-        counts = [len(client.elements)]
-        for name in ("Take it", "How sure", "Specification", "Take it"):
-            tabs.set_value(name)
-            counts.append(len(client.elements))
-        await asyncio.sleep(0)
+            build(State(TEXT))
+            page = control.Control(State(TEXT))
+            one, other = Panel(page, {"names": ["a"]}), Panel(page)
         client.run_javascript = sent.append
-        one.show({"a": 1, "b": [2]})
-        one.show({"a": 1, "b": [3]})
+        one.send({"a": 1, "b": [2]})
+        one.send({"a": 1, "b": [3]})
         other.call("draw", [2])
         await asyncio.sleep(0)
         client.delete()
         one.call("draw", [4])
-        return counts, one.id, other.id
+        return one.id, other.id
 
-    counts, one, other = asyncio.run(scene())
-    assert counts[0] < counts[1] < counts[2] < counts[3] == counts[4]
+    one, other = asyncio.run(scene())
     (message,) = sent
     parts = [f'runMethod({one}, \'show\', [{{"a":1,"b":[2]}}])', f"runMethod({one}, 'show', [{{\"b\":[3]}}])"]
     for part, words in zip(message.split(";"), [*parts, f"runMethod({other}, 'draw', [[2]])"], strict=True):

@@ -1,7 +1,6 @@
-"""The server of a page: the requests that it answers, its token and port, and its queue."""
+"""The server of a page: the requests that it answers, and its queue."""
 
 import asyncio
-import socket
 import threading
 
 import pytest
@@ -9,7 +8,6 @@ import pytest
 from metafem.errors import InvalidInput
 from metafem.explorer.queue import Dropped, Queue
 from metafem.explorer.server import REFUSED, Guard
-from metafem.explorer.start import HOST, token_and_port
 from metafem.progress import doing
 
 OWN, TOKEN = "127.0.0.1:8123", "c0ffee"
@@ -67,30 +65,6 @@ def test_the_token_opens_the_page_and_nothing_else_does():
     asked(fails=True)  # a page that is closed while it loads is no error
     with pytest.raises(RuntimeError):
         asked(fails=True, left=False)
-
-
-def test_the_next_run_has_the_token_and_the_port_of_the_last(tmp_path, monkeypatch):
-    folder = tmp_path / "cache"
-    monkeypatch.setenv("METAFEM_CACHE_DIR", str(folder))
-    run = token_and_port
-    token, port = run(None)
-    assert len(token) == 32
-    assert run(None) == (token, port)
-    assert (folder / "explorer.json").stat().st_mode & 0o777 == 0o600
-    assert {each.name for each in folder.iterdir()} == {"explorer.json"}
-    with socket.socket() as other:  # a port in use is left to its owner
-        other.bind((HOST, port))
-        other.listen()
-        again, free = run(None)
-        assert (again, free != port) == (token, True)
-        with pytest.raises(InvalidInput, match=str(port)):
-            run(port)
-    for text in ("", "{}", '{"token": "", "port": 1}', '{"token": 7, "port": []}'):
-        (folder / "explorer.json").write_text(text)
-        assert run(None) == run(None)
-        assert len(run(None)[0]) == 32
-    monkeypatch.setenv("METAFEM_CACHE_DIR", str(tmp_path / "cache" / "explorer.json"))
-    assert run(None)[0] != run(None)[0]  # without a folder
 
 
 class Held:
@@ -157,9 +131,8 @@ def assert_rested(newer, patience, answers):
     found = []
 
     async def scene():
-        held = Held(
-            found, better={"draft": "whole"}.get, rest=0.0, patience=lambda running, waiting: patience
-        )
+        held = Held(found, better={"draft": "whole"}.get, patience=lambda running, waiting: patience)
+        held.queue.pause = 0.0
         await held.put("draft", *newer)
         assert held.failures == [("wrong", "of it")] * newer.count("wrong")
 
