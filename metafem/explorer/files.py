@@ -14,14 +14,12 @@ from tempfile import TemporaryDirectory
 from nicegui import ui
 from nicegui.element import Element
 
-from metafem.drawing import svg
 from metafem.errors import MetafemError
 from metafem.explorer.answer import Answer
 from metafem.explorer.control import Control, Panel
 from metafem.explorer.history import State
 from metafem.files import result_tables, save
 from metafem.report import page
-from metafem.report.figures import law_figure
 
 SPECIFICATION, ZIPPED = "spec.toml", "specification.zip"
 
@@ -33,7 +31,7 @@ DATE = (1980, 1, 1, 0, 0, 0)
 SCRIPT = 'import metafem as mf\n\nspec = mf.read_spec("spec.toml")\nprint(spec.design())\n'
 
 # The files that the page offers by the titles of their groups, with their meanings.
-ARCHIVE, PICTURE = "surface.zip", "law.svg"
+ARCHIVE = "surface.zip"
 GROUPS = {
     "To make the part": {
         "mould.csv": "Mould table: position (x mirrored), depth and tool radius of each hole",
@@ -48,13 +46,12 @@ GROUPS = {
     "Data": {
         "heights.csv": "Heights: site, position, height and radius of each summit",
         "law.csv": "Law: load, area, friction and separation",
-        PICTURE: "Picture of the law, with its difference from the target",
         "surface.vtu": "Surface for ParaView",
     },
 }
 
 # Files that need only the design. All other files describe the part, or are written together with it.
-OF_THE_DESIGN = ("heights.csv", "law.csv", PICTURE)
+OF_THE_DESIGN = ("heights.csv", "law.csv")
 
 # Messages above the files, and why a file cannot be downloaded if they do not say it.
 NO_DESIGN = (
@@ -95,23 +92,17 @@ def command_of(state: State) -> str:
     return f"{unpack}metafem design {SPECIFICATION} -o surface"
 
 
-def quick_files(answer: Answer) -> dict[str, bytes]:
-    """Return the tables and the picture of an answer's design, by file name, which take no time."""
+def made_files(answer: Answer) -> dict[str, bytes]:
+    """Return the files of the result folder of an answer, by name, as ``metafem design`` writes them.
+
+    If no part can be made, they are the tables of the design.
+    """
     design, specification = answer.design, answer.specification
     if not answer.current or answer.draft or design is None or specification is None:
         raise MetafemError(NOTHING)
-    found = result_tables(design, specification.part)
     if answer.no_part:
-        del found["mould.csv"]
-    found[PICTURE] = svg(law_figure(design), design.target.title) + "\n"
-    return {name: text.encode("utf-8") for name, text in found.items()}
-
-
-def made_files(answer: Answer) -> dict[str, bytes]:
-    """Return all files of the result folder of an answer, by name, as ``metafem design`` writes them."""
-    design, specification = answer.design, answer.specification
-    assert design is not None
-    assert specification is not None
+        tables = result_tables(design, specification.part)
+        return {name: tables[name].encode("utf-8") for name in OF_THE_DESIGN}
     with TemporaryDirectory() as parent:
         folder = Path(parent, "surface")
         report = page(design, specification.hardness)
@@ -154,7 +145,6 @@ class Taking(Panel):
     def __init__(self, page: Control) -> None:
         super().__init__(page)
         self.answer, self.problem = page.answer, ""
-        self.made: tuple[State, asyncio.Task[dict[str, bytes]]] | None = None  # all files of a state
         self.told: State | None = None  # the state that the message is about
         self.offered: dict[str, tuple[ui.button, ui.label]] = {}
         self.above = ui.label().classes("warn").props('role="status"')
@@ -228,21 +218,9 @@ class Taking(Panel):
         """Return the name and the content of a file of an answer."""
         if name == SPECIFICATION:
             return await asyncio.to_thread(specification_file, answer.state)
-        found = await asyncio.to_thread(quick_files, answer)
-        if name not in found:
-            found = await self._made(answer)
+        self.say("The files are being written.")
+        found = await asyncio.to_thread(made_files, answer)
         return name, found[name] if name != ARCHIVE else await asyncio.to_thread(archive, found)
-
-    async def _made(self, answer: Answer) -> dict[str, bytes]:
-        """Return all files of an answer; those of one state are written once."""
-        if self.made is None or not self.made[0].designs_the_same(answer.state):
-            self.say("The files are being written.")
-            self.made = answer.state, asyncio.create_task(asyncio.to_thread(made_files, answer))
-        try:
-            return await self.made[1]
-        except Exception:
-            self.made = None
-            raise
 
     def say(self, text: str) -> None:
         """Show a message about the current design."""

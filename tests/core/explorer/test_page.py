@@ -37,7 +37,7 @@ LONG = [
     "law.read_points", "law.tolerance_band", "surface.site_data", "surface.layout_data",
     "surface.contact_data", "surface.press_data", "surface.edited", "header.header_data",
     "header.with_field", "form.contents", "form.with_kind_near", "files.specification_file",
-    "files.quick_files",
+    "files.made_files",
 ]  # fmt: skip
 
 
@@ -345,7 +345,7 @@ def test_files_are_taken_or_it_is_said_why_not(monkeypatch):
         before = files.label.text
         await page.alter()
         await shown(page)
-        for name in ("spec.toml", "law.csv", "mould.csv", "law.svg"):
+        for name in ("spec.toml", "mould.csv"):
             await files.take(name)
         offered = files.offered["mould.csv"][0].enabled
         page.warn({"take": ["no part can be made: it is low"]})
@@ -353,9 +353,9 @@ def test_files_are_taken_or_it_is_said_why_not(monkeypatch):
 
     before, after, offered, hindered, command = on_page(scene, Taking)
     assert "metafem design" in command
-    assert ("not downloaded" in before, after) == (True, "law.svg was downloaded.")
+    assert ("not downloaded" in before, after) == (True, "mould.csv was downloaded.")
     assert (offered, hindered) == (True, False)
-    assert list(taken) == ["spec.toml", "law.csv", "mould.csv", "law.svg"]
+    assert list(taken) == ["spec.toml", "mould.csv"]
     assert taken["spec.toml"] == TEXT.encode()
     assert taken["mould.csv"].count(b"\n") > 60
 

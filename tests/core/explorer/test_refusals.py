@@ -100,14 +100,14 @@ TEXTS = [
 STATES = [
     (lambda: State.from_json("[" * 10**5), "state", "JSON"),
     (state(other=1), "state", "its members"),
-    (state(load=-1.0), "state", "another kind"),
-    (state(load=math.nan), "state", "another kind"),
-    (state(tables={"a": 1}), "state", "another kind"),
-    (state(newtons=1), "state", "another kind"),
+    (state(load=-1.0), "state", "its members"),
+    (state(load=math.nan), "state", "its members"),
+    (state(tables={"a": 1}), "state", "its members"),
+    (state(newtons=1), "state", "its members"),
     (lambda: from_link("1." + "A" * LONGEST), f"{LONGEST + 2:,}", f"{LONGEST:,}"),
     (lambda: from_link("2.abc"), "link", "version"),
     (link(b"{}"), "link", "damaged"),
-    (link(b"0" * (LARGEST + 1)), "link", "16 MiB"),
+    (link(b"0" * (LARGEST + 1)), "link", "damaged"),
 ]
 LAWS = [
     (points("\0"), "m.csv", "null"),
