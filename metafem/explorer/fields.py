@@ -43,21 +43,6 @@ def rounded(value: float, resolution: float) -> float:
     return number
 
 
-def scaled(text: str, ratio: float, resolution: float) -> str:
-    """Return a quantity so many times as large, with the digits of a resolution, in its unit.
-
-    Examples
-    --------
-    >>> scaled("0.14mm^2", 25 / 14, 1e-3)
-    '0.25mm^2'
-    """
-    found = QUANTITY.fullmatch(text)
-    if found is None:
-        raise InvalidInput(f"{text} is not a quantity")
-    number, space, unit = found.groups()
-    return f"{rounded(float(number) * ratio, resolution):.{ALL_DIGITS}g}{space}{unit}"
-
-
 def between(value: float, low: float, high: float, resolution: float) -> tuple[float, float]:
     """Return the value between two bounds that is nearest to `value`, and the resolution for writing it.
 

@@ -260,18 +260,6 @@ def test_units_and_crossovers_stay_with_another_kind_and_examples_serve_without_
         assert found == with_section(table, "target", "power")
 
 
-def test_operating_points_of_a_bilinear_law_have_its_crossover():
-    values = {"slopes": [6.0, 9.0], "crossover_load": "0.08 mm^2", "load_range": ["0.04 mm^2", "0.2 mm^2"]}
-    state = State(changed(demo_text("bilinear"), with_only, "target", {"kind": "bilinear", **values}))
-    design = of_table(state.table).design()
-    found = of_table(with_kind_near(state, design, "operating-points")).target
-    row = int(np.abs(found.rescaled_load - 0.08).argmin())
-    assert found.rescaled_load[row] == pytest.approx(0.08)
-    assert found.rescaled_friction[row] == pytest.approx(0.48, rel=0.03)
-    slopes = np.diff(found.rescaled_friction) / np.diff(found.rescaled_load)
-    assert slopes[row] / slopes[row - 1] == pytest.approx(1.5, rel=0.1)
-
-
 @pytest.mark.parametrize("kind", ["operating-points", "linear", "bilinear", "multilinear"])
 def test_a_target_in_other_units_keeps_its_law(kind):
     state = State("").edited(with_field(POINTS, "target.kind", kind))
