@@ -112,7 +112,7 @@ class Answer:
     @property
     def no_part(self) -> str:
         """Why the part cannot be made; "" if there is no such reason."""
-        return f"no part can be made: {self.part}" if isinstance(self.part, InvalidInput) else ""
+        return f"No part can be made: {self.part}" if isinstance(self.part, InvalidInput) else ""
 
 
 def answered(

@@ -97,14 +97,14 @@ KEYS = {"hardness": "checks.hardness", "model": "model.kind", "height_sd": "limi
 
 
 def warnings_by_place(answer: Answer) -> dict[str, list[str]]:
-    """Return the warnings of an answer by part of the page: "law", "surface", "take" or a specification key.
+    """Return the warnings of an answer by part of the page: "law", "surface" or a specification key.
 
-    "take" is the tab of the files. A warning can belong to several parts. A surface of an earlier state has
+    A warning can belong to several parts. A surface of an earlier state has
     no warnings, because they would not apply to the current specification.
     """
     if not answer.current:
         return {}
-    found = {place: [answer.no_part] for place in ("surface", "take") if answer.no_part}
+    found = {"surface": [answer.no_part]} if answer.no_part else {}
     for note in remarks(answer):
         for name in _places(note) if note.warns else ():
             found.setdefault(name, []).append(str(note))

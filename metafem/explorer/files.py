@@ -119,24 +119,21 @@ def archive(files: Mapping[str, bytes]) -> bytes:
     return content.getvalue()
 
 
-def hindrance(name: str, answer: Answer, problem: str = "") -> str | None:
-    """Return why a file of an answer cannot be downloaded; "" if `said_above` says it, None if it can.
-
-    `problem` states why no part can be made; it is "" if a part can be made.
-    """
+def hindrance(name: str, answer: Answer) -> str | None:
+    """Return why a file of an answer cannot be downloaded; "" if `said_above` says it, None if it can."""
     if name == SPECIFICATION:
         return None
-    if not answer.current or (problem and name not in OF_THE_DESIGN):
+    if not answer.current or (answer.no_part and name not in OF_THE_DESIGN):
         return ""
     bare = answer.specification is None or answer.specification.template.block is None
     return NO_BLOCK if bare and name.endswith(".stl") else None
 
 
-def said_above(answer: Answer, problem: str = "") -> str:
+def said_above(answer: Answer) -> str:
     """Return the message above the files: why none or some of them can be downloaded; "" if all can."""
     if not answer.current:
         return f"{NO_DESIGN} {answer.refused}".strip()
-    return f"{problem[:1].upper()}{problem[1:]}. {NO_PART}" if problem else ""
+    return f"{answer.no_part}. {NO_PART}" if answer.no_part else ""
 
 
 class Taking(Panel):
@@ -144,7 +141,7 @@ class Taking(Panel):
 
     def __init__(self, page: Control) -> None:
         super().__init__(page)
-        self.answer, self.problem = page.answer, ""
+        self.answer = page.answer
         self.told: State | None = None  # the state that the message is about
         self.offered: dict[str, tuple[ui.button, ui.label]] = {}
         self.above = ui.label().classes("warn").props('role="status"')
@@ -181,27 +178,20 @@ class Taking(Panel):
         return ui.button(on_click=partial(self.say, said), **look).on("click", js_handler=copied)
 
     def show(self, answer: Answer, _: object) -> None:
-        """Offer the files of an answer; a message about another design goes."""
+        """Enable the files that an answer has, and say why others cannot be taken."""
+        if answer.draft and not answer.stopped:
+            return  # changed labels would slow a drag down
         self.answer = answer
         self.command.text = command_of(answer.state)
         if self.told is not None and not self.told.designs_the_same(answer.state):
             self.told, self.label.text = None, ""
-        self._offer()
-
-    def warn(self, places: Mapping[str, list[str]]) -> None:
-        """Show why no part can be made from the answer."""
-        self.problem = " ".join(places.get("take", []))
-        self._offer()
-
-    def _offer(self) -> None:
-        """Enable the available files, and show why the other files are not available."""
         for files in GROUPS.values():
             for name, meaning in files.items():
                 button, label = self.offered[name]
-                reason = hindrance(name, self.answer, self.problem)
+                reason = hindrance(name, answer)
                 label.text = f"{meaning}: {reason}" if reason else meaning
                 button.set_enabled(reason is None)
-        self.above.text = said_above(self.answer, self.problem)
+        self.above.text = said_above(answer)
         self.above.set_visibility(bool(self.above.text))
 
     async def take(self, name: str) -> None:

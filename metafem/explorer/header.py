@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -81,10 +80,6 @@ class Header(Panel, component="static/header.js", esm={"metafem": "static"}):
         last = len(session.states) - 1
         self.send({**data, "undo": session.at > 0, "redo": session.at < last, "late": False})
 
-    def warn(self, places: Mapping[str, list[str]]) -> None:
-        """Show why no part can be made; nothing if a part can be made."""
-        self.send({"part": " ".join(places.get("take", []))})
-
     async def _begin(self, name: str) -> None:
         """Start again from a demo, or from the first state of the page, as one step of the history."""
         if name in (FIRST, *DEMOS):
@@ -110,7 +105,13 @@ class Header(Panel, component="static/header.js", esm={"metafem": "static"}):
 def header_data(answer: Answer) -> dict[str, Any]:
     """Return the target in words, the status with its kind and meaning, and the model of an answer."""
     status, kind = _status(answer)
-    data = {"status": status, "kind": kind, "meaning": answer.refused, "stopped": answer.stopped}
+    data = {
+        "status": status,
+        "kind": kind,
+        "meaning": answer.refused,
+        "stopped": answer.stopped,
+        "part": answer.no_part,
+    }
     if answer.current and answer.design is not None:
         data["meaning"] = _meaning(answer.design)
     model = section_of(answer.state.known, "model").get("kind", AUTOMATIC)

@@ -54,7 +54,6 @@ def test_the_tables_are_those_of_the_report(shown):
 
 def test_notes_are_told_where_their_remedies_are():
     answer = answered(State(TEXT), 1)
-    assert "take" not in warnings_by_place(answer)
     assert answer.no_part == ""
     notes = (
         Note("the caps", remedies=("load_range",)),
@@ -73,7 +72,6 @@ def test_notes_are_told_where_their_remedies_are():
     assert "3 warnings, 1 note on the design" in table
     assert "Warning: no &lt;remedy&gt;" in table
     low = with_height(answer, 7, 0.0)
-    assert warnings_by_place(low)["take"] == [low.no_part]
     assert low.no_part in warnings_by_place(low)["surface"]
     refused = answered(State(TEXT.replace('"1.68 mm^2"', '"3.9 mm^2"')), 2, low)
     assert warnings_by_place(refused) == {}  # those of an earlier surface

@@ -22,7 +22,7 @@ from metafem.explorer.surface import SurfacePanel
 from metafem.explorer.surface_data import asked_sites
 from metafem.explorer.table import with_values
 from metafem.files import demo_text, parsed
-from tests.explorer.scenes import calls_of, held, on_page, shown
+from tests.explorer.scenes import calls_of, held, on_page, shown, with_height
 
 TEXT = demo_text("operating-points")
 OWN = f"# for the fair\n{TEXT}"
@@ -318,7 +318,7 @@ def test_header_and_fields_show_what_is_chosen_and_what_is_refused():
             await step()
             await shown(page)
             texts.append(page.state.text)
-        page.warn({"take": ["no part can be made"], "limits.offset": ["raise it"]})
+        page.warn({"limits.offset": ["raise it"]})
         return bar, sent, texts
 
     bar, sent, texts = on_page(scene, Header, Workshop)
@@ -332,7 +332,6 @@ def test_header_and_fields_show_what_is_chosen_and_what_is_refused():
     assert texts[7:10] == [demo_text("bilinear")] * 2 + [TEXT]
     (refused,) = [given for name, given in sent if name == "refuse"]
     assert (refused["key"], "limits" in refused["words"]) == ("limits.max_height", True)
-    assert bar[-1] == ("show", {"part": "no part can be made"})
     assert sent[-1] == ("show", {"warnings": {"limits.offset": ["raise it"]}})
 
 
@@ -348,7 +347,7 @@ def test_files_are_taken_or_it_is_said_why_not(monkeypatch):
         for name in ("spec.toml", "mould.csv"):
             await files.take(name)
         offered = files.offered["mould.csv"][0].enabled
-        page.warn({"take": ["no part can be made: it is low"]})
+        files.show(with_height(page.answer, 7, 0.0), None)
         return before, files.label.text, offered, files.offered["mould.csv"][0].enabled, files.command.text
 
     before, after, offered, hindered, command = on_page(scene, Taking)
