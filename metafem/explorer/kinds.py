@@ -170,11 +170,6 @@ MEMBERS = (
 )  # fmt: skip
 
 
-def offer(answer: Answer) -> str:
-    """Return the label of the button that adopts the nearest law of an answer; "" if none is known."""
-    return "" if answer.nearest_target is None or answer.specification is None else "Use the nearest law"
-
-
 def reachable(answer: Answer) -> Table:
     """Return the table of a refused answer with a target near it that can be designed.
 

@@ -21,19 +21,10 @@ from metafem.explorer.queue import Queue
 from metafem.explorer.scene import Scene
 from metafem.explorer.table import Table
 
-# Why the axes cannot be in newtons.
-NO_FORCES = "Newtons need “Friction” with its shear strength and area ratio in the workshop."
-
 Event = dict[str, Any]
 
 # The smallest part of its axes that a plot shows, as `law_plot.js` has it.
 LEAST_PART = 1e-3
-
-
-def tools_data(answer: Answer) -> dict[str, Any]:
-    """Return the axes that can be chosen above the plot, and the current choice."""
-    forces = answer.design is not None and answer.design.template.friction is not None
-    return {"newtons": answer.state.newtons, "no_forces": "" if forces else NO_FORCES}
 
 
 def beside(answer: Answer) -> dict[str, Any]:
@@ -74,7 +65,7 @@ class LawPanel(Panel, component="static/law_plot.js"):
         """Return the data of an answer that the plot draws."""
         data = law_data(answer)
         units = Units.of(answer.template, answer.state.newtons)
-        data |= {"tools": tools_data(answer), "pinned": pinned_data(self.pinned, units), "measured": None}
+        data |= {"pinned": pinned_data(self.pinned, units), "measured": None}
         try:
             data["measured"] = measured_data(answer)
         except InvalidInput as error:

@@ -14,7 +14,6 @@ from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 from metafem.explorer.answer import Answer
 from metafem.explorer.handles import scene_of
-from metafem.explorer.kinds import offer
 from metafem.explorer.scene import Handle
 from metafem.files.laws import columns_of, read_measured_law
 from metafem.files.tables import table_of
@@ -135,6 +134,9 @@ def measured_data(answer: Answer) -> dict[str, Any] | None:
     return {"name": f"{state.measured_name}: {len(load):,} points", **units.curve(load, friction)}
 
 
+# Why the axes cannot be in newtons.
+NO_FORCES = "Newtons need “Friction” with its shear strength and area ratio in the workshop."
+
 # Text after the refusal of a draft if no bound proves the refusal.
 SEARCHED = "A longer search follows."
 
@@ -148,8 +150,10 @@ def law_data(answer: Answer) -> dict[str, Any]:
     target, many = (scene.target, scene.crowd) if scene else (None, 0)
     marked = isinstance(target, OperatingPoints) and not many
     law = None if answer.design is None else answer.design.law
+    bare = answer.design is None or answer.design.template.friction is None
     return {
         "number": answer.number,
+        "tools": {"newtons": answer.state.newtons, "no_forces": NO_FORCES if bare else ""},
         "base": scene,  # every step of a drag starts there
         # checksum of the text: messages below the plot are valid for this text only
         "state": crc32(answer.state.text.encode()),
@@ -161,7 +165,7 @@ def law_data(answer: Answer) -> dict[str, Any]:
         "crowd": f"{many:,} points, too many to drag" if many else "",
         "nearest": None if answer.nearest is None else units.curve(*answer.nearest) | {"marked": marked},
         # label of the button that adopts the nearest law
-        "offer": "" if answer.nearest is None else offer(answer),
+        "offer": "" if answer.nearest is None else "Use the nearest law",
         "refusal": f"{answer.refused.removesuffix('.')}. {SEARCHED}" if answer.undecided else answer.refused,
         "undecided": answer.undecided,
         # None if the text has problems, because its handles are then unknown

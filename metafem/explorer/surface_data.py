@@ -213,9 +213,7 @@ def message(answer: Answer) -> str:
     if answer.design is None:
         return "There is no surface yet." if answer.problems or answer.refusal else ""
     if answer.refusal or answer.problems:
-        of_sites = [words for key, words in answer.problems.items() if key.startswith("sites")]
-        reason = "\n".join(of_sites) or "The law states the reason."
-        return f"These are the heights of the last surface that was found. {reason}"
+        return "These are the heights of the last surface that was found."
     if any(asked_sites(answer.state.known)) and answer.design.status is DesignStatus.MISSED:
         return (
             f"With these sites kept or empty the target law is missed by {misfit_text(answer.design.misfit)}."

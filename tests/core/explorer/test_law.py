@@ -8,8 +8,16 @@ import pytest
 import metafem as mf
 from metafem.explorer.answer import answered
 from metafem.explorer.history import State
-from metafem.explorer.law import NO_FORCES, beside, tools_data
-from metafem.explorer.law_data import Units, law_data, measured_data, numbers, pinned_data, read_points
+from metafem.explorer.law import beside
+from metafem.explorer.law_data import (
+    NO_FORCES,
+    Units,
+    law_data,
+    measured_data,
+    numbers,
+    pinned_data,
+    read_points,
+)
 from metafem.files import demo_text
 
 TEXT = demo_text("operating-points")
@@ -63,8 +71,8 @@ def test_curves_are_thinned():
 
 
 def test_the_plot_gets_its_choices_and_the_newest_band(answer):
-    assert tools_data(answer) == {"newtons": False, "no_forces": ""}
-    assert tools_data(replace(answer, design=None))["no_forces"] == NO_FORCES
+    assert law_data(answer)["tools"] == {"newtons": False, "no_forces": ""}
+    assert law_data(replace(answer, design=None))["tools"]["no_forces"] == NO_FORCES
     found, law = beside(answer), answer.design.law
     tolerance = found["tolerance"]
     assert found["number"] == 7
