@@ -143,12 +143,10 @@ def answered(
 
 def _refused(answer: Answer, error: Infeasible) -> Answer:
     """Return an answer with the reason why no surface reaches the target, and the nearest law."""
-    given, draft = answer.specification, answer.draft
-    answer = replace(answer, undecided=draft and error.by_search, nearest_target=error.nearest)
-    nearest = None
-    if given is not None and error.nearest is not None:
-        nearest = _law_of(given, error.nearest, draft)
-    return replace(answer, refusal=str(error), nearest=nearest)
+    given, target, draft = answer.specification, error.nearest, answer.draft
+    nearest = None if given is None or target is None else _law_of(given, target, draft)
+    undecided = draft and error.by_search
+    return replace(answer, refusal=str(error), undecided=undecided, nearest_target=target, nearest=nearest)
 
 
 def specification_of(state: State) -> Specification:

@@ -76,10 +76,8 @@ def tables_of(answer: Answer) -> str:
 
 def remarks(answer: Answer) -> tuple[Note, ...]:
     """Return the notes on the design of an answer, warnings first."""
-    if answer.design is None:
-        return ()
     hardness = None if answer.specification is None else answer.specification.hardness
-    return all_notes(answer.design, hardness)
+    return () if answer.design is None else all_notes(answer.design, hardness)
 
 
 def _table(rows: Iterable[Sequence[str]]) -> str:

@@ -244,14 +244,12 @@ class Control:
         await self.change(lambda session: session.moved(steps))
 
     async def stop(self) -> None:
-        """End the computations of the page, and go to the nearest state whose answer is shown, if any."""
+        """End the computations of the page, and undo a step whose answer is not shown."""
         self.queue.stop()
-        shown = self.answer
+        shown = self.answer.state
 
         def back(session: Session) -> Session:
-            states = session.states if shown.number else ()
-            same = (at for at, state in enumerate(states) if state.designs_the_same(shown.state))
-            return replace(session, at=min(same, key=lambda at: abs(at - session.at), default=session.at))
+            return session.moved(0 if session.state.designs_the_same(shown) else -1)
 
         await self.change(back, stopped=True)
 

@@ -27,9 +27,6 @@ SPECIFICATION, ZIPPED = "spec.toml", "specification.zip"
 # the zip format can store.
 DATE = (1980, 1, 1, 0, 0, 0)
 
-# Python script that computes the design from the downloaded specification.
-SCRIPT = 'import metafem as mf\n\nspec = mf.read_spec("spec.toml")\nprint(spec.design())\n'
-
 # The files that the page offers by the titles of their groups, with their meanings.
 ARCHIVE = "surface.zip"
 GROUPS = {
@@ -158,18 +155,11 @@ class Taking(Panel):
                 copy = self._copy("location.href", COPIED, text="Copy link", icon="link")
                 copy.props("no-caps flat dense align=left")
                 ui.label(LINK).classes("small")
-            with _card("The same from the command line"):
-                self.command = self._lines("command", command_of(self.answer.state))
-                self._lines("script", SCRIPT)
-
-    def _lines(self, name: str, text: str) -> ui.label:
-        """Return a label that shows the text unchanged, next to a button that copies the text."""
-        with ui.element("div").classes("lines"):
-            lines = ui.label(text)
-            inside = f"getHtmlElement({lines.id}).innerText"
-            copy = self._copy(inside, f"The {name} was copied.", icon="content_copy")
-            copy.props(f'round flat size=sm aria-label="Copy the {name}" title="Copy the {name}"')
-        return lines
+            with _card("The same from the command line"), ui.element("div").classes("lines"):
+                self.command = ui.label(command_of(self.answer.state))
+                inside = f"getHtmlElement({self.command.id}).innerText"
+                copy = self._copy(inside, "The command was copied.", icon="content_copy")
+                copy.props('round flat size=sm aria-label="Copy the command" title="Copy the command"')
 
     def _copy(self, value: str, said: str, **look: str) -> ui.button:
         """Return a button that copies the value of a JavaScript expression, and then says a text."""
