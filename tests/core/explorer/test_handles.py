@@ -75,17 +75,6 @@ def test_a_handle_is_on_the_law_goes_where_it_is_moved_and_comes_back(name):
             assert again[old.id].friction == pytest.approx(old.friction, rel=1e-6)
 
 
-@pytest.mark.parametrize("name", ["line", "lines", "multilinear", "bilinear"])
-def test_branches_have_their_slopes_between_their_loads(name):
-    load, friction = scene(name).curve()
-    slopes = np.diff(friction) / np.diff(load)
-    wanted = np.atleast_1d(getattr(scene(name).target, "slopes", getattr(scene(name).target, "slope", None)))
-    for slope in wanted:
-        assert np.isclose(slopes, slope, rtol=1e-9).any()
-    ends = [each.load for each in scene(name).handles() if each.id.startswith("range-")]
-    assert not ends or (load[0], load[-1]) == pytest.approx(ends)
-
-
 def test_curves_of_points_powers_and_lines_without_a_design():
     load, friction = scene("points").curve()
     np.testing.assert_allclose([load[0], friction[0]], [0.144, 0.84])
