@@ -181,9 +181,7 @@ def report(folder: Path, as_json: bool) -> None:
 
 @command(
     click.argument("path", type=Name(), required=False, metavar="[SPEC.toml | DIR]"),
-    click.option(
-        "--port", type=int, help="Port of the loopback address. Default: that of the last run, or a free one."
-    ),
+    click.option("--port", type=int, help="Port of the loopback address. Default: a free one."),
     click.option("--no-browser", is_flag=True, help="Print the address only."),
     short_help="Draw a law and see the surface, in the browser.",
 )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -12,7 +11,7 @@ from metafem._validate import FloatArray
 from metafem.errors import Infeasible, InvalidInput, MetafemError
 from metafem.explorer.fields import shown
 from metafem.explorer.history import State
-from metafem.explorer.table import on_page, places
+from metafem.explorer.table import names
 from metafem.files import Specification, of_table, planned, toml_table
 from metafem.inversion import Design, Target
 from metafem.models import Independent, Model
@@ -27,9 +26,6 @@ if TYPE_CHECKING:
 # 15 to 90 ms for 400, and its law differs by 1 to 8 %. That of adhesive asperities is never computed: for 64
 # of them a draft takes 2 to 13 s with interaction, and 30 to 160 ms without.
 MOST_DRAFTED = 100
-
-# The entry of a list behind its key, or nothing.
-ENTRY = re.compile(r"(?:\[(\d+)\](?:\[\d+\])*)?")
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,8 +43,6 @@ class Answer:
         The design of this state; if this state has problems or is refused, the last design found before it.
     problems : mapping of str to str
         Error messages by key of the specification; the key "" is for the whole file.
-    reasons : mapping of str to str
-        The same messages by key in the words of the page, without key and value, which the field shows.
     offers : mapping of str to str
         Example values by key, as a field shows them, of those of these messages that have one.
     refusal : str
@@ -78,7 +72,6 @@ class Answer:
     draft: bool = False
     failed: bool = False
     undecided: bool = False
-    reasons: Mapping[str, str] = field(default_factory=dict)
     offers: Mapping[str, str] = field(default_factory=dict)
     stopped: bool = False
 
@@ -102,8 +95,8 @@ class Answer:
 
     @property
     def refused(self) -> str:
-        """Why this state has no design, in the words of the page; "" if it has one."""
-        return self.refusal or on_page("\n".join(self.problems.values()))
+        """Why this state has no design, "" if it has one."""
+        return self.refusal or "\n".join(self.problems.values())
 
     @cached_property
     def part(self) -> Part | InvalidInput | None:
@@ -118,8 +111,8 @@ class Answer:
 
     @property
     def no_part(self) -> str:
-        """Why the part cannot be made, in the words of the page; "" if there is no such reason."""
-        return on_page(f"no part can be made: {self.part}") if isinstance(self.part, InvalidInput) else ""
+        """Why the part cannot be made; "" if there is no such reason."""
+        return f"No part can be made: {self.part}" if isinstance(self.part, InvalidInput) else ""
 
 
 def answered(
@@ -150,12 +143,10 @@ def answered(
 
 def _refused(answer: Answer, error: Infeasible) -> Answer:
     """Return an answer with the reason why no surface reaches the target, and the nearest law."""
-    given, draft = answer.specification, answer.draft
-    answer = replace(answer, undecided=draft and error.by_search, nearest_target=error.nearest)
-    nearest = None
-    if given is not None and error.nearest is not None:
-        nearest = _law_of(given, error.nearest, draft)
-    return replace(answer, refusal=on_page(str(error)), nearest=nearest)
+    given, target, draft = answer.specification, error.nearest, answer.draft
+    nearest = None if given is None or target is None else _law_of(given, target, draft)
+    undecided = draft and error.by_search
+    return replace(answer, refusal=str(error), undecided=undecided, nearest_target=target, nearest=nearest)
 
 
 def specification_of(state: State) -> Specification:
@@ -187,45 +178,28 @@ def _serves(before: Answer, state: State, draft: bool) -> bool:
 
 
 def _problems(error: InvalidInput) -> dict[str, dict[str, str]]:
-    """Return the problems of a specification by key, as members of an answer.
+    """Return the problems of a specification by key, and the values that they offer, as members of an answer.
 
     An example can be a line with another key of the section. One for an entry would replace its whole list,
     and that of a file is not loaded.
     """
-    problems, reasons, offers = dict[str, str](), dict[str, str](), dict[str, str]()
+    problems, offers = dict[str, str](), dict[str, str]()
     for each in error.problems or (error,):
         key = _known(each.key)
+        problems[key] = "\n".join([problems[key], str(each)] if key in problems else [str(each)])
         section, _, name = key.rpartition(".")
-        line = each.example if " = " in each.example else f"{name} = {each.example}" * bool(each.example)
-        examples = {f"{section}.{other}": shown(value) for other, value in toml_table(line).items()}
-        words = on_page(_sentence(key, each, ", ".join(examples.values())))
-        problems[key] = f"{problems[key]}\n{each}" if key in problems else str(each)
-        reasons[key] = f"{reasons[key]}\n{words}" if key in reasons else words
-        if each.key == key and name != "file":
-            offers |= examples
-    return {"problems": problems, "reasons": reasons, "offers": offers}
+        if each.key == key and each.example and name != "file":
+            line = each.example if " = " in each.example else f"{name} = {each.example}"
+            offers |= {f"{section}.{other}": shown(value) for other, value in toml_table(line).items()}
+    return {"problems": problems, "offers": offers}
 
 
 def _known(key: str) -> str:
     """Return the longest leading part of a key that a specification can have; "" if there is none."""
     key = key.partition("[")[0]
-    while key and places().get(key) != key:
+    while key and key not in names():
         key = key.rpartition(".")[0]
     return key
-
-
-def _sentence(key: str, problem: InvalidInput, example: str) -> str:
-    """Return a problem as a sentence; without the key if its field shows it, and with the entry of a list."""
-    if "." not in key:
-        return str(problem)
-    words, place = str(problem.args[0]), ENTRY.fullmatch(problem.key.removeprefix(key))
-    words += f"; write for example {example}" * bool(example)
-    if words.startswith("and ") or place is None:
-        return f"{problem}."
-    if place[1]:
-        value = "" if problem.value is None else f" = {problem.value}"
-        words = f"entry {int(place[1]) + 1}{value} {words}"
-    return f"{words[:1].upper()}{words[1:]}."
 
 
 def _law_of(

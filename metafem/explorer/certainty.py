@@ -3,24 +3,20 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from functools import partial
+from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 
 from nicegui import ui
 
 from metafem._validate import FloatArray
-from metafem._values import MICROMETRES, percent, three_digits
 from metafem.errors import MetafemError
 from metafem.explorer.answer import Answer
 from metafem.explorer.control import Control, Panel
 from metafem.explorer.queue import Queue
-from metafem.explorer.table import on_page, places
-from metafem.inversion import Design
+from metafem.explorer.table import names
 from metafem.notes import Note, counted
 from metafem.prediction.tolerances import scatter
-from metafem.prediction.validity import BASE, base_contact_load
-from metafem.report import all_notes, error_words, fit_table, misfit_words
+from metafem.report import all_notes, fit_table, numbers
 
 # A band is computed at every n-th load of the law: at 34 of 100 loads. Straight
 # lines are drawn between them.
@@ -55,14 +51,6 @@ def tolerance_band(answer: Answer) -> Band | None:
     return load, mean - sd, mean + sd
 
 
-def band_words(answer: Answer) -> str:
-    """Return the description of the band of an answer; "" if the specification states no errors."""
-    deviation = None if answer.design is None else answer.design.limits.height_sd
-    if not deviation:
-        return ""
-    return f"± 1 SD of made surfaces, with errors of the heights of {MICROMETRES * deviation:.3g} µm (SD)"
-
-
 # Messages in place of the tables and above them.
 NO_DESIGN = "No surface has been found yet, so there is nothing to judge."
 NOT_CURRENT = "This is about the last surface that was found, not about the target law that is shown."
@@ -81,83 +69,51 @@ def tables_of(answer: Answer) -> str:
         for note in notes
     ]
     above = "" if answer.current else f'<p class="warn">{NOT_CURRENT}</p>'
-    tables = [numbers_of(answer, design), [*zip(columns, *rows, strict=True)] if rows else []]
-    return "".join([above, *map(_table, tables), f"<p>{counted(notes)} on the design</p>", *texts])
+    judged = _table((name, value) for value, name in numbers(design))
+    fits = _table(zip(columns, *rows, strict=True)) if rows else ""
+    return "".join([above, judged, fits, f"<p>{counted(notes)} on the design</p>", *texts])
 
 
 def remarks(answer: Answer) -> tuple[Note, ...]:
     """Return the notes on the design of an answer, warnings first."""
-    if answer.design is None:
-        return ()
     hardness = None if answer.specification is None else answer.specification.hardness
-    return all_notes(answer.design, hardness)
-
-
-def numbers_of(answer: Answer, design: Design) -> list[tuple[str, str]]:
-    """Return the numbers that show how reliable a design is, each with its name."""
-    misfit, value = misfit_words(design)
-    error, _, size = error_words(design.law.model_error).partition(": ")
-    words = band_words(answer)
-    return [
-        (misfit, f"{value}; up to {percent(design.largest_misfit, '.3g')} is good"),
-        (error, size),
-        (BASE, _base(design)),
-        *([("band of the law", words)] if words else []),
-    ]
-
-
-def _base(design: Design) -> str:
-    """Return the load at which the plane touches the base, and the largest load of the law."""
-    try:
-        onset = base_contact_load(design.surface, design.law.model)
-    except MetafemError as error:
-        return f"unknown: {error}"
-    newtons = design.surface.material.composite_modulus * onset
-    return f"{three_digits(newtons)} N; the law ends at {three_digits(design.law.load[-1])} N"
+    return () if answer.design is None else all_notes(answer.design, hardness)
 
 
 def _table(rows: Iterable[Sequence[str]]) -> str:
-    """Return rows as a table whose first cells are headings; nothing without rows."""
+    """Return rows as a table whose first cells are headings."""
     lines = []
     for first, *others in rows:
         cells = "".join(f"<td>{escape(each)}</td>" for each in others)
         lines.append(f'<tr><th scope="row">{escape(first)}</th>{cells}</tr>')
-    body = f'<table class="figure-table"><tbody>{"".join(lines)}</tbody></table>'
-    return f'<div class="scroll">{body}</div>' if lines else ""
+    return f'<div class="scroll"><table class="figure-table"><tbody>{"".join(lines)}</tbody></table></div>'
 
 
 # Remedies of notes that concern the surface, not the law, and keys that are not the first of their name.
 OF_THE_SURFACE = {"offset", "min_height", "pitch", "radius", "hardness", "width", "length"}
-KEYS = {"hardness": "checks.hardness", "model": "model.kind"}
+KEYS = {"hardness": "checks.hardness", "model": "model.kind", "height_sd": "limits.height_sd"}
 
 
 def warnings_by_place(answer: Answer) -> dict[str, list[str]]:
-    """Return the warnings of an answer by part of the page: "law", "surface", "take" or a specification key.
+    """Return the warnings of an answer by part of the page: "law", "surface" or a specification key.
 
-    "take" is the tab of the files. A warning can belong to several parts. A surface of an earlier state has
+    A warning can belong to several parts. A surface of an earlier state has
     no warnings, because they would not apply to the current specification.
     """
     if not answer.current:
         return {}
-    found = {place: [answer.no_part] for place in ("surface", "take") if answer.no_part}
+    found = {"surface": [answer.no_part]} if answer.no_part else {}
     for note in remarks(answer):
         for name in _places(note) if note.warns else ():
-            found.setdefault(name, []).append(on_page(str(note)))
+            found.setdefault(name, []).append(str(note))
     return found
 
 
 def _places(note: Note) -> tuple[str, ...]:
     part = "law" if OF_THE_SURFACE.isdisjoint(note.remedies) else "surface"
-    known = {**places(), **KEYS}
+    known = {name.rpartition(".")[2]: name for name in reversed(names())} | KEYS
     return part, *(known[name] for name in note.remedies if name in known)
 
-
-# An answer, and whether it is judged: newer answers follow in a drag.
-Request = tuple[Answer, bool]
-
-# Time without a newer answer after which an answer is judged [s]. A drag that stops often goes on within this
-# time.
-PAUSE = 0.5
 
 # Closes the warnings at the key Escape.
 SHUT = "event => { event.currentTarget.open = false; event.currentTarget.firstElementChild.focus(); }"
@@ -183,9 +139,10 @@ class PlaceWarnings(Panel):
     """The warnings of a part of the page, "law" or "surface": how many, and their words over the picture."""
 
     def __init__(self, page: Control, place: str) -> None:
-        super().__init__(page)
+        super().__init__(page, None, "details")
         self.place = place
-        with ui.element("details").classes("place-warnings").on("keydown.esc", js_handler=SHUT):
+        self.classes("place-warnings").on("keydown.esc", js_handler=SHUT)
+        with self:
             self.brief = ui.html("", sanitize=False, tag="summary")
             self.words = ui.html("", sanitize=False).classes("over")
 
@@ -199,25 +156,23 @@ class PlaceWarnings(Panel):
         self.words.content = "".join(f'<p class="warn small">{escape(text)}</p>' for text in texts)
 
 
+# The warnings of an answer by part of the page, and its tables.
+Judged = tuple[Mapping[str, list[str]], str]
+
+
 class Certainty(Panel):
-    """The tables of one page, and its warnings; they follow the newest answer after a pause."""
+    """The tables of one page, and its warnings, which follow each full answer."""
 
     def __init__(self, page: Control) -> None:
         super().__init__(page)
-        self.answer: Answer | None = None
-        self.open = False
-        self.queue: Queue[Request, Callable[[], object]] = Queue(
-            self._judged,
-            lambda show: show(),
+        self.queue: Queue[Answer, Judged] = Queue(
+            lambda answer: (warnings_by_place(answer), tables_of(answer)),
+            self._show,
             lambda _, error: page.wrong(error),
-            better=lambda request: None if request[1] else (request[0], True),
-            rest=PAUSE,
         )
         page.client.on_delete(self.queue.stop)
-
-    def create(self) -> Certainty:
-        """Create the tables and the commands of studies, when their tab is first opened."""
-        with ui.element("div").classes("certainty"):
+        self.classes("certainty")
+        with self:
             with ui.element("section").classes("sure-figures").props('aria-label="How sure"'):
                 self.tables = ui.html(f"<p role='status'>{COMPUTED}</p>", sanitize=False)
             with ui.element("section").props('aria-label="Studies"'):
@@ -225,23 +180,12 @@ class Certainty(Panel):
                 for command, question in STUDIES.items():
                     ui.label(question)
                     ui.html(f"<pre>{command}</pre>", sanitize=False)
-        if self.answer is not None:
-            self.queue.put((self.answer, True))
-        return self
 
     def show(self, answer: Answer, _: object) -> None:
-        """Follow a new answer."""
-        self.answer = answer
-        self.queue.put((answer, False))
+        """Judge a new answer, unless a drag goes on."""
+        if not answer.draft:
+            self.queue.put(answer)
 
-    def _judged(self, request: Request) -> Callable[[], object]:
-        """Return a function that shows the warnings of the answer and, if the tab is open, its tables."""
-        answer, judged = request
-        if not judged:
-            return lambda: None
-        return partial(self._show, warnings_by_place(answer), tables_of(answer) if self.open else "")
-
-    def _show(self, places: Mapping[str, list[str]], tables: str) -> None:
+    def _show(self, judged: Judged) -> None:
+        places, self.tables.content = judged
         self.page.warn(places)
-        if tables:
-            self.tables.content = tables

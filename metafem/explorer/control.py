@@ -18,52 +18,11 @@ from metafem.errors import InvalidInput
 from metafem.explorer.answer import Answer, answered
 from metafem.explorer.history import Session, State, from_link, to_link
 from metafem.explorer.queue import LOG, PATIENCE, Queue, in_words
-from metafem.explorer.table import Table, on_page
+from metafem.explorer.table import Table
 from metafem.files import DEMOS, demo_text
 
 # Calls that are not sent yet, by the page.
 CALLS: WeakKeyDictionary[Client, list[str]] = WeakKeyDictionary()
-
-
-class Widget(Element):
-    """An element that shows data and emits events; each keyword argument is the handler of an event.
-
-    `props` are data that stay. `shown` are the data that `show` has sent last.
-    """
-
-    def __init__(self, props: Mapping[str, Any] | None = None, /, **handlers: Callable[[Any], Any]) -> None:
-        super().__init__()
-        self._props.update(props or {})
-        self.shown: dict[str, Any] = {}
-        for name, handler in handlers.items():
-            self.on(name, lambda event, handler=handler: handler(event.args))
-
-    def show(self, data: Mapping[str, Any]) -> None:
-        """Call the method ``show`` of the element in the browser with the data that have changed."""
-        new = {
-            name: value for name, value in data.items() if name not in self.shown or self.shown[name] != value
-        }
-        self.shown |= new
-        if new:
-            self.call("show", new)
-
-    def call(self, method: str, *given: Any) -> None:
-        """Call a method of the element in the browser.
-
-        The calls of one step of the event loop are one message, so that the browser shows them in one frame.
-        """
-        if self.is_deleted:  # the page was closed
-            return
-        calls = CALLS.setdefault(self.client, [])
-        if not calls:
-            asyncio.get_running_loop().call_soon(self._send)
-        # the browser parses a statement once, but the thousands of numbers in a `run_method` call twice
-        calls.append(f"queueMicrotask(() => runMethod({self.id}, {method!r}, {json.dumps(given)}))")
-
-    def _send(self) -> None:
-        calls = CALLS.pop(self.client)
-        if not self.is_deleted:
-            self.client.run_javascript(";".join(calls))
 
 
 # What shows an answer in a panel, with the data that were prepared for it.
@@ -87,8 +46,8 @@ LINKED = "(addEventListener('hashchange', () => emitEvent('linked', location.has
 BUSY = 60.0
 
 
-class Panel:
-    """A part of the page, which shows every answer.
+class Panel(Element):
+    """A part of the page, which shows every answer; each keyword argument handles an event of its element.
 
     Attributes
     ----------
@@ -96,14 +55,25 @@ class Panel:
         Of the drafts that arrive within this time, only the first is shown [s]. A full answer follows.
     asked : int
         Number of the last change that this panel has shown already; older answers are not shown.
-    open : bool
-        Whether the panel is visible; a panel in a tab is opened by the tab.
+    sent : dict
+        The data that `send` has sent last.
     """
 
     pace = 0.0
 
-    def __init__(self, page: Control) -> None:
-        self.page, self.asked, self.due, self.open = page, 0, 0.0, True
+    def __init__(
+        self,
+        page: Control,
+        props: Mapping[str, Any] | None = None,
+        tag: str | None = None,
+        /,
+        **handlers: Callable[[Any], Any],
+    ) -> None:
+        super().__init__(tag)
+        self.page, self.asked, self.due, self.sent = page, 0, 0.0, dict[str, Any]()
+        self._props.update(props or {})
+        for name, handler in handlers.items():
+            self.on(name, lambda event, handler=handler: handler(event.args))
         page.panels.append(self)
 
     def prepare(self, answer: Answer) -> Any:
@@ -114,6 +84,33 @@ class Panel:
 
     def warn(self, places: Mapping[str, list[str]]) -> None:
         """Show the warnings of the newest answer by part of the page, when they are known."""
+
+    def send(self, data: Mapping[str, Any]) -> None:
+        """Call the method ``show`` of the element in the browser with the data that have changed."""
+        new = {
+            name: value for name, value in data.items() if name not in self.sent or self.sent[name] != value
+        }
+        self.sent |= new
+        if new:
+            self.call("show", new)
+
+    def call(self, method: str, *given: Any) -> None:
+        """Call a method of the element in the browser.
+
+        The calls of one step of the event loop are one message, so that the browser shows them in one frame.
+        """
+        if self.is_deleted:  # the page was closed
+            return
+        calls = CALLS.setdefault(self.client, [])
+        if not calls:
+            asyncio.get_running_loop().call_soon(self._call)
+        # the browser parses a statement once, but the thousands of numbers in a `run_method` call twice
+        calls.append(f"queueMicrotask(() => runMethod({self.id}, {method!r}, {json.dumps(given)}))")
+
+    def _call(self) -> None:
+        calls = CALLS.pop(self.client)
+        if not self.is_deleted:
+            self.client.run_javascript(";".join(calls))
 
 
 class Request(NamedTuple):
@@ -247,14 +244,12 @@ class Control:
         await self.change(lambda session: session.moved(steps))
 
     async def stop(self) -> None:
-        """End the computations of the page, and go to the nearest state whose answer is shown, if any."""
+        """End the computations of the page, and undo a step whose answer is not shown."""
         self.queue.stop()
-        shown = self.answer
+        shown = self.answer.state
 
         def back(session: Session) -> Session:
-            states = session.states if shown.number else ()
-            same = (at for at, state in enumerate(states) if state.designs_the_same(shown.state))
-            return replace(session, at=min(same, key=lambda at: abs(at - session.at), default=session.at))
+            return session.moved(0 if session.state.designs_the_same(shown) else -1)
 
         await self.change(back, stopped=True)
 
@@ -324,7 +319,7 @@ class Control:
     def say(self, words: str, passing: bool = True) -> None:
         """Show a message over the page until it is closed or, if `passing`, a later answer has a design."""
         with self.client:
-            message = ui.notification(on_page(words), multi_line=True, close_button="Close", timeout=None)
+            message = ui.notification(words, multi_line=True, close_button="Close", timeout=None)
         if passing:
             self.messages.append((self.asked, message))
 

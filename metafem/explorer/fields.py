@@ -24,38 +24,19 @@ EXACT = 10.0 ** (1 - ALL_DIGITS)
 APART = 2.0
 
 
-def digits_of(resolution: float) -> int:
-    """Return the number of significant digits for a relative resolution.
+def rounded(value: float, resolution: float) -> float:
+    """Return a number rounded to the significant digits of a relative resolution.
 
     Examples
     --------
-    >>> digits_of(1e-3), digits_of(0.02)
-    (4, 3)
+    >>> rounded(0.123456, 1e-3), rounded(0.123456, 0.02)
+    (0.1235, 0.123)
     """
-    return min(ALL_DIGITS, math.ceil(-math.log10(resolution)) + 1)
-
-
-def rounded(value: float, resolution: float) -> float:
-    """Return a number rounded to the significant digits of a relative resolution."""
-    number = float(f"{value:.{digits_of(resolution) - 1}e}")
+    decimals = min(ALL_DIGITS - 1, math.ceil(-math.log10(resolution)))
+    number = float(f"{value:.{decimals}e}")
     if not math.isfinite(number):
         raise InvalidInput(f"{value:g} is not a finite number")
     return number
-
-
-def scaled(text: str, ratio: float, resolution: float) -> str:
-    """Return a quantity so many times as large, with the digits of a resolution, in its unit.
-
-    Examples
-    --------
-    >>> scaled("0.14mm^2", 25 / 14, 1e-3)
-    '0.25mm^2'
-    """
-    found = QUANTITY.fullmatch(text)
-    if found is None:
-        raise InvalidInput(f"{text} is not a quantity")
-    number, space, unit = found.groups()
-    return f"{rounded(float(number) * ratio, resolution):.{ALL_DIGITS}g}{space}{unit}"
 
 
 def between(value: float, low: float, high: float, resolution: float) -> tuple[float, float]:

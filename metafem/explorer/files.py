@@ -14,14 +14,12 @@ from tempfile import TemporaryDirectory
 from nicegui import ui
 from nicegui.element import Element
 
-from metafem.drawing import svg
 from metafem.errors import MetafemError
 from metafem.explorer.answer import Answer
 from metafem.explorer.control import Control, Panel
 from metafem.explorer.history import State
 from metafem.files import result_tables, save
 from metafem.report import page
-from metafem.report.figures import law_figure
 
 SPECIFICATION, ZIPPED = "spec.toml", "specification.zip"
 
@@ -29,11 +27,8 @@ SPECIFICATION, ZIPPED = "spec.toml", "specification.zip"
 # the zip format can store.
 DATE = (1980, 1, 1, 0, 0, 0)
 
-# Python script that computes the design from the downloaded specification.
-SCRIPT = 'import metafem as mf\n\nspec = mf.read_spec("spec.toml")\nprint(spec.design())\n'
-
 # The files that the page offers by the titles of their groups, with their meanings.
-ARCHIVE, PICTURE = "surface.zip", "law.svg"
+ARCHIVE = "surface.zip"
 GROUPS = {
     "To make the part": {
         "mould.csv": "Mould table: position (x mirrored), depth and tool radius of each hole",
@@ -48,13 +43,12 @@ GROUPS = {
     "Data": {
         "heights.csv": "Heights: site, position, height and radius of each summit",
         "law.csv": "Law: load, area, friction and separation",
-        PICTURE: "Picture of the law, with its difference from the target",
         "surface.vtu": "Surface for ParaView",
     },
 }
 
 # Files that need only the design. All other files describe the part, or are written together with it.
-OF_THE_DESIGN = ("heights.csv", "law.csv", PICTURE)
+OF_THE_DESIGN = ("heights.csv", "law.csv")
 
 # Messages above the files, and why a file cannot be downloaded if they do not say it.
 NO_DESIGN = (
@@ -95,23 +89,17 @@ def command_of(state: State) -> str:
     return f"{unpack}metafem design {SPECIFICATION} -o surface"
 
 
-def quick_files(answer: Answer) -> dict[str, bytes]:
-    """Return the tables and the picture of an answer's design, by file name, which take no time."""
+def made_files(answer: Answer) -> dict[str, bytes]:
+    """Return the files of the result folder of an answer, by name, as ``metafem design`` writes them.
+
+    If no part can be made, they are the tables of the design.
+    """
     design, specification = answer.design, answer.specification
     if not answer.current or answer.draft or design is None or specification is None:
         raise MetafemError(NOTHING)
-    found = result_tables(design, specification.part)
     if answer.no_part:
-        del found["mould.csv"]
-    found[PICTURE] = svg(law_figure(design), design.target.title) + "\n"
-    return {name: text.encode("utf-8") for name, text in found.items()}
-
-
-def made_files(answer: Answer) -> dict[str, bytes]:
-    """Return all files of the result folder of an answer, by name, as ``metafem design`` writes them."""
-    design, specification = answer.design, answer.specification
-    assert design is not None
-    assert specification is not None
+        tables = result_tables(design, specification.part)
+        return {name: tables[name].encode("utf-8") for name in OF_THE_DESIGN}
     with TemporaryDirectory() as parent:
         folder = Path(parent, "surface")
         report = page(design, specification.hardness)
@@ -128,24 +116,21 @@ def archive(files: Mapping[str, bytes]) -> bytes:
     return content.getvalue()
 
 
-def hindrance(name: str, answer: Answer, problem: str = "") -> str | None:
-    """Return why a file of an answer cannot be downloaded; "" if `said_above` says it, None if it can.
-
-    `problem` states why no part can be made; it is "" if a part can be made.
-    """
+def hindrance(name: str, answer: Answer) -> str | None:
+    """Return why a file of an answer cannot be downloaded; "" if `said_above` says it, None if it can."""
     if name == SPECIFICATION:
         return None
-    if not answer.current or (problem and name not in OF_THE_DESIGN):
+    if not answer.current or (answer.no_part and name not in OF_THE_DESIGN):
         return ""
     bare = answer.specification is None or answer.specification.template.block is None
     return NO_BLOCK if bare and name.endswith(".stl") else None
 
 
-def said_above(answer: Answer, problem: str = "") -> str:
+def said_above(answer: Answer) -> str:
     """Return the message above the files: why none or some of them can be downloaded; "" if all can."""
     if not answer.current:
         return f"{NO_DESIGN} {answer.refused}".strip()
-    return f"{problem[:1].upper()}{problem[1:]}. {NO_PART}" if problem else ""
+    return f"{answer.no_part}. {NO_PART}" if answer.no_part else ""
 
 
 class Taking(Panel):
@@ -153,8 +138,7 @@ class Taking(Panel):
 
     def __init__(self, page: Control) -> None:
         super().__init__(page)
-        self.answer, self.problem = page.answer, ""
-        self.made: tuple[State, asyncio.Task[dict[str, bytes]]] | None = None  # all files of a state
+        self.answer = page.answer
         self.told: State | None = None  # the state that the message is about
         self.offered: dict[str, tuple[ui.button, ui.label]] = {}
         self.above = ui.label().classes("warn").props('role="status"')
@@ -171,18 +155,11 @@ class Taking(Panel):
                 copy = self._copy("location.href", COPIED, text="Copy link", icon="link")
                 copy.props("no-caps flat dense align=left")
                 ui.label(LINK).classes("small")
-            with _card("The same from the command line"):
-                self.command = self._lines("command", command_of(self.answer.state))
-                self._lines("script", SCRIPT)
-
-    def _lines(self, name: str, text: str) -> ui.label:
-        """Return a label that shows the text unchanged, next to a button that copies the text."""
-        with ui.element("div").classes("lines"):
-            lines = ui.label(text)
-            inside = f"getHtmlElement({lines.id}).innerText"
-            copy = self._copy(inside, f"The {name} was copied.", icon="content_copy")
-            copy.props(f'round flat size=sm aria-label="Copy the {name}" title="Copy the {name}"')
-        return lines
+            with _card("The same from the command line"), ui.element("div").classes("lines"):
+                self.command = ui.label(command_of(self.answer.state))
+                inside = f"getHtmlElement({self.command.id}).innerText"
+                copy = self._copy(inside, "The command was copied.", icon="content_copy")
+                copy.props('round flat size=sm aria-label="Copy the command" title="Copy the command"')
 
     def _copy(self, value: str, said: str, **look: str) -> ui.button:
         """Return a button that copies the value of a JavaScript expression, and then says a text."""
@@ -191,27 +168,20 @@ class Taking(Panel):
         return ui.button(on_click=partial(self.say, said), **look).on("click", js_handler=copied)
 
     def show(self, answer: Answer, _: object) -> None:
-        """Offer the files of an answer; a message about another design goes."""
+        """Enable the files that an answer has, and say why others cannot be taken."""
+        if answer.draft and not answer.stopped:
+            return  # changed labels would slow a drag down
         self.answer = answer
         self.command.text = command_of(answer.state)
         if self.told is not None and not self.told.designs_the_same(answer.state):
             self.told, self.label.text = None, ""
-        self._offer()
-
-    def warn(self, places: Mapping[str, list[str]]) -> None:
-        """Show why no part can be made from the answer."""
-        self.problem = " ".join(places.get("take", []))
-        self._offer()
-
-    def _offer(self) -> None:
-        """Enable the available files, and show why the other files are not available."""
         for files in GROUPS.values():
             for name, meaning in files.items():
                 button, label = self.offered[name]
-                reason = hindrance(name, self.answer, self.problem)
+                reason = hindrance(name, answer)
                 label.text = f"{meaning}: {reason}" if reason else meaning
                 button.set_enabled(reason is None)
-        self.above.text = said_above(self.answer, self.problem)
+        self.above.text = said_above(answer)
         self.above.set_visibility(bool(self.above.text))
 
     async def take(self, name: str) -> None:
@@ -228,21 +198,9 @@ class Taking(Panel):
         """Return the name and the content of a file of an answer."""
         if name == SPECIFICATION:
             return await asyncio.to_thread(specification_file, answer.state)
-        found = await asyncio.to_thread(quick_files, answer)
-        if name not in found:
-            found = await self._made(answer)
+        self.say("The files are being written.")
+        found = await asyncio.to_thread(made_files, answer)
         return name, found[name] if name != ARCHIVE else await asyncio.to_thread(archive, found)
-
-    async def _made(self, answer: Answer) -> dict[str, bytes]:
-        """Return all files of an answer; those of one state are written once."""
-        if self.made is None or not self.made[0].designs_the_same(answer.state):
-            self.say("The files are being written.")
-            self.made = answer.state, asyncio.create_task(asyncio.to_thread(made_files, answer))
-        try:
-            return await self.made[1]
-        except Exception:
-            self.made = None
-            raise
 
     def say(self, text: str) -> None:
         """Show a message about the current design."""

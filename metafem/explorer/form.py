@@ -9,13 +9,12 @@ from typing import Any
 
 from metafem.errors import InvalidInput
 from metafem.explorer.answer import Answer, specification_of
-from metafem.explorer.control import Control, Panel, Widget
+from metafem.explorer.control import Control, Panel
 from metafem.explorer.fields import shown
 from metafem.explorer.history import State
 from metafem.explorer.kinds import KINDS, with_kind_near, with_units
 from metafem.explorer.table import (
     Table,
-    on_page,
     section_of,
     title_of,
     value_of,
@@ -109,19 +108,15 @@ def contents(state: State, problems: Mapping[str, str]) -> dict[str, Any]:
     return {"broken": "", "values": values, "present": present, "problems": dict(problems)}
 
 
-class Fields(Widget, component="static/fields.js"):
-    """The fields of `form`; they emit events when the user types or selects a value."""
-
-
-class Workshop(Panel):
+class Workshop(Panel, component="static/fields.js"):
     """The fields of a page: they show its answers and change its specification."""
 
     # The plots of the law and the surface have priority while a point is dragged.
     pace = 0.2
 
     def __init__(self, page: Control) -> None:
-        super().__init__(page)
-        self.fields = Fields(
+        super().__init__(
+            page,
             {"parts": form()},
             typed=lambda given: self._typed(**given),
             kind=lambda given: self._kind(**given),
@@ -162,22 +157,21 @@ class Workshop(Panel):
 
     async def _made(self, key: str, change: Callable[[State], Table], **how: bool) -> None:
         """Make a change, or show at its field why the change is impossible."""
-        shown = self.fields.shown
-        before = shown.pop("values", None)  # the browser shows the typed text, which may not be used
+        before = self.sent.pop("values", None)  # the browser shows the typed text, which may not be used
         try:
             await self.page.make(change, by=self, **how)
         except InvalidInput as error:
-            shown.setdefault("values", before)
-            self.fields.call("refuse", {"key": key, "words": on_page(str(error))})
+            self.sent.setdefault("values", before)
+            self.call("refuse", {"key": key, "words": str(error)})
 
     def prepare(self, answer: Answer) -> dict[str, Any]:
         """Return the contents of the fields for an answer."""
-        return {**contents(answer.state, answer.reasons), "offers": answer.offers}
+        return {**contents(answer.state, answer.problems), "offers": answer.offers}
 
     def show(self, answer: Answer, data: dict[str, Any]) -> None:
         """Show an answer."""
-        self.fields.show(data)
+        self.send(data)
 
     def warn(self, places: Mapping[str, list[str]]) -> None:
         """Show the warnings for single fields."""
-        self.fields.show({"warnings": {key: texts for key, texts in places.items() if "." in key}})
+        self.send({"warnings": {key: texts for key, texts in places.items() if "." in key}})

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from nicegui import app
+from nicegui import app, ui
 
 from metafem._values import percent
 from metafem.explorer.answer import Answer
-from metafem.explorer.control import Control, Panel, Widget
+from metafem.explorer.control import Control, Panel
 from metafem.explorer.editor import load
 from metafem.explorer.history import State
-from metafem.explorer.new_part import NewPart
+from metafem.explorer.new_part import new_part_dialog
 from metafem.explorer.table import section_of, with_field
 from metafem.files import DEMOS, MODELS, demo_text
 from metafem.files.specification import AUTOMATIC
@@ -45,29 +45,30 @@ STATUS = {
 STOPPED = "stopped: change something, or compute again"
 
 
-class Bar(Widget, component="static/header.js", esm={"metafem": "static"}):
-    """Shows the data of `header_data`; emits an event for each change that it offers."""
-
-
-class Header(Panel):
+class Header(Panel, component="static/header.js", esm={"metafem": "static"}):
     """The target in words, the status, the model, undo and redo, and the menu."""
 
     def __init__(self, page: Control) -> None:
-        super().__init__(page)
-        self.running, part = (0, 0), NewPart(page)
-        self.bar = Bar(
+        super().__init__(
+            page,
             {"models": list(MODELS), "starts": [FIRST, *DEMOS], "help": HELP.read_text("utf-8")},
             undo=lambda _: page.moved(-1),
             redo=lambda _: page.moved(1),
             begin=self._begin,
             load=lambda given: load(page, given["files"]),
-            part=part.open,
+            part=lambda _: self.new_part.open(),
             model=self._choose,
             stop=lambda _: page.stop(),
             compute=lambda _: page.moved(0),
         )
+        self.running = (0, 0)
         timer = app.timer(LATE, self._wait)  # `ui.timer` would be an element, with a file of its own
         page.client.on_delete(lambda: timer.cancel())
+
+    @cached_property
+    def new_part(self) -> ui.dialog:
+        """The dialog for a new part, which is created when it is first opened."""
+        return new_part_dialog(self.page)
 
     def prepare(self, answer: Answer) -> dict[str, Any]:
         """Return the data of an answer."""
@@ -77,11 +78,7 @@ class Header(Panel):
         """Show an answer, and whether there is something to undo and redo."""
         session = self.page.session
         last = len(session.states) - 1
-        self.bar.show({**data, "undo": session.at > 0, "redo": session.at < last, "late": False})
-
-    def warn(self, places: Mapping[str, list[str]]) -> None:
-        """Show why no part can be made; nothing if a part can be made."""
-        self.bar.show({"part": " ".join(places.get("take", []))})
+        self.send({**data, "undo": session.at > 0, "redo": session.at < last, "late": False})
 
     async def _begin(self, name: str) -> None:
         """Start again from a demo, or from the first state of the page, as one step of the history."""
@@ -91,7 +88,7 @@ class Header(Panel):
 
     async def _choose(self, model: str) -> None:
         """Change the model of the design."""
-        self.bar.shown["model"] = model  # the browser shows it already
+        self.sent["model"] = model  # the browser shows it already
         change = self.page.make(lambda state: with_field(state.table, "model.kind", model), by=self)
         await self.page.told(change)
 
@@ -101,14 +98,20 @@ class Header(Panel):
         if any(running) and running == self.running:
             design = f"designing: {step} …" if step else "designing …"
             words = "changing the specification …" if running[0] else design
-            self.bar.show({"status": words, "kind": "", "meaning": SEARCH if step else "", "late": True})
+            self.send({"status": words, "kind": "", "meaning": SEARCH if step else "", "late": True})
         self.running = running
 
 
 def header_data(answer: Answer) -> dict[str, Any]:
     """Return the target in words, the status with its kind and meaning, and the model of an answer."""
     status, kind = _status(answer)
-    data = {"status": status, "kind": kind, "meaning": answer.refused, "stopped": answer.stopped}
+    data = {
+        "status": status,
+        "kind": kind,
+        "meaning": answer.refused,
+        "stopped": answer.stopped,
+        "part": answer.no_part,
+    }
     if answer.current and answer.design is not None:
         data["meaning"] = _meaning(answer.design)
     model = section_of(answer.state.known, "model").get("kind", AUTOMATIC)

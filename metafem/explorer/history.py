@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import base64
 import json
+import math
 import zlib
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
-from typing import Any
 
 from metafem.errors import InvalidInput, refuse_if
 from metafem.explorer.table import Table, written
@@ -77,22 +77,22 @@ class State:
     @classmethod
     def from_json(cls, text: str) -> State:
         """Return the state that a JSON text describes; raise InvalidInput if the text describes no state."""
+        words = "the state of the page is damaged: it is not the JSON of its members"
         try:
             state = cls(**json.loads(text))
-        except (ValueError, TypeError, RecursionError):
-            raise InvalidInput(
-                "the state of the page is damaged: it is not the JSON of its members"
-            ) from None
-        refuse_if(not state.valid(), "the state of the page is damaged: a member is of another kind")
+            tables = state.tables.items()
+            texts = [
+                state.text,
+                state.measured,
+                state.measured_name,
+                *(part for each in tables for part in each),
+            ]
+        except (ValueError, TypeError, AttributeError, RecursionError):
+            raise InvalidInput(words) from None
+        number = state.load is None or (isinstance(state.load, float) and 0.0 < state.load < math.inf)
+        valid = number and isinstance(state.newtons, bool) and all(isinstance(each, str) for each in texts)
+        refuse_if(not valid, words)
         return state
-
-    def valid(self) -> bool:
-        """Return whether every member has its type and the load is positive and finite."""
-        if not isinstance(self.tables, dict):
-            return False
-        texts: list[Any] = [self.text, self.measured, self.measured_name, *self.tables, *self.tables.values()]
-        number = self.load is None or (isinstance(self.load, float) and 0.0 < self.load < float("inf"))
-        return number and isinstance(self.newtons, bool) and all(isinstance(each, str) for each in texts)
 
 
 @dataclass(frozen=True)
@@ -163,16 +163,12 @@ def from_link(link: str) -> State:
     metafem.errors.InvalidInput: the link is cut off or damaged; copy the whole address again
     """
     link = link.strip().removeprefix("#")
-    if len(link) > LONGEST:
-        raise InvalidInput(f"the link has {len(link):,} characters; at most {LONGEST:,} are read")
-    if not link.startswith(VERSION):
-        raise InvalidInput("the link is not one of this version of the explorer")
-    body, reader, plain = link.removeprefix(VERSION), zlib.decompressobj(), b""
+    refuse_if(len(link) > LONGEST, f"the link has {len(link):,} characters; at most {LONGEST:,} are read")
+    refuse_if(not link.startswith(VERSION), "the link is not one of this version of the explorer")
+    body, reader = link.removeprefix(VERSION), zlib.decompressobj()
     with suppress(InvalidInput, TypeError, ValueError, zlib.error):
         packed = base64.b64decode(body + "=" * (-len(body) % 4), b"-_", validate=True)
-        plain = reader.decompress(packed, LARGEST + 1)
-        if len(plain) <= LARGEST and reader.eof and not reader.unused_data:
+        plain = reader.decompress(packed, LARGEST)
+        if reader.eof and not reader.unused_data:
             return State.from_json(plain.decode("utf-8", "surrogatepass"))
-    if len(plain) > LARGEST:
-        raise InvalidInput(f"the link holds more than {LARGEST / 2**20:g} MiB")
     raise InvalidInput("the link is cut off or damaged; copy the whole address again")

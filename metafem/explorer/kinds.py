@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any
 
 import numpy as np
 
@@ -15,7 +14,7 @@ from metafem.explorer.history import State
 from metafem.explorer.scene import NEWTON_KEYS, Keys, Numbers, members
 from metafem.explorer.table import Table, section_of, with_only, with_section, with_values
 from metafem.files import Specification
-from metafem.inversion import Design, Limits, SampledLaw, Target, achievable_load_range
+from metafem.inversion import Design, Limits, SampledLaw
 from metafem.inversion.wording import RESCALED, Wording
 
 # Rescaled friction at rescaled loads [mm^2].
@@ -29,12 +28,6 @@ HALF_WIDTH = 0.05
 
 # Relative resolution of a target after a change of units. The change of the law is too small to see.
 RESTATED = 1e-6
-
-# Distance of a load range from the ends of the reached loads, relative to them, for rounding.
-EDGE = 0.01
-
-# Number of the choice of target keys that are forces or friction coefficients.
-FORCES = 1
 
 # First load of the new target if the present target has a single load, as a fraction of that load.
 START = 0.25
@@ -78,42 +71,23 @@ def near_design(state: State, specification: Specification, design: Design, kind
     numbers = KINDS[kind][1](law, low, high)
     if kind == "linear" and target.wording.per_slope:  # a friction coefficient is F/P at these loads
         numbers["load_range"] = [low, high]
-    if "rescaled_friction" in numbers:
-        numbers = _with_bends(numbers, law, target)
     return with_only(state.table, "target", {"kind": kind, **scene.stated(numbers, RESOLUTION)})
 
 
 def with_units(state: State, section: str, choice: int, specification: Specification | None) -> Table:
     """Return the table with the keys of another choice of a section; a valid target keeps its law.
 
-    A friction coefficient without a load range is then F/P over the widest range of loads in which
-    independent asperities reach it. All other new keys have the examples of the manual.
+    The first choice of a target are rescaled values, the second forces or friction coefficients. All other
+    new keys have the examples of the manual.
     """
-    kind = section_of(state.table, section).get("kind", "")
-    if section != "target" or specification is None:
-        return with_section(state.table, section, kind, choice)
-    template, same, given = specification.template, Keys(), section_of(state.table, "target")
-    if choice != FORCES or template.friction is not None:
-        scene, wording = scene_of(state, specification, None), RESCALED
-        if choice == FORCES and template.friction is not None:
-            wording = Wording.of(template.material, template.friction)
-        same = scene.stated(members(scene.target, NEWTON_KEYS), RESTATED, wording=wording)
-    table = with_section(state.table, section, kind, choice, same)
-    if choice == FORCES and "slope" in given and "load_range" not in given:
-        table = with_values(table, {"target.load_range": _reached_forces(specification)})
-    return table
-
-
-def _reached_forces(specification: Specification) -> list[str] | None:
-    """Return the loads between which a line through the origin is reached, or None."""
-    target: Any = specification.target
-    template, limits, tools = specification.template, specification.limits, specification.tools
-    try:
-        low, high = achievable_load_range(target, template, limits, tools)
-    except MetafemError:
-        return None
-    modulus = template.material.composite_modulus
-    return [f"{modulus * end:.3g} N" for end in (low * (1.0 + EDGE), high * (1.0 - EDGE))]
+    kind, same = section_of(state.table, section).get("kind", ""), Keys()
+    if section == "target" and specification is not None:
+        material, friction = specification.template.material, specification.template.friction
+        wordings = [RESCALED, *([] if friction is None else [Wording.of(material, friction)])]
+        if choice < len(wordings):
+            scene = scene_of(state, specification, None)
+            same = scene.stated(members(scene.target, NEWTON_KEYS), RESTATED, wordings[choice])
+    return with_section(state.table, section, kind, choice, same)
 
 
 def _present(design: Design, limits: Limits) -> tuple[Law, float, float]:
@@ -136,16 +110,6 @@ def _present(design: Design, limits: Limits) -> tuple[Law, float, float]:
 def _along(law: Law, load: FloatArray) -> Numbers:
     """Return points of a law."""
     return {"rescaled_load": load.tolist(), "rescaled_friction": law(load).tolist()}
-
-
-def _with_bends(numbers: Numbers, law: Law, target: Target) -> Numbers:
-    """Return points of a law, with inner points moved to the crossover loads of the previous target."""
-    edges = [load for _, ends in target.branches for load in ends][1:-1]
-    load = np.array(numbers["rescaled_load"])
-    for bend in edges or [start for _, start in target.lines[1:]]:
-        if len(load) > 2 and load[0] < bend < load[-1]:
-            load[1 + np.abs(load[1:-1] - bend).argmin()] = bend
-    return _along(law, load)
 
 
 def _band(law: Law, low: float, high: float) -> Numbers:
@@ -204,11 +168,6 @@ MEMBERS = (
     "rescaled_load", "rescaled_friction", "exponent", "prefactor", "slope", "slopes", "crossover_load",
     "load_range",
 )  # fmt: skip
-
-
-def offer(answer: Answer) -> str:
-    """Return the label of the button that adopts the nearest law of an answer; "" if none is known."""
-    return "" if answer.nearest_target is None or answer.specification is None else "Use the nearest law"
 
 
 def reachable(answer: Answer) -> Table:

@@ -8,20 +8,18 @@ from collections.abc import Awaitable, Callable
 from functools import partial
 from typing import Any
 
+from metafem._values import MICROMETRES
 from metafem.errors import InvalidInput
 from metafem.explorer.answer import Answer, specification_of
-from metafem.explorer.certainty import band_words, tolerance_band
-from metafem.explorer.control import Control, Panel, Widget
+from metafem.explorer.certainty import tolerance_band
+from metafem.explorer.control import Control, Panel
 from metafem.explorer.handles import RESOLUTION, moved, removed, scene_of
 from metafem.explorer.history import State
 from metafem.explorer.kinds import reachable, with_nearest, with_point
-from metafem.explorer.law_data import Units, band_data, law_data, measured_of, pinned_data, read_points
+from metafem.explorer.law_data import Units, law_data, measured_data, numbers, pinned_data, read_points
 from metafem.explorer.queue import Queue
 from metafem.explorer.scene import Scene
-from metafem.explorer.table import Table, on_page
-
-# Why the axes cannot be in newtons.
-NO_FORCES = "Newtons need “Friction” with its shear strength and area ratio in the workshop."
+from metafem.explorer.table import Table
 
 Event = dict[str, Any]
 
@@ -29,32 +27,31 @@ Event = dict[str, Any]
 LEAST_PART = 1e-3
 
 
-def tools_data(answer: Answer) -> dict[str, Any]:
-    """Return the axes that can be chosen above the plot, and the current choice."""
-    forces = answer.design is not None and answer.design.template.friction is not None
-    return {"newtons": answer.state.newtons, "no_forces": "" if forces else NO_FORCES}
-
-
 def beside(answer: Answer) -> dict[str, Any]:
     """Return the tolerance band of an answer, which takes longer than its law."""
-    band, units = tolerance_band(answer), Units.of_design(answer, answer.state.newtons)
-    tolerance = None if band is None else band_data(band, units, name=band_words(answer))
+    band, design = tolerance_band(answer), answer.design
+    if band is None or design is None:
+        return {"number": answer.number, "tolerance": None}
+    units = Units.of_design(answer, answer.state.newtons)
+    load, low, high = band
+    micrometres = MICROMETRES * (design.limits.height_sd or 0.0)
+    tolerance = {
+        "x": numbers(units.load * load),
+        "low": numbers(units.friction * low),
+        "high": numbers(units.friction * high),
+        "name": f"± 1 SD of made surfaces, with errors of the heights of {micrometres:.3g} µm (SD)",
+    }
     return {"number": answer.number, "tolerance": tolerance}
 
 
-class LawPlot(Widget, component="static/law_plot.js"):
-    """Draws the data of `law_data` and `beside`."""
-
-
-class LawPanel(Panel):
-    """The plot of one page."""
+class LawPanel(Panel, component="static/law_plot.js"):
+    """The plot of the law, which draws the data of `law_data` and `beside`."""
 
     def __init__(self, page: Control) -> None:
-        super().__init__(page)
         names = [name for name in dir(type(self)) if name.startswith("on_")]
-        self.plot = LawPlot(**{name[3:]: partial(self._handle, getattr(self, name)) for name in names})
+        super().__init__(page, **{name[3:]: partial(self._handle, getattr(self, name)) for name in names})
         self.band: Queue[Answer, dict[str, Any]] = Queue(
-            beside, partial(self.plot.call, "more"), lambda _, error: page.wrong(error)
+            beside, partial(self.call, "more"), lambda _, error: page.wrong(error)
         )
         # number of the plot for each change of the page by a drag, and for the newest one that is answered
         self.requests: dict[int, int] = {}
@@ -68,12 +65,11 @@ class LawPanel(Panel):
         """Return the data of an answer that the plot draws."""
         data = law_data(answer)
         units = Units.of(answer.template, answer.state.newtons)
-        data["tools"], data["pinned"] = tools_data(answer), pinned_data(self.pinned, units)
+        data |= {"pinned": pinned_data(self.pinned, units), "measured": None}
         try:
-            points = measured_of(answer)
+            data["measured"] = measured_data(answer)
         except InvalidInput as error:
-            points, data["problem"] = None, str(error)
-        data["measured"] = None if points is None else points.data(units)
+            data["problem"] = str(error)
         return data
 
     def show(self, answer: Answer, data: dict[str, Any]) -> None:
@@ -86,7 +82,7 @@ class LawPanel(Panel):
             self.stuck = answer.refusal != "" and not answer.undecided
         if answer.nearest_target is not None:
             self.refused = answer
-        self.plot.call("draw", data | {"request": self.request})
+        self.call("draw", data | {"request": self.request})
         if "problem" in data:
             self.say(data["problem"], wrong=True)
         if answer.design is not None:
@@ -94,11 +90,11 @@ class LawPanel(Panel):
 
     def say(self, words: str, *, wrong: bool = False) -> None:
         """Show a message below the plot, as an error if `wrong`."""
-        self.plot.call("say", words, wrong)
+        self.call("say", words, wrong)
 
     async def _handle(self, handler: Callable[[Event], Awaitable[None]], event: Event) -> None:
         """Handle an event; an InvalidInput error is shown below the plot."""
-        await self.page.told(handler(event), lambda words: self.say(on_page(words), wrong=True))
+        await self.page.told(handler(event), lambda words: self.say(words, wrong=True))
 
     async def on_drag(self, event: Event) -> None:
         """Move a handle."""
@@ -116,7 +112,7 @@ class LawPanel(Panel):
         try:
             await self.page.make(dragged, draft=not event["released"])
         except InvalidInput as error:
-            self.plot.call("refuse", number, on_page(str(error)))
+            self.call("refuse", number, str(error))
 
     async def on_add(self, event: Event) -> None:
         """Add a point; close to the achieved law it is on this law."""
@@ -160,9 +156,9 @@ class LawPanel(Panel):
         if design is None:
             raise InvalidInput("measured points can be shown once the specification has a design")
         name, text, template = str(event["name"]), str(event["text"]), design.template
-        found = await asyncio.to_thread(read_points, name, text, template.material, template.friction)
+        load, _ = await asyncio.to_thread(read_points, name, text, template.material, template.friction)
         await self.page.alter(measured=text, measured_name=name)
-        self.say(f"{len(found.load)} points of {name} are shown.")
+        self.say(f"{len(load)} points of {name} are shown.")
 
     async def on_measured(self, event: Event) -> None:
         """Remove the measured points."""

@@ -13,9 +13,7 @@ import numpy as np
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 from metafem.explorer.answer import Answer
-from metafem.explorer.certainty import Band
 from metafem.explorer.handles import scene_of
-from metafem.explorer.kinds import offer
 from metafem.explorer.scene import Handle
 from metafem.files.laws import columns_of, read_measured_law
 from metafem.files.tables import table_of
@@ -92,18 +90,8 @@ TABLES = 4
 RESCALED = "rescaled_load"
 
 
-@dataclass(frozen=True, eq=False)
-class Points:
-    """Points of a measured law: rescaled loads and frictions [mm^2], arrays (k,)."""
-
-    name: str
-    load: FloatArray
-    friction: FloatArray
-
-    def data(self, units: Units) -> dict[str, Any]:
-        """Return the points in the units of the axes."""
-        words = f"{self.name}: {len(self.load):,} points"
-        return {"name": words, **units.curve(self.load, self.friction)}
+# Rescaled loads and frictions (k,) [mm^2].
+Points = tuple[FloatArray, FloatArray]
 
 
 def read_points(name: str, text: str, material: Material, friction: Friction | None) -> Points:
@@ -120,18 +108,18 @@ def read_points(name: str, text: str, material: Material, friction: Friction | N
     content = text.encode("utf-8", "surrogatepass")
     if RESCALED in header.lower().replace(" ", "_"):
         columns = columns_of(table_of(name, content), "sampled")
-        return Points(name, columns[RESCALED], columns["rescaled_friction"])
+        return columns[RESCALED], columns["rescaled_friction"]
     law = read_measured_law(table_of(name, content), material, friction)
     known = np.isfinite(law.rescaled_friction)
-    return Points(name, law.rescaled_load[known], law.rescaled_friction[known])
+    return law.rescaled_load[known], law.rescaled_friction[known]
 
 
 # the points of the last few tables, which every answer shows
 _read = lru_cache(TABLES)(read_points)
 
 
-def measured_of(answer: Answer) -> Points | None:
-    """Return the measured points of an answer; None without a table or a specification.
+def measured_data(answer: Answer) -> dict[str, Any] | None:
+    """Return the measured points in the units of the axes; None without a table or a specification.
 
     Raises
     ------
@@ -141,8 +129,13 @@ def measured_of(answer: Answer) -> Points | None:
     state, template = answer.state, answer.template
     if not state.measured or template is None:
         return None
-    return _read(state.measured_name, state.measured, template.material, template.friction)
+    load, friction = _read(state.measured_name, state.measured, template.material, template.friction)
+    units = Units.of(template, state.newtons)
+    return {"name": f"{state.measured_name}: {len(load):,} points", **units.curve(load, friction)}
 
+
+# Why the axes cannot be in newtons.
+NO_FORCES = "Newtons need “Friction” with its shear strength and area ratio in the workshop."
 
 # Text after the refusal of a draft if no bound proves the refusal.
 SEARCHED = "A longer search follows."
@@ -157,8 +150,10 @@ def law_data(answer: Answer) -> dict[str, Any]:
     target, many = (scene.target, scene.crowd) if scene else (None, 0)
     marked = isinstance(target, OperatingPoints) and not many
     law = None if answer.design is None else answer.design.law
+    bare = answer.design is None or answer.design.template.friction is None
     return {
         "number": answer.number,
+        "tools": {"newtons": answer.state.newtons, "no_forces": NO_FORCES if bare else ""},
         "base": scene,  # every step of a drag starts there
         # checksum of the text: messages below the plot are valid for this text only
         "state": crc32(answer.state.text.encode()),
@@ -170,7 +165,7 @@ def law_data(answer: Answer) -> dict[str, Any]:
         "crowd": f"{many:,} points, too many to drag" if many else "",
         "nearest": None if answer.nearest is None else units.curve(*answer.nearest) | {"marked": marked},
         # label of the button that adopts the nearest law
-        "offer": "" if answer.nearest is None else offer(answer),
+        "offer": "" if answer.nearest is None else "Use the nearest law",
         "refusal": f"{answer.refused.removesuffix('.')}. {SEARCHED}" if answer.undecided else answer.refused,
         "undecided": answer.undecided,
         # None if the text has problems, because its handles are then unknown
@@ -186,13 +181,6 @@ def pinned_data(pinned: Answer | None, units: Units) -> dict[str, Any] | None:
         return None
     own, law = Units.of_design(pinned, units.newtons), pinned.design.law
     return own.curve(law.rescaled_load, law.rescaled_friction) if own.newtons == units.newtons else None
-
-
-def band_data(band: Band, units: Units, **more: Any) -> dict[str, Any]:
-    """Return loads, lowest and highest friction of a band of laws, in the units of the axes."""
-    load, low, high = band
-    x, y = numbers(units.load * load), units.friction
-    return {"x": x, "low": numbers(y * low), "high": numbers(y * high), **more}
 
 
 def _handle(handle: Handle, units: Units) -> dict[str, Any]:

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from functools import cached_property
-from typing import Any
 
 from nicegui import ui
 
@@ -13,7 +11,7 @@ from metafem._values import MICROMETRES
 from metafem.errors import InvalidInput
 from metafem.explorer.control import Control
 from metafem.explorer.fields import with_points, with_unit
-from metafem.explorer.table import Table, on_page, written
+from metafem.explorer.table import Table, value_of, with_field, with_values, written
 from metafem.files import quantity
 
 # The fields with their labels, units and first values, those of the paper's part.
@@ -29,8 +27,26 @@ FIELDS = {
 }
 FIRST = {name: first for name, (_, _, first) in FIELDS.items()}
 
-# Largest height of the summits over their radius, and error of a height [um].
-HIGHEST, ERROR = 0.5, "0.9 um"
+# The keys of the fields with a single value; of the two moduli, the last one that is typed.
+KEYS = {
+    "radius": "lattice.radius",
+    "modulus": "material.composite_modulus",
+    "young": "material.young_modulus",
+    "stress": "friction.shear_strength",
+    "coefficient": "target.friction_coefficient",
+}
+
+# What no field asks for, with the error of a height of the paper's moulds.
+USUAL: Table = {
+    "target": {"kind": "linear"},
+    "material": {"poisson_ratio": 0.5},
+    "friction": {"area_ratio": 1.0},
+    "limits": {"height_sd": "0.9 um"},
+    "model": {"kind": "independent"},
+}
+
+# Largest height of the summits over their radius.
+HIGHEST = 0.5
 
 # What separates numbers.
 SEPARATOR = re.compile(r"(?:[\s×xX*;–]|(?<![eE])-)+")
@@ -47,40 +63,30 @@ def new_part(typed: Mapping[str, str]) -> Table:
     Examples
     --------
     >>> new_part(FIRST)["lattice"]
-    {'shape': [8, 8], 'pitch': '2.5 mm', 'radius': '526 um'}
+    {'radius': '526 um', 'shape': [8, 8], 'pitch': '2.5 mm'}
     """
     width, length, thickness = _numbers("size", typed, 3)
     rows, columns = _numbers("asperities", typed, 2)
     if not (rows.is_integer() and columns.is_integer()):
         raise InvalidInput(f"asperities = {typed['asperities']} must be whole numbers, such as 8 × 8")
-    stiffness = "young" if typed["young"].strip() else "modulus"
-    radius, modulus, stress = (
-        with_unit(typed[name], FIELDS[name][1]) for name in ("radius", stiffness, "stress")
-    )
-    highest = HIGHEST * MICROMETRES * quantity("radius", radius, "mm")
-    target: dict[str, Any] = {
-        "kind": "linear",
-        "friction_coefficient": _number(with_points(typed["coefficient"])),
-    }
-    if typed["loads"].strip():
-        target["load_range"] = [f"{load:g} N" for load in _numbers("loads", typed, 2)]
-    material = {
-        "young_modulus" if stiffness == "young" else "composite_modulus": modulus,
-        "poisson_ratio": 0.5,
-    }
-    return {
-        "target": target,
-        "material": material,
-        "friction": {"shear_strength": stress, "area_ratio": 1.0},
-        "block": {"width": f"{width:g} mm", "length": f"{length:g} mm", "thickness": f"{thickness:g} mm"},
-        "lattice": {
-            "shape": [int(rows), int(columns)],
-            "pitch": f"{min(width / columns, length / rows):.4g} mm",
-            "radius": radius,
+    table = USUAL
+    for name, key in KEYS.items():
+        if typed[name].strip():
+            table = with_field(table, key, with_unit(typed[name], FIELDS[name][1]))
+    radius = quantity("radius", value_of(table, "lattice.radius") or "", "mm")
+    loads = [f"{load:g} N" for load in _numbers("loads", typed, 2)] if typed["loads"].strip() else None
+    return with_values(
+        table,
+        {
+            "target.load_range": loads,
+            "block.width": f"{width:g} mm",
+            "block.length": f"{length:g} mm",
+            "block.thickness": f"{thickness:g} mm",
+            "lattice.shape": [int(rows), int(columns)],
+            "lattice.pitch": f"{min(width / columns, length / rows):.4g} mm",
+            "limits.max_height": f"{HIGHEST * MICROMETRES * radius:.6g} um",
         },
-        "limits": {"max_height": f"{highest:.6g} um", "height_sd": ERROR},
-        "model": {"kind": "independent"},
-    }
+    )
 
 
 def _numbers(name: str, typed: Mapping[str, str], count: int) -> list[float]:
@@ -95,53 +101,34 @@ def _numbers(name: str, typed: Mapping[str, str], count: int) -> list[float]:
     return found
 
 
-def _number(text: str) -> float | str:
-    """Return a number, or text that the reader of the specification reports."""
-    try:
-        return float(text)
-    except ValueError:
-        return text
+def new_part_dialog(page: Control) -> ui.dialog:
+    """Return the dialog for a new part, which is one step of the history."""
 
-
-class NewPart:
-    """A dialog with the fields of a new part."""
-
-    def __init__(self, page: Control) -> None:
-        self.page = page
-
-    def open(self, _: object) -> None:
-        """Open the dialog."""
-        self.dialog.open()
-
-    @cached_property
-    def dialog(self) -> ui.dialog:
-        """The dialog, which is created when it is first opened."""
-        with ui.dialog().props('aria-labelledby="new-part"') as dialog, ui.card().classes("new-part"):
-            ui.html("<h2 id='new-part'>New part</h2>", sanitize=False)
-            ui.label(
-                "The lattice fills the block. Numbers have the units beside them. Undo restores the part."
-            ).classes("quiet small")
-            self.fields = {
-                name: ui.input(label, value=first)
-                .props(f'dense outlined suffix="{unit}"')
-                .on("keydown.enter", self.make)
-                for name, (label, unit, first) in FIELDS.items()
-            }
-            self.words = ui.label().classes("warn").props('role="status"')
-            self.words.set_visibility(False)
-            with ui.element("div").classes("row"):
-                ui.button("Make it", on_click=self.make).props("no-caps unelevated")
-                ui.button("Cancel", on_click=dialog.close).props("no-caps flat")
-        return dialog
-
-    async def make(self) -> None:
-        """Show the part as one step of the history, or which value cannot be read."""
+    async def make() -> None:
+        words.set_visibility(False)
         try:
-            text = written(new_part({name: field.value for name, field in self.fields.items()}))
+            text = written(new_part({name: field.value for name, field in fields.items()}))
         except InvalidInput as error:
-            self.words.text = on_page(str(error))
-            self.words.set_visibility(True)
+            words.text = str(error)
+            words.set_visibility(True)
             return
-        self.words.set_visibility(False)
-        self.dialog.close()
-        await self.page.alter(text=text, load=None)
+        dialog.close()
+        await page.alter(text=text, load=None)
+
+    with ui.dialog().props('aria-labelledby="new-part"') as dialog, ui.card().classes("new-part"):
+        ui.html("<h2 id='new-part'>New part</h2>", sanitize=False)
+        ui.label(
+            "The lattice fills the block. Numbers have the units beside them. Undo restores the part."
+        ).classes("quiet small")
+        fields = {
+            name: ui.input(label, value=first)
+            .props(f'dense outlined suffix="{unit}"')
+            .on("keydown.enter", make)
+            for name, (label, unit, first) in FIELDS.items()
+        }
+        words = ui.label().classes("warn").props('role="status"')
+        words.set_visibility(False)
+        with ui.element("div").classes("row"):
+            ui.button("Make it", on_click=make).props("no-caps unelevated")
+            ui.button("Cancel", on_click=dialog.close).props("no-caps flat")
+    return dialog

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Coroutine
-from functools import partial
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from nicegui import ui
@@ -19,9 +18,17 @@ from metafem.explorer.history import State
 from metafem.explorer.law import LawPanel
 from metafem.explorer.surface import SurfacePanel
 
+# The tabs beside the pictures.
+TABS: Mapping[str, Callable[[Control], Panel]] = {
+    "Workshop": Workshop,
+    "Specification": Specification,
+    "How sure": Certainty,
+    "Take it": Taking,
+}
 
-def build(first: State) -> Inspector:
-    """Create the elements of a page that begins with a state; return its inspector."""
+
+def build(first: State) -> None:
+    """Create the elements of a page that begins with a state."""
     ui.add_css(Path(__file__).parent / "static" / "page.css")
     page = Control(first)
     Header(page)
@@ -33,41 +40,17 @@ def build(first: State) -> Inspector:
             SurfacePanel(page)
             PlaceWarnings(page, "surface")
         with _part("inspector", "Inspector"):
-            return Inspector(page)
+            look = 'dense no-caps align=left outside-arrows mobile-arrows aria-label="Inspector"'
+            with ui.tabs().props(look) as tabs:
+                for name in TABS:
+                    ui.tab(name)
+            with ui.tab_panels(tabs, value=next(iter(TABS)), animated=False) as panels:
+                panels.props("keep-alive").classes("panels")
+                for name, panel in TABS.items():
+                    with ui.tab_panel(name):
+                        panel(page)
 
 
 def _part(name: str, label: str) -> Element:
     """Return a section of the page that can receive the keyboard focus from a skip link."""
     return ui.element("section").classes(name).props(f'aria-label="{label}" tabindex=-1')
-
-
-class Inspector(Panel):
-    """The tabs; what a tab holds is created when it is first opened."""
-
-    def __init__(self, page: Control) -> None:
-        super().__init__(page)
-        self.late: dict[str, Callable[[], Panel]] = {
-            "Workshop": partial(Workshop, page),
-            "Specification": partial(Specification, page),
-            "How sure": Certainty(page).create,
-            "Take it": partial(Taking, page),
-        }
-        self.made: dict[str, Panel] = {}
-        look = 'dense no-caps align=left outside-arrows mobile-arrows aria-label="Inspector"'
-        with ui.tabs().props(look) as self.tabs:
-            for name in self.late:
-                ui.tab(name)
-        with ui.tab_panels(self.tabs, value="Workshop", animated=False).props("keep-alive").classes("panels"):
-            self.places = {name: ui.tab_panel(name) for name in self.late}
-        self.turned("Workshop")
-        self.tabs.on_value_change(lambda event: self.turned(event.value))
-
-    def turned(self, name: str) -> Coroutine[object, object, None] | None:
-        """Open the panel of a tab, and close the others."""
-        if name in self.late:
-            with self.places[name]:
-                self.made[name] = self.late.pop(name)()
-        for each, panel in self.made.items():
-            panel.open = each == name
-        # before the first request nothing is known, and its answer follows
-        return self.page.renew(self.made[name]) if self.page.number else None

@@ -38,7 +38,7 @@ class Queue(Generic[Request, Result]):
     A new request replaces the waiting request. While a request waits, the running computation ends at its
     first progress step after `patience(running, waiting)` seconds. A program error is logged and passed to
     `failed` with its request; the next request is still answered. `step` names the current step of the
-    computation. If no newer request arrives within `rest` seconds of an answer, `better(request)` is
+    computation. If no newer request arrives within `pause` seconds of an answer, `better(request)` is
     answered, unless it is None.
 
     Changes are numbered: `asked` is the number of the last change, `made` that of the last one that ended,
@@ -53,10 +53,9 @@ class Queue(Generic[Request, Result]):
         *,
         patience: Callable[[Request, Request], float] = lambda running, waiting: PATIENCE,
         better: Callable[[Request], Request | None] = lambda request: None,
-        rest: float = REST,
     ) -> None:
         self.work, self.done, self.failed = work, done, failed
-        self.patience, self.better, self.pause = patience, better, rest
+        self.patience, self.better, self.pause = patience, better, REST
         self.waiting: Request | None = None
         self.task: asyncio.Task[None] | None = None
         self.rest: asyncio.TimerHandle | None = None

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from metafem._validate import FloatArray
-from metafem.explorer.fields import ALL_DIGITS, EXACT, rounded, scaled
+from metafem.explorer.fields import ALL_DIGITS, rounded
 from metafem.explorer.history import State
 from metafem.explorer.table import Table, section_of, with_only
 from metafem.files import Specification
@@ -34,6 +34,9 @@ PLAIN = ("exponent", "prefactor", "weight", "relative_error")
 
 # Members of a target that have an entry for each point.
 COLUMNS = ("rescaled_load", "rescaled_friction", "weight", "relative_error")
+
+# Relative resolution of numbers that are written in another unit, which costs the last digits.
+KEPT = 1e-13
 
 # Members of a target by name: slopes [-], loads and frictions [mm^2]; and keys of a table with their values.
 Numbers = dict[str, Any]
@@ -97,7 +100,12 @@ class Scene:
     @property
     def kind(self) -> str:
         """The kind of the target."""
-        return str(self.section["kind"])
+        return str(self.given["kind"])
+
+    @property
+    def given(self) -> Keys:
+        """The keys and values of the target in the table."""
+        return section_of(self.state.table, "target")
 
     @property
     def crowd(self) -> int:
@@ -107,13 +115,13 @@ class Scene:
     @cached_property
     def section(self) -> Keys:
         """The keys and values of the target in the table; lists in place of the name of a file."""
-        section = {**section_of(self.state.table, "target")}
-        if section.pop("file", None) is None:
+        section = {name: value for name, value in self.given.items() if name != "file"}
+        if "file" not in self.given:
             return section
         given = members(self.target, COLUMNS)
         if len(set(given["weight"])) == 1:  # the default
             del given["weight"]
-        return section | self.stated(given, EXACT)
+        return section | self.stated(given, KEPT)
 
     @cached_property
     def _drawn(self) -> Drawn:
@@ -140,56 +148,38 @@ class Scene:
         return np.asarray(np.interp(inside, load, friction) * rescaled_load / inside)
 
     def written(self, numbers: Numbers, resolution: float, kind: str = "") -> Table:
-        """Return the table with other numbers of the target in the units in which they are written.
+        """Return the table with other numbers of the target; the number None removes its key."""
+        values = {**self.section, **self.stated(numbers, resolution), "kind": kind or self.kind}
+        return with_only(self.state.table, "target", values)
 
-        Numbers that do not change remain as they are written; the number None removes its key.
+    def stated(self, numbers: Numbers, resolution: float, wording: Wording | None = None) -> Keys:
+        """Return the keys and values of numbers of a target in newtons or rescaled, as a wording has them.
+
+        The default is the wording of the target. Numbers that the target has keep their digits, and keys
+        whose numbers do not change the text of their values.
         """
-        values = {**self.section, **self.stated(numbers, resolution, self.section)}
-        return with_only(self.state.table, "target", {**values, "kind": kind or self.kind})
-
-    def stated(
-        self, numbers: Numbers, resolution: float, like: Keys | None = None, wording: Wording | None = None
-    ) -> Keys:
-        """Return the keys and values of numbers of a target.
-
-        New values have the units of the present keys and values `like`, or those of the wording, default:
-        that of the target.
-        """
-        units, found = wording or self.target.wording, dict[str, Any]()
+        units, found = wording or self.target.wording, Keys()
         for name, number in numbers.items():
             key = NEWTON_KEYS.get(name, name) if units.per_slope else name
-            write = partial(self._entry, name, resolution, units)
             before = plain(getattr(self.target, name, None))
-            found[key] = None if number is None else _like(number, before, (like or {}).get(key), write)
+            if number is None or (number == before and key in self.given):
+                found[key] = None if number is None else self.given[key]
+            else:
+                known = set() if before is None else {*np.ravel(before).tolist()}
+                found[key] = self._value(name, number, units, resolution, known)
         return found
 
-    def _entry(
-        self, name: str, resolution: float, units: Wording, number: float, before: float, old: str | None
-    ) -> Any:
-        """Return a number of a target as an entry of the table: like an old entry, or in the units."""
+    def _value(self, name: str, number: Any, units: Wording, resolution: float, known: set[float]) -> Any:
+        """Return a number of a target, or numbers, as a value of the table."""
+        if isinstance(number, Sequence):
+            values = [self._value(name, each, units, resolution, known) for each in number]
+            return values[0] if name == "crossover_loads" and values == values[:1] * 2 else values
+        resolution = KEPT if number in known else resolution
         if name in (*PLAIN, *SLOPES):
             return rounded(number if name in PLAIN else units.coefficient(number), resolution)
-        if old is not None:
-            return scaled(old, number / before, resolution)
         template, factor, unit = self.specification.template, 1.0, "mm^2"
         if units.per_slope if name in NEWTON_KEYS else units.composite_modulus:
             factor, unit = template.material.composite_modulus, "N"
             if name in FRICTIONS and template.friction is not None:
                 factor = template.friction.stress
         return f"{rounded(factor * number, resolution):.{ALL_DIGITS}g} {unit}"
-
-
-def _like(number: Any, before: Any, old: Any, write: Callable[[Any, Any, Any], Any]) -> Any:
-    """Return a number, or numbers, as written by `write` in the form of the `old` value of `before`."""
-    if old is not None and number == before:
-        return old
-    if not isinstance(number, Sequence):
-        return write(number, before, old)
-    if old is None:
-        return [write(each, None, None) for each in number]
-    if not isinstance(old, list):  # one load in place of a pair of equal loads
-        return write(number[0], before[0], old)
-    known = dict(zip(before, old, strict=True))
-    places = [min(i, len(old) - 1) for i in range(len(number))]  # a point may have been added
-    pairs = zip(number, places, strict=True)
-    return [known.get(each) or _like(each, before[i], old[i], write) for each, i in pairs]

@@ -95,27 +95,11 @@ class Guard:
         if scope["type"] not in ("http", "websocket"):
             await self.app(scope, receive, send)
         elif self.allowed(scope):
-            await self._answer({**scope, "root_path": f"/{self.token}"}, receive, _with_headers(send))
+            await self.app({**scope, "root_path": f"/{self.token}"}, receive, _with_headers(send))
         elif scope["type"] == "http":
             await PlainTextResponse(REFUSED, 403)(scope, receive, send)
         else:
             await WebSocketClose(POLICY_VIOLATION)(scope, receive, send)
-
-    async def _answer(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Pass a request to the application; ignore its error if the client has already disconnected."""
-        left = False
-
-        async def heard() -> Message:
-            nonlocal left
-            message = await receive()
-            left = left or message["type"] == "http.disconnect"
-            return message
-
-        try:
-            await self.app(scope, heard, send)
-        except RuntimeError:  # Starlette's "No response returned"
-            if not left:
-                raise
 
     def allowed(self, scope: Scope) -> bool:
         """Return whether a request has the token and comes from a page of this server or from no page."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -24,41 +23,28 @@ from metafem.models.interacting.influence import nearest_distance
 from metafem.surface import Surface
 
 
-@dataclass(frozen=True)
-class Asked:
-    """The fixed heights and empty sites of a specification.
+def asked_sites(table: Table) -> tuple[dict[int, str], list[int]]:
+    """Return the fixed heights in a table, as written there by site, and the sites that stay empty.
 
-    Attributes
-    ----------
-    empty : frozenset of int
-        Sites that stay empty.
-    pinned : mapping of int to str
-        Heights, as written in the table, of the sites whose heights are fixed.
+    Entries of a wrong type are ignored.
     """
-
-    empty: frozenset[int]
-    pinned: Mapping[int, str]
-
-
-def asked_sites(table: Table) -> Asked:
-    """Return the fixed heights and empty sites in a table; entries of a wrong type are ignored."""
     section = section_of(table, "sites")
     heights = section.get("heights")
     pairs = zip(_numbers(section.get("pinned")), heights if isinstance(heights, list) else (), strict=False)
-    return Asked(frozenset(_numbers(section.get("empty"))), {site: str(height) for site, height in pairs})
+    return {site: str(height) for site, height in pairs}, _numbers(section.get("empty"))
 
 
 def with_sites(
     table: Table, pinned: Mapping[int, str], empty: Collection[int] = (), free: Collection[int] = ()
 ) -> Table:
     """Return the table with sites fixed at heights such as "150 um", empty, or free."""
-    asked, changed = asked_sites(table), {*pinned, *empty, *free}
-    kept = {site: height for site, height in asked.pinned.items() if site not in changed}
-    heights = dict(sorted({**kept, **pinned}.items()))
+    heights, emptied = asked_sites(table)
+    changed = {*pinned, *empty, *free}
+    heights = {site: height for site, height in heights.items() if site not in changed} | {**pinned}
     values = {
-        "empty": [site + 1 for site in sorted((asked.empty - changed).union(empty))],
-        "pinned": [site + 1 for site in heights],
-        "heights": list(heights.values()),
+        "empty": [site + 1 for site in sorted({*emptied}.difference(changed).union(empty))],
+        "pinned": [site + 1 for site in sorted(heights)],
+        "heights": [heights[site] for site in sorted(heights)],
     }
     return with_values(table, {f"sites.{name}": value or None for name, value in values.items()})
 
@@ -71,10 +57,8 @@ def edited(table: Table, design: Design | None, given: Any) -> Table:
     if design is None:
         raise InvalidInput("there is no surface yet whose sites could be changed")
     action, sites, typed = _checked(given, design.template.count)
-    if action == "empty":
-        return with_sites(table, {}, empty=sites)
-    if action == "release":
-        return with_sites(table, {}, free=sites)
+    if action != "pin":
+        return with_sites(table, {}, sites if action == "empty" else (), sites)
     if typed:
         return with_sites(table, dict.fromkeys(sites, typed_height(typed)))
     shown = {site: kept_height(design, site) for site in sites}
@@ -194,7 +178,7 @@ def site_data(answer: Answer) -> dict[str, Any]:
     design = answer.design
     if design is None:
         return data
-    asked = asked_sites(answer.state.known)
+    pinned, empty = asked_sites(answer.state.known)
     heights = MICROMETRES * design.surface.height
     radii = np.unique(design.surface.radius)
     limits, count = design.limits, design.template.count
@@ -206,8 +190,8 @@ def site_data(answer: Answer) -> dict[str, Any]:
         "cap": at_sites(design, kind_of_cap(design.surface)) if len(caps) > 1 else None,
         "height": at_sites(design, heights),
         "radius": float(radii[0]) if len(radii) == 1 else at_sites(design, design.surface.radius),
-        "pinned": {str(site): height for site, height in asked.pinned.items() if site < count},
-        "empty": sorted(site for site in asked.empty if site < count),
+        "pinned": {str(site): height for site, height in pinned.items() if site < count},
+        "empty": sorted({site for site in empty if site < count}),
         "limits": [low, high],
         "loads": design.law.rescaled_load[[0, -1]].tolist(),
         "modulus": design.surface.material.composite_modulus,
@@ -228,12 +212,9 @@ def message(answer: Answer) -> str:
     """
     if answer.design is None:
         return "There is no surface yet." if answer.problems or answer.refusal else ""
-    asked = asked_sites(answer.state.known)
     if answer.refusal or answer.problems:
-        of_sites = [words for key, words in answer.problems.items() if key.startswith("sites")]
-        reason = "\n".join(of_sites) or "The law states the reason."
-        return f"These are the heights of the last surface that was found. {reason}"
-    if (asked.empty or asked.pinned) and answer.design.status is DesignStatus.MISSED:
+        return "These are the heights of the last surface that was found."
+    if any(asked_sites(answer.state.known)) and answer.design.status is DesignStatus.MISSED:
         return (
             f"With these sites kept or empty the target law is missed by {misfit_text(answer.design.misfit)}."
         )

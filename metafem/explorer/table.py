@@ -1,11 +1,10 @@
-"""The table of a specification, which is the state of the page: its edits, its text, and names of its keys.
+"""The table of a specification, which is the state of the page: its edits, its text, and titles of its keys.
 
 A table has the values of TOML by section and key. No function changes the table that it is given.
 """
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from functools import cache
 from typing import Any
@@ -18,68 +17,28 @@ from metafem.files import Form, section_forms
 
 Table = Mapping[str, Any]
 
-# Titles of sections and labels of keys whose names do not explain themselves.
-TITLES: Mapping[str, str] = {
-    "target": "Target law", "part": "Part files", "lattice": "Sites and radius", "tools": "Choice of tools",
-    "sites": "Given heights, empty sites", "limits": "Heights",
-    "contact": "Contact law", "contact.cap": "Cap under adhesion",
-    "lattice.shape": "rows, columns", "lattice.radius": "radius of curvature",
-    "limits.max_height": "largest height", "limits.min_height": "smallest height",
-    "limits.height_sd": "error when made (SD)",
-    "material.composite_modulus": "composite modulus E*", "material.poisson_ratio": "Poisson's ratio ν",
-    "friction.shear_strength": "shear strength σ", "friction.area_ratio": "area ratio B",
-    "tools.radii": "radii of the tools",
-    "sites.pinned": "sites with given heights", "sites.heights": "their heights",
-    "model.kind": "model", "layout.seed": "random seed", "layout.tilt": "against a tilt of",
-}  # fmt: skip
-
-# A name in a message: a section in brackets, or a key with its section or with an underscore, and its entry.
-NAME = re.compile(r"\[([a-z]+(?:\.[a-z]+)?)\]|\b((?:[a-z]+\.){0,2}[a-z_]+)(?:\[(\d+)\])?(?![\w(])")
-
 
 def title_of(name: str) -> str:
-    """Return the title of a section, or the label of a key with its section.
+    """Return the title of a section, or the label of a key with its section: the words of its name.
 
     Examples
     --------
-    >>> title_of("limits.max_height"), title_of("lattice.pitch"), title_of("block")
-    ('largest height', 'pitch', 'Block')
+    >>> title_of("limits.max_height"), title_of("block"), title_of("contact.cap")
+    ('max height', 'Block', 'Contact cap')
     """
-    words = name.rpartition(".")[2].replace("_", " ")
-    return TITLES.get(name) or (words.capitalize() if name in section_forms() else words)
-
-
-def on_page(message: str) -> str:
-    """Return a message with the page's names of sections and keys.
-
-    Examples
-    --------
-    >>> on_page("the cap is too high; lower max_height or omit [block]")
-    'the cap is too high; lower “largest height” or omit “Block”'
-    >>> on_page("lattice.shape[0] is missing")
-    '“rows, columns”, entry 1 is missing'
-    """
-    return NAME.sub(_named, message)
-
-
-def _named(found: re.Match[str]) -> str:
-    section, name, entry = found.groups()
-    place = places().get(section or name)
-    if place is None or not (section or entry or re.search(r"[._]", name)):
-        return found[0]
-    return f"“{title_of(place)}”" + (f", entry {int(entry) + 1}" if entry else "")
+    if name in section_forms():
+        return name.replace(".", " ").capitalize()
+    return name.rpartition(".")[2].replace("_", " ")
 
 
 @cache
-def places() -> Mapping[str, str]:
-    """Return each section, and each key with its section, by its name and, where it is first, by its last."""
-    found = {name: name for name in section_forms()} | {"height_sd": "limits.height_sd"}
+def names() -> tuple[str, ...]:
+    """Return all sections, and all keys with their sections."""
+    found = [*section_forms()]
     for section, form in section_forms().items():
-        names = [key["name"] for keys in form["keys"].values() for key in keys]
-        for name in [*names, *["kind"] * bool(form["kinds"])]:
-            found[f"{section}.{name}"] = f"{section}.{name}"
-            found.setdefault(name, f"{section}.{name}")
-    return found
+        keys = [key["name"] for keys in form["keys"].values() for key in keys]
+        found += [f"{section}.{name}" for name in [*["kind"] * bool(form["kinds"]), *keys]]
+    return tuple(found)
 
 
 def value_of(table: Table, key: str) -> Any:

@@ -1,3 +1,4 @@
+from .page import numbers as numbers
 from .page import page as page
 from .page import write as write
 from .words import all_notes as all_notes

@@ -86,7 +86,7 @@ def page(
     return render(
         "page.html",
         design=design,
-        numbers=_numbers(design),
+        numbers=numbers(design),
         notes=words.all_notes(design, hardness),
         hardness=hardness,
         fits=words.fit_table(design),
@@ -103,7 +103,7 @@ def write(design: Design, path: Path | str, **options: Any) -> None:
     Path(path).write_text(page(design, **options), "utf-8")
 
 
-def _numbers(design: Design) -> list[tuple[str, str]]:
+def numbers(design: Design) -> list[tuple[str, str]]:
     """Return the three numbers by which a design is judged, each with what it means."""
     misfit, value = words.misfit_words(design)
     error, source = words.error_parts(design.law.model_error)

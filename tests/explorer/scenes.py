@@ -9,11 +9,7 @@ from nicegui import Client
 from nicegui.page import page as page_of
 
 from metafem.explorer.control import Control
-from metafem.explorer.handles import moved, scene_of
 from metafem.explorer.history import State
-from metafem.explorer.kinds import with_kind_near, with_units
-from metafem.explorer.surface_data import edited
-from metafem.explorer.table import with_field, with_section
 from metafem.files import demo_text
 from metafem.progress import doing
 
@@ -122,32 +118,8 @@ def calls_of(widget):
     return sent
 
 
-def dragged(state, answer):
-    """Move the last handle."""
-    scene = scene_of(state, answer.specification, answer.design)
-    handle = scene.handles()[-1]
-    return moved(scene, handle.id, 1.01 * handle.load, 0.99 * handle.friction)
-
-
-def kept(state, answer):
-    """Keep the height of the first asperity."""
-    site = int(answer.design.sites[0])
-    return edited(state.table, answer.design, {"action": "pin", "sites": [site], "height": ""})
-
-
 def with_height(answer, asperity, height):
     """Return an answer in which an asperity has another height."""
     surface = answer.design.surface
     heights = np.where(np.arange(surface.count) == asperity, height, surface.height)
     return replace(answer, design=replace(answer.design, surface=surface.replaced(height=heights)))
-
-
-# Edits of a state with its answer, and the section that each changes.
-EDITS = {
-    "drag": (dragged, "target"),
-    "height": (kept, "sites"),
-    "field": (lambda state, _: with_field(state.table, "limits.max_height", "0,13 mm"), "limits"),
-    "section": (lambda state, _: with_section(state.table, "checks"), "checks"),
-    "kind": (lambda state, answer: with_kind_near(state, answer.design, "sampled"), "target"),
-    "units": (lambda state, answer: with_units(state, "target", 1, answer.specification), "target"),
-}

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from metafem.explorer.answer import answered
-from metafem.explorer.handles import added, moved, removed, scene_of
+from metafem.explorer.handles import moved, removed, scene_of
 from metafem.explorer.history import State
 from metafem.explorer.kinds import reachable, with_point
 from metafem.files import demo_text
@@ -96,13 +96,3 @@ def test_every_state_is_left_by_the_next_drag():
             drawing.drag(0.3)
             assert drawing.shown.current, (seed, drawing.shown.refusal)
     assert refused > SEQUENCES / 10
-
-
-@pytest.mark.parametrize("seed", range(4))
-def test_a_refused_law_is_left_by_a_drag(seed):
-    drawing = Drawing(demo_text("operating-points"), seed)
-    state, specification, _ = drawing.base
-    drawing.commit(added(scene_of(state, specification, None), 0.5, 0.5))
-    assert drawing.shown.refusal
-    drawing.drag(0.2)
-    assert drawing.shown.current

@@ -16,7 +16,6 @@ from metafem.files import demo_text
 
 LINEAR = with_values(State(demo_text("linear")).table, {"lattice.shape": [4, 4], "limits.height_step": None})
 PINS = {"sites.pinned": [5], "sites.heights": ["150 um"], "sites.empty": [9]}
-TOOLS = {"lattice.radius": None, "tools.radii": ["300 um", "526 um"]}
 POINTS = {"target.kind": "sampled", "target.slope": None}
 MANY = np.linspace(0.01, 0.1, 1000)
 TABULATED = "indentation_um,load_mN,area_mm2\n" + "".join(
@@ -25,7 +24,6 @@ TABULATED = "indentation_um,load_mN,area_mm2\n" + "".join(
 )
 SCENES = {
     "one asperity": {"lattice.shape": [1, 1], "part": None},
-    "a row": {"lattice.shape": [1, 50], "block.width": "80 mm"},
     "steep": {"target.slope": 1e4},
     "a thousand points": POINTS
     | {
@@ -33,11 +31,9 @@ SCENES = {
         "target.rescaled_friction": [f"{7 * load:.6g} mm^2" for load in MANY],
         "lattice.shape": [2, 2],
     },
-    "kept heights of several radii": TOOLS | PINS,
     "kept heights with adhesion": PINS
     | {"lattice.shape": [2, 5], "contact.kind": "jkr", "contact.adhesion_energy": "9 mJ/m^2"},
     "incompressible layer": {"model.kind": "layer", "material.poisson_ratio": 0.5},
-    "plastic": {"contact.kind": "jackson-green", "contact.yield_strength": "4 MPa"},
     "a tabulated contact": {"contact.kind": "tabulated", "contact.file": "contact.csv"},
     "plastic contacts, resolved": {
         "model.kind": "resolved", "contact.kind": "kogut-etsion", "contact.hardness": "10 MPa",

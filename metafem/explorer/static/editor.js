@@ -21,8 +21,7 @@ export default {
       <div class="both">
         <div ref="frame" class="frame"></div>
         <ul v-if="problems.length" class="problems warn" aria-label="Problems of the specification">
-          <li v-for="each in problems" :key="each.words"><button v-if="each.line" type="button" class="act" @click="jump(each.line)">Line {{ each.line }}</button>
-            {{ each.words }}</li></ul>
+          <li v-for="each in problems" :key="each">{{ each }}</li></ul>
       </div>
     </div>`,
   data() {
@@ -64,7 +63,7 @@ export default {
       if (!this.dirty) return;
       const text = this.editor.state.doc.toString();
       if (sent(text) > LARGEST) {
-        this.problems = [{ line: 0, words: `The text is larger than ${LARGEST / 1000} kB, so it is not used. Undo, or delete some of it.` }];
+        this.problems = [`The text is larger than ${LARGEST / 1000} kB, so it is not used. Undo, or delete some of it.`];
         return;
       }
       this.dirty = false;
@@ -89,11 +88,6 @@ export default {
         annotations: this.CM.Transaction.addToHistory.of(false),
       });
       this.showing = false;
-    },
-    jump(number) {
-      const line = this.editor.state.doc.line(Math.min(number, this.editor.state.doc.lines));
-      this.editor.dispatch({ selection: { anchor: line.from, head: line.to }, effects: this.CM.EditorView.scrollIntoView(line.from, { y: "center" }) });
-      this.editor.focus();
     },
     async chosen(event) {
       const files = [...event.target.files];

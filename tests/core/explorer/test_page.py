@@ -11,7 +11,7 @@ from nicegui.page import page as page_of
 
 from metafem.errors import InvalidInput
 from metafem.explorer import control, queue
-from metafem.explorer.control import Panel, Request, Widget, patience, whole_of
+from metafem.explorer.control import Panel, Request, patience, whole_of
 from metafem.explorer.files import Taking
 from metafem.explorer.form import Workshop
 from metafem.explorer.header import FIRST, Header
@@ -22,7 +22,7 @@ from metafem.explorer.surface import SurfacePanel
 from metafem.explorer.surface_data import asked_sites
 from metafem.explorer.table import with_values
 from metafem.files import demo_text, parsed
-from tests.explorer.scenes import calls_of, held, on_page, shown
+from tests.explorer.scenes import calls_of, held, on_page, shown, with_height
 
 TEXT = demo_text("operating-points")
 OWN = f"# for the fair\n{TEXT}"
@@ -37,7 +37,7 @@ LONG = [
     "law.read_points", "law.tolerance_band", "surface.site_data", "surface.layout_data",
     "surface.contact_data", "surface.press_data", "surface.edited", "header.header_data",
     "header.with_field", "form.contents", "form.with_kind_near", "files.specification_file",
-    "files.quick_files",
+    "files.made_files",
 ]  # fmt: skip
 
 
@@ -227,7 +227,7 @@ def test_a_search_ends_when_the_drag_goes_on_and_a_draft_is_computed_fully_at_re
 
 def test_the_plot_of_the_law_moves_adds_and_removes_points():
     async def scene(page, law):
-        sent, texts = calls_of(law.plot), []
+        sent, texts = calls_of(law), []
 
         async def event(kind, **given):
             await law._handle(getattr(law, f"on_{kind}"), given)
@@ -270,7 +270,7 @@ def test_the_plot_of_the_law_moves_adds_and_removes_points():
 
 def test_the_pictures_of_the_surface_get_what_changed_and_edit_sites():
     async def scene(page, surface):
-        sent = calls_of(surface.view)
+        sent = calls_of(surface)
         surface.contacts.pause = 0.0
         await page.alter(load=0.3)
         await shown(page)
@@ -288,14 +288,14 @@ def test_the_pictures_of_the_surface_get_what_changed_and_edit_sites():
     assert len(first["layout"]["x"]) == len(first["height"]) == 64
     assert "layout" not in second
     assert [second["height"][i] for i in (3, 4)] == [None, None]
-    assert asked_sites(answer.state.table).empty == {3, 4}
+    assert asked_sites(answer.state.table) == ({}, [3, 4])
     contacts = [given for name, given in sent if name == "contact"]
     assert contacts[0]["load"] == pytest.approx(0.3, rel=1e-9)
 
 
 def test_header_and_fields_show_what_is_chosen_and_what_is_refused():
     async def scene(page, header, fields):
-        bar, sent = calls_of(header.bar), calls_of(fields.fields)
+        bar, sent = calls_of(header), calls_of(fields)
         await page.alter()
         await shown(page)
         bar.clear(), sent.clear()
@@ -318,7 +318,7 @@ def test_header_and_fields_show_what_is_chosen_and_what_is_refused():
             await step()
             await shown(page)
             texts.append(page.state.text)
-        page.warn({"take": ["no part can be made"], "limits.offset": ["raise it"]})
+        page.warn({"limits.offset": ["raise it"]})
         return bar, sent, texts
 
     bar, sent, texts = on_page(scene, Header, Workshop)
@@ -332,7 +332,6 @@ def test_header_and_fields_show_what_is_chosen_and_what_is_refused():
     assert texts[7:10] == [demo_text("bilinear")] * 2 + [TEXT]
     (refused,) = [given for name, given in sent if name == "refuse"]
     assert (refused["key"], "limits" in refused["words"]) == ("limits.max_height", True)
-    assert bar[-1] == ("show", {"part": "no part can be made"})
     assert sent[-1] == ("show", {"warnings": {"limits.offset": ["raise it"]}})
 
 
@@ -345,45 +344,40 @@ def test_files_are_taken_or_it_is_said_why_not(monkeypatch):
         before = files.label.text
         await page.alter()
         await shown(page)
-        for name in ("spec.toml", "law.csv", "mould.csv", "law.svg"):
+        for name in ("spec.toml", "mould.csv"):
             await files.take(name)
         offered = files.offered["mould.csv"][0].enabled
-        page.warn({"take": ["no part can be made: it is low"]})
+        files.show(with_height(page.answer, 7, 0.0), None)
         return before, files.label.text, offered, files.offered["mould.csv"][0].enabled, files.command.text
 
     before, after, offered, hindered, command = on_page(scene, Taking)
     assert "metafem design" in command
-    assert ("not downloaded" in before, after) == (True, "law.svg was downloaded.")
+    assert ("not downloaded" in before, after) == (True, "mould.csv was downloaded.")
     assert (offered, hindered) == (True, False)
-    assert list(taken) == ["spec.toml", "law.csv", "mould.csv", "law.svg"]
+    assert list(taken) == ["spec.toml", "mould.csv"]
     assert taken["spec.toml"] == TEXT.encode()
     assert taken["mould.csv"].count(b"\n") > 60
 
 
-def test_what_a_tab_holds_is_created_once_and_elements_send_what_has_changed():
+def test_elements_send_what_has_changed_in_one_message():
     sent = []
 
     async def scene():
         client = Client(page_of("/"))
         with client:
-            tabs = build(State(TEXT)).tabs
-            one, other = Widget({"names": ["a"]}), Widget()
-        counts = [len(client.elements)]
-        for name in ("Take it", "How sure", "Specification", "Take it"):
-            tabs.set_value(name)
-            counts.append(len(client.elements))
-        await asyncio.sleep(0)
+            build(State(TEXT))
+            page = control.Control(State(TEXT))
+            one, other = Panel(page, {"names": ["a"]}), Panel(page)
         client.run_javascript = sent.append
-        one.show({"a": 1, "b": [2]})
-        one.show({"a": 1, "b": [3]})
+        one.send({"a": 1, "b": [2]})
+        one.send({"a": 1, "b": [3]})
         other.call("draw", [2])
         await asyncio.sleep(0)
         client.delete()
         one.call("draw", [4])
-        return counts, one.id, other.id
+        return one.id, other.id
 
-    counts, one, other = asyncio.run(scene())
-    assert counts[0] < counts[1] < counts[2] < counts[3] == counts[4]
+    one, other = asyncio.run(scene())
     (message,) = sent
     parts = [f'runMethod({one}, \'show\', [{{"a":1,"b":[2]}}])', f"runMethod({one}, 'show', [{{\"b\":[3]}}])"]
     for part, words in zip(message.split(";"), [*parts, f"runMethod({other}, 'draw', [[2]])"], strict=True):

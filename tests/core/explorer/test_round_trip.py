@@ -2,27 +2,41 @@
 
 import pytest
 
+from metafem.explorer.handles import moved, scene_of
 from metafem.explorer.history import State, from_link, to_link
-from metafem.files import demo_text, parsed
-from tests.explorer.scenes import EDITS, TABLE, TABLES, on_page, shown, text_of
+from metafem.explorer.kinds import with_kind_near
+from metafem.explorer.surface_data import edited
+from metafem.explorer.table import with_field
+from metafem.files import parsed
+from tests.explorer.scenes import TABLE, TABLES, on_page, shown, text_of
 
 
-@pytest.mark.parametrize(
-    ("name", "edit"),
-    [
-        ("demo", "drag"),
-        ("table", "height"),
-        ("linear", "field"),
-        ("line", "units"),
-        ("bilinear", "kind"),
-        ("power", "drag"),
-        pytest.param("multilinear", "section", marks=pytest.mark.slow),
-    ],
-)
-def test_undo_gives_back_the_text_and_its_design(name, edit):
-    change, section = EDITS[edit]
-    text = demo_text("operating-points") if name == "demo" else text_of(name)
-    first = State(text, {"wanted.csv": TABLE})
+def dragged(state, answer):
+    """Move the last handle."""
+    scene = scene_of(state, answer.specification, answer.design)
+    handle = scene.handles()[-1]
+    return moved(scene, handle.id, 1.01 * handle.load, 0.99 * handle.friction)
+
+
+def kept(state, answer):
+    """Keep the height of the first asperity."""
+    site = int(answer.design.sites[0])
+    return edited(state.table, answer.design, {"action": "pin", "sites": [site], "height": ""})
+
+
+# Targets, edits of them, and the section that each edit changes.
+EDITS = {
+    "power": (dragged, "target"),
+    "table": (kept, "sites"),
+    "linear": (lambda state, _: with_field(state.table, "limits.max_height", "0,13 mm"), "limits"),
+    "bilinear": (lambda state, answer: with_kind_near(state, answer.design, "sampled"), "target"),
+}
+
+
+@pytest.mark.parametrize("name", EDITS)
+def test_undo_gives_back_the_text_and_its_design(name):
+    change, section = EDITS[name]
+    first = State(text_of(name), {"wanted.csv": TABLE})
 
     async def scene(page):
         answers = []

@@ -1,7 +1,6 @@
-"""The server of a page: the requests that it answers, its token and port, and its queue."""
+"""The server of a page: the requests that it answers, and its queue."""
 
 import asyncio
-import socket
 import threading
 
 import pytest
@@ -9,25 +8,21 @@ import pytest
 from metafem.errors import InvalidInput
 from metafem.explorer.queue import Dropped, Queue
 from metafem.explorer.server import REFUSED, Guard
-from metafem.explorer.start import HOST, token_and_port
 from metafem.progress import doing
 
 OWN, TOKEN = "127.0.0.1:8123", "c0ffee"
 
 
-def asked(path=f"/{TOKEN}/", kind="http", left=True, fails=False, **headers):
+def asked(path=f"/{TOKEN}/", kind="http", **headers):
     """Return what an application behind the guard receives, and what is sent."""
     received, sent = [], []
 
     async def application(scope, receive, send):
         received.append(scope)
-        received.append(await receive())
-        if fails:
-            raise RuntimeError("No response returned.")
         await send({"type": "http.response.start", "status": 200, "headers": []})
 
     async def receive():
-        return {"type": "http.disconnect" if left else "http.request"}
+        return {"type": "http.request"}
 
     async def send(message):
         sent.append(message)
@@ -46,7 +41,6 @@ def test_the_token_opens_the_page_and_nothing_else_does():
     ):
         received, sent = asked(**headers)
         assert received[0]["root_path"] == f"/{TOKEN}"
-        assert received[1]["type"] == "http.disconnect"
         assert (b"referrer-policy", b"no-referrer") in sent[0]["headers"]
     for path, headers in (
         ("/", {}),
@@ -64,33 +58,6 @@ def test_the_token_opens_the_page_and_nothing_else_does():
         received, sent = asked(path, "websocket", **headers)
         assert (received, sent[0]["type"], sent[0]["code"]) == ([], "websocket.close", 1008)
     assert asked(kind="lifespan")[0][0]["type"] == "lifespan"
-    asked(fails=True)  # a page that is closed while it loads is no error
-    with pytest.raises(RuntimeError):
-        asked(fails=True, left=False)
-
-
-def test_the_next_run_has_the_token_and_the_port_of_the_last(tmp_path, monkeypatch):
-    folder = tmp_path / "cache"
-    monkeypatch.setenv("METAFEM_CACHE_DIR", str(folder))
-    run = token_and_port
-    token, port = run(None)
-    assert len(token) == 32
-    assert run(None) == (token, port)
-    assert (folder / "explorer.json").stat().st_mode & 0o777 == 0o600
-    assert {each.name for each in folder.iterdir()} == {"explorer.json"}
-    with socket.socket() as other:  # a port in use is left to its owner
-        other.bind((HOST, port))
-        other.listen()
-        again, free = run(None)
-        assert (again, free != port) == (token, True)
-        with pytest.raises(InvalidInput, match=str(port)):
-            run(port)
-    for text in ("", "{}", '{"token": "", "port": 1}', '{"token": 7, "port": []}'):
-        (folder / "explorer.json").write_text(text)
-        assert run(None) == run(None)
-        assert len(run(None)[0]) == 32
-    monkeypatch.setenv("METAFEM_CACHE_DIR", str(tmp_path / "cache" / "explorer.json"))
-    assert run(None)[0] != run(None)[0]  # without a folder
 
 
 class Held:
@@ -157,9 +124,8 @@ def assert_rested(newer, patience, answers):
     found = []
 
     async def scene():
-        held = Held(
-            found, better={"draft": "whole"}.get, rest=0.0, patience=lambda running, waiting: patience
-        )
+        held = Held(found, better={"draft": "whole"}.get, patience=lambda running, waiting: patience)
+        held.queue.pause = 0.0
         await held.put("draft", *newer)
         assert held.failures == [("wrong", "of it")] * newer.count("wrong")
 

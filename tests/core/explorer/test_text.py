@@ -7,13 +7,11 @@ import pytest
 
 import metafem as mf
 from metafem.explorer.answer import answered
-from metafem.explorer.editor import placed
 from metafem.explorer.fields import shown, typed_value
 from metafem.explorer.form import contents, form
 from metafem.explorer.history import State
 from metafem.explorer.kinds import KINDS, with_kind_near, with_units
 from metafem.explorer.table import (
-    title_of,
     value_of,
     with_field,
     with_only,
@@ -191,32 +189,23 @@ def test_what_is_typed_becomes_the_value_of_its_key_alone():
     assert with_field(ADHESIVE, "contact.cap.kind", "elastic") != ADHESIVE
 
 
-def test_a_problem_is_at_its_key_and_its_line_in_the_words_of_the_page():
+def test_a_problem_is_at_its_key_with_a_value_that_can_be_used():
     for key, typed, reason, offers in (
         ("limits.min_height", "12", "unit", {"limits.min_height": "10 um"}),
         ("limits.max_height", "120 kg", "mm", {"limits.max_height": "120 um"}),
         ("lattice.pitch", "1,500 mm", "decimals", {"lattice.pitch": "1.5 mm"}),
-        ("lattice.shape", "8, a", 'Entry 2 = "a"', {}),
+        ("lattice.shape", "8, a", "ntry 2 of lattice.shape", {}),
         ("material.poisson_ratio", "0.7", "0.5", {"material.poisson_ratio": "0.5"}),
         ("model.kind", "rigid", "nknown", {}),
     ):
         state = State("").edited(with_field(LINEAR, key, typed))
         answer = answered(state, 1)
-        assert list(answer.problems) == list(answer.reasons) == [key]
-        assert reason in answer.reasons[key]
-        assert (key in answer.problems[key], key in answer.reasons[key]) == (True, False)
+        assert list(answer.problems) == [key]
+        assert key in answer.problems[key]
+        assert reason in answer.problems[key]
         assert answer.offers == offers
-        assert contents(state, answer.reasons)["problems"] == answer.reasons
-        (problem,) = placed(state.text, answer.problems)
-        assert problem["key"] == key
-        assert state.text.splitlines()[problem["line"] - 1].startswith(key.split(".")[1])
-
-    text = 'target.kind = "linear"\na.b = 1\n# a.c = 2\n[a]\n[contact.cap]\nkind = "hertz"\n'
-    lines = {"target.kind": 1, "a.b": 2, "a": 4, "a.c": 4, "contact.cap.kind": 6, "limits.offset": 0}
-    for key, line in lines.items():
-        assert placed(text, {key: "is wrong"})[0]["line"] == line, key
-    assert placed(written(LINEAR), {}, "slope 2 is not above the bound")[0]["line"] == 1
-    assert placed("[limits", answered(State("[limits"), 1).problems)[0]["line"] == 1
+        assert contents(state, answer.problems)["problems"] == answer.problems
+    assert "line 1" in answered(State("[limits"), 1).problems[""]
 
 
 def test_the_form_has_a_field_for_each_key_and_the_names_of_messages():
@@ -229,18 +218,13 @@ def test_the_form_has_a_field_for_each_key_and_the_names_of_messages():
         if key["value"] != "section" and section != "model"
     }
     parts = {part["name"]: part for part in form()}
-    assert [name for name, part in parts.items() if part["open"]] == ["target", "lattice", "limits"]
     assert [parts["contact.cap"]["inner"], parts["contact"]["inner"]] == [
         {"key": "contact.kind", "kind": "jkr"}, None,
     ]  # fmt: skip
-    assert all(field["label"] == title_of(field["key"]) for field in fields.values())
     largest = fields["limits.max_height"]
-    assert largest["help"].startswith("Largest height (limits.max_height): ")
+    assert largest["help"].startswith("Max height (limits.max_height): ")
     assert largest["help"].endswith(f"Example: {largest['example']}.")
     assert fields["part.feed"]["default"] == "20 mm/min"
-    assert parts["target"]["kind_names"] == {
-        kind: KINDS[kind][0] for kind in section_forms()["target"]["kinds"]
-    }
     broken = contents(State("[limits\n"), {"": "whatever"})
     assert ("not valid TOML" in broken["broken"], broken["problems"]) == (True, {})
 
@@ -268,18 +252,6 @@ def test_units_and_crossovers_stay_with_another_kind_and_examples_serve_without_
     for table, known in ((LINEAR, None), (with_values(LINEAR, {"limits.max_height": "120"}), design)):
         found = with_kind_near(State("").edited(table), known, "power")
         assert found == with_section(table, "target", "power")
-
-
-def test_operating_points_of_a_bilinear_law_have_its_crossover():
-    values = {"slopes": [6.0, 9.0], "crossover_load": "0.08 mm^2", "load_range": ["0.04 mm^2", "0.2 mm^2"]}
-    state = State(changed(demo_text("bilinear"), with_only, "target", {"kind": "bilinear", **values}))
-    design = of_table(state.table).design()
-    found = of_table(with_kind_near(state, design, "operating-points")).target
-    row = int(np.abs(found.rescaled_load - 0.08).argmin())
-    assert found.rescaled_load[row] == pytest.approx(0.08)
-    assert found.rescaled_friction[row] == pytest.approx(0.48, rel=0.03)
-    slopes = np.diff(found.rescaled_friction) / np.diff(found.rescaled_load)
-    assert slopes[row] / slopes[row - 1] == pytest.approx(1.5, rel=0.1)
 
 
 @pytest.mark.parametrize("kind", ["operating-points", "linear", "bilinear", "multilinear"])
