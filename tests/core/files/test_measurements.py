@@ -13,7 +13,6 @@ from PIL import Image
 import metafem as mf
 from metafem import files
 from metafem.calibration import fit_compression, shear
-from metafem.drawing import new_figure
 from metafem.files.calibrated import calibration_data
 from metafem.files.images import natural
 from metafem.progress import listening
@@ -314,15 +313,3 @@ def test_height_maps_are_read_from_arrays(tmp_path):
         with pytest.raises(mf.InvalidInput) as error:
             files.read_height_map(tmp_path / name, *options)
         assert words in str(error.value), name
-
-
-def test_figures_are_written_and_replaced_by_force(tmp_path):
-    figure = new_figure(2.0, 1.0)
-    for name in ("a.svg", "a.png"):
-        for force in (False, True):
-            files.write_figure(tmp_path / name, figure, "A title", force=force)
-            with pytest.raises(mf.InvalidInput, match=f"{name} exists"):
-                files.refuse_figure(tmp_path / name, False)
-    assert "<svg" in (tmp_path / "a.svg").read_text("utf-8")
-    with Image.open(tmp_path / "a.png") as image:
-        assert image.size == (400, 200)  # 200 pixels per inch
