@@ -87,7 +87,7 @@ def design(
     data = {
         "folder": str(output),
         **_data(result),
-        "part": part and part.record(),
+        "chord_error_mm": part and part.chord_error,
         "notes": notes_data(notes),
     }
     rows = [
