@@ -65,7 +65,7 @@ def block_mesh(surface: Surface, block: Block, chord_error: float) -> Mesh:
         count += len(cap)
         rims.append(np.arange(count - 6 * number, count))
     points, plane = np.vstack(vertices), np.concatenate(rims)
-    # The face between the caps: no other points lie within the circle of a rim, so that its polygon is a union
+    # The face between the caps: no other point lies in the circle of a rim, so that its polygon is a union
     # of Delaunay triangles, those that have all corners on one rim.
     flat = _triangles(points[plane, :2])
     rim = np.repeat(np.arange(4 + len(rings)), [1, 1, 1, 1, *6 * rings])[flat]
