@@ -432,7 +432,7 @@ def _points(
 ) -> _Points:
     """Return the checked loads and areas."""
     loads = check.array("load", load, shape=(None,))
-    count, number, one_by_one = len(loads), sample.contacts, check.depth(area) == 2
+    count, number, one_by_one = len(loads), sample.contacts, np.ndim(area) == 2
     few = f"load has {count} points; E* and the adhesion energy need at least {FEWEST}, at different areas"
     refuse_if(count < FEWEST, few)
     given = check.array("area", area, shape=(count, number) if one_by_one else (count,))

@@ -323,7 +323,7 @@ SHEAR = {"type": "Friction", "area_ratio": 1.0}
 RECORDS = [
     ({"type": "os.system", "command": "ls"}, "os.system", "cannot be made"),
     (SHEAR, "Friction", "shear_strength"), ({**SHEAR, "shear_strength": 1.0, "way": 2}, "Friction", "way"),
-    ({**SHEAR, "shear_strength": "much"}, "shear_strength", "much"),
+    ({**SHEAR, "shear_strength": "much"}, "Friction", "much"),
     ({**SHEAR, "shear_strength": -1.0}, "shear_strength", "-1"),
 ]  # fmt: skip
 
