@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import fields, is_dataclass
 from enum import Enum
+from importlib import import_module
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,19 +18,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from metafem import _validate as check
-from metafem import (
-    caps,
-    contact,
-    fe,
-    inversion,
-    models,
-    notes,
-    prediction,
-    studies,
-    substrate,
-    surface,
-)
+from metafem import fe, studies
 from metafem._given import printable
+from metafem.contact import TabulatedContact
 from metafem.errors import InvalidInput, refuse_if
 from metafem.files.disk import RECORD, STUDIES, file_label, read_bytes, refuse_existing, staged, write_text
 from metafem.files.part import (
@@ -42,8 +33,9 @@ from metafem.files.part import (
 )
 from metafem.files.specification.read import Specification
 from metafem.files.summits import heights_table, law_table, write_surface
-from metafem.inversion import Design, density, problem, wording
+from metafem.inversion import Design
 from metafem.models.curve import ModelError
+from metafem.notes import from_lines
 from metafem.progress import doing
 
 if TYPE_CHECKING:
@@ -54,20 +46,20 @@ FORMAT = "metafem design 2"
 
 # Classes whose values may occur in a record: the dataclasses and enums of these modules.
 MODULES = (
-    *(surface, caps, contact, substrate, models, prediction, notes),
-    *(inversion, problem, density, wording),
+    *("surface", "caps", "contact", "substrate", "models", "prediction", "notes"),
+    *("inversion", "inversion.problem", "inversion.density", "inversion.wording"),
 )
 TYPES: Mapping[str, Any] = {
     name: kind
     for module in MODULES
-    for name, kind in vars(module).items()
+    for name, kind in vars(import_module(f"metafem.{module}")).items()
     if isinstance(kind, type) and (is_dataclass(kind) or issubclass(kind, Enum))
 } | {"ModelError": ModelError}
 # A class whose module is imported only when a record contains it.
 LATE = "Block3D"
 # Functions that build a value from its members if its constructor takes other arguments.
 MAKERS: Mapping[str, Callable[..., Any]] = {
-    "TabulatedContact": lambda table, material: contact.TabulatedContact(*table, material=material),
+    "TabulatedContact": lambda table, material: TabulatedContact(*table, material=material),
     "ModelError": lambda value, **rest: ModelError(math.nan if value is None else value, **rest),
 }
 ARRAYS = ("float64", "int64")
@@ -123,18 +115,18 @@ def save(
     True
     """
     check.instance("design", design, Design, "a metafem.Design")
-    options, hardness, given = PartOptions(), None, dict[str, bytes]()
+    options, hardness, files = PartOptions(), None, dict[str, bytes]()
     if specification is not None:
-        options, hardness, given = specification.part, specification.hardness, {**specification.files}
+        options, hardness, files = specification.part, specification.hardness, {**specification.files}
     with doing("writing the files"), staged(folder, force, folder=True) as fresh:
-        made = planned(design.surface, design.template, options)
+        part = planned(design.surface, design.template, options)
         record = {"format": FORMAT, "versions": versions(), "hardness": hardness, "design": design}
         texts = {"design.json": written(record), **result_tables(design, options), **pages}
-        if made is not None:
-            made.write(fresh)
-            texts |= drilling_program(design, made.surface, options)
-        given |= {name: text.encode("utf-8") for name, text in texts.items()}
-        for name, content in given.items():
+        if part is not None:
+            part.write(fresh)
+            texts |= drilling_program(design, part.surface, options)
+        files |= {name: text.encode("utf-8") for name, text in texts.items()}
+        for name, content in files.items():
             (fresh / name).write_bytes(content)
         write_surface(design, fresh / "surface.vtu")
 
@@ -180,10 +172,9 @@ def load(folder: str | Path) -> Design:
     """
     record = read_result(folder)
     with damaged(Path(folder) / "design.json"):
-        design = from_record(record.get("design"))
-        if isinstance(design, Design):
-            return design
-        raise InvalidInput("it holds no design")
+        design: Design = from_record(record.get("design"))
+        check.instance("design", design, Design, "a design")
+    return design
 
 
 def stored_hardness(folder: str | Path) -> float | None:
@@ -321,8 +312,8 @@ def study_data(study: Dataset) -> dict[str, Any]:
         }
         for name, array in study.variables.items()
     }
-    said = [note.to_json() for note in notes.from_lines(str(study.attrs["notes"]))]
-    return {**study.attrs, "notes": said, "data": arrays}
+    notes = [note.to_json() for note in from_lines(str(study.attrs["notes"]))]
+    return {**study.attrs, "notes": notes, "data": arrays}
 
 
 def plain_data(value: Any) -> Any:

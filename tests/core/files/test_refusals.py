@@ -214,7 +214,7 @@ BORDERS = {
         (design_json("[]"), "design.json", "metafem design 2"),
         (design_json('{"format": "metafem design 1"}'), "design.json", "metafem design 2"),
         (of_file(mf.load, "", "design.json"), "design.json", "a file"),
-        (design_json('{"format": "metafem design 2", "design": 3}'), "design.json", "no design"),
+        (design_json('{"format": "metafem design 2", "design": 3}'), "design.json", "design = 3"),
         (design_json('{"format": "metafem design 2", "hardness": -1}', files.stored_hardness),
         "hardness", "-1"),
         (lambda folder: mf.save("design", folder / "out"), "design", "'design'"),
