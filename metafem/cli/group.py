@@ -77,7 +77,8 @@ class Commands(click.Group):
             _told(click.ClickException(str(error)), type(error).__name__, code, as_json)
         except OSError as error:
             text = f"{error.filename or 'the output'!s:.300}: {error.strerror}"
-            code = _told(click.ClickException(text), "InvalidInput", BAD_INPUT, as_json)
+            code = BAD_INPUT if error.filename else NOT_ACHIEVED
+            _told(click.ClickException(text), "InvalidInput", code, as_json)
         except click.Abort:
             click.echo("stopped; no unfinished file is left", err=True)
             code = STOPPED
