@@ -12,7 +12,7 @@ import metafem as mf
 from metafem import files
 from metafem.files.disk import SPECIFICATION, TABLE
 from metafem.files.laws import columns_of
-from metafem.files.result import from_record, written
+from metafem.files.result import written
 from metafem.files.specification.forms import whole_schema
 from metafem.files.specification.models import model_named
 from metafem.files.specification.options import contact_named
@@ -218,6 +218,7 @@ BORDERS = {
         (design_json('{"format": "metafem design 2", "hardness": -1}', files.stored_hardness),
         "hardness", "-1"),
         (lambda folder: mf.save("design", folder / "out"), "design", "'design'"),
+        (of_value(written, mf.Profile(np.square, extent=0.3)), "square", "function as a table"),
         (lambda folder: files.study_path(folder, "interaction", False), "design.json", "no such file"),
         (of_file(files.read_parameters, "{}"), "t.csv", "metafem calibrate"),
         (planned(PART.replaced(height=[0.1, 0.1, 0.0, 0.1, 0.1, 0.1])), "(1.5, -0.75)", "height 0 mm"),
@@ -316,19 +317,3 @@ TABLES = {
 def test_a_wrong_table_is_refused_by_its_line_column_and_entry(read, tmp_path):
     rows = [(of_file(read, content), key, value) for content, key, value in TABLES[read]]
     assert faults(of(rows, tmp_path)) == []
-
-
-# Records that are not those of a value, with the class and what is wrong.
-SHEAR = {"type": "Friction", "area_ratio": 1.0}
-RECORDS = [
-    ({"type": "os.system", "command": "ls"}, "os.system", "cannot be made"),
-    (SHEAR, "Friction", "shear_strength"), ({**SHEAR, "shear_strength": 1.0, "way": 2}, "Friction", "way"),
-    ({**SHEAR, "shear_strength": "much"}, "Friction", "much"),
-    ({**SHEAR, "shear_strength": -1.0}, "shear_strength", "-1"),
-]  # fmt: skip
-
-
-def test_a_foreign_record_is_refused():
-    profile = mf.Profile(np.square, extent=0.3)
-    assert faults((partial(from_record, given), key, value) for given, key, value in RECORDS) == []
-    assert faults([(partial(written, profile), "square", "function as a table")]) == []
