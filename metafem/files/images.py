@@ -116,8 +116,7 @@ def read_forces(names: Sequence[str], source: str | Path | Table | None) -> tupl
         ("image", found["image"].isin(twice), f"{listed(twice)} is named twice; name each image once"),
         ("sheared_image", found["sheared_image"].isin(twice), f"{listed(twice)} is named twice"),
     ):
-        for row in np.flatnonzero(wrong)[:1].tolist():
-            raise InvalidInput(f"{entries.cell(row, column)} {must}")
+        entries.refuse(column, wrong, must)
     absent = [name for name in shown if name not in ("", *names)]
     listing = f"{listed(absent)} is not among the images {listed(names)}; a page is named a.tif:1"
     words = f"{entries.table.name}: {listing}"

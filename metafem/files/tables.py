@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -293,6 +294,11 @@ class Entries:
         """Return the location of an entry: file, line and title of the column."""
         return f"{self.places()[row]}: {self.title(name)}"
 
+    def refuse(self, name: str, wrong: Any, must: str) -> None:
+        """Raise InvalidInput for the first row of a column for which `wrong`, (k,), is true."""
+        for row in np.flatnonzero(wrong)[:1].tolist():
+            raise InvalidInput(f"{self.cell(row, name)} = {shown(self.texts(name)[row], 40)} {must}")
+
     def texts(self, name: str) -> list[str]:
         """Return the entries of a column; if the table lacks the column, the entries are empty."""
         if name not in self.columns:
@@ -316,10 +322,8 @@ class Entries:
     def whole(self, name: str, least: int) -> list[int]:
         """Return the entries of a column, which must be whole numbers of at least `least`."""
         found = self.texts(name)
-        for row, text in enumerate(found):
-            if not re.fullmatch(r"\d{1,9}", text, re.ASCII) or int(text) < least:
-                words = f"{shown(text, 40)} must be a whole number of at least {least}"
-                raise InvalidInput(f"{self.cell(row, name)} = {words}")
+        wrong = [not re.fullmatch(r"\d{1,9}", text, re.ASCII) or int(text) < least for text in found]
+        self.refuse(name, wrong, f"must be a whole number of at least {least}")
         return [int(text) for text in found]
 
     @contextmanager

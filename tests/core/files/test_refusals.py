@@ -294,7 +294,7 @@ TABLES = {
         (f"{FIRST}b,.05,1,3,1,0,.1,.01\n", "line 2: x_mm", "'0'"),
         (f"{FIRST}a,.05,2,3,1,0,.1,.01\n", "line 2: site", "'3'"),
         ("image,load_N,contact,x_mm,y_mm,area_error_mm2,area_mm2,sheared_area_mm2\na,1,1,0,0,1,1,1\n",
-        "line 2: sheared_area_error", "empty"),
+        "line 2: sheared_area_mm2", "sheared_area_error is empty"),
     ],
     calibration: [
         ("load_mN,height_um\n1,2\n", "height_um", "load_mN,area_mm2"),
