@@ -64,6 +64,9 @@ MAKERS: Mapping[str, Callable[..., Any]] = {
 }
 ARRAYS = ("float64", "int64")
 
+# Errors of a constructor that gets members of wrong types or values.
+WRONG = (ValueError, KeyError, TypeError, AttributeError, ArithmeticError)
+
 NO_PAGES: Mapping[str, str] = {}
 
 
@@ -202,7 +205,7 @@ def damaged(path: Path) -> Iterator[None]:
     """Raise InvalidInput, which calls the file damaged, if the body cannot use the content of the file."""
     try:
         yield
-    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
+    except (OSError, RecursionError, *WRONG) as error:
         raise InvalidInput(f"{file_label(path)} is damaged: {printable(str(error))}") from None
 
 
@@ -260,7 +263,7 @@ def from_record(record: Any) -> Any:
     try:
         kind: Any = fe.Block3D if title == LATE else TYPES[title]
         return kind[members["name"]] if issubclass(kind, Enum) else MAKERS.get(title, kind)(**members)
-    except (ValueError, KeyError, TypeError, AttributeError) as error:
+    except WRONG as error:
         raise InvalidInput(
             f"its {printable(str(title), 40)} cannot be made: {printable(str(error))}"
         ) from None

@@ -258,6 +258,7 @@ def test_a_damaged_member_is_named(folder):
     whole = (folder / "design.json").read_text("utf-8")
     n, site = small()[1].surface.count, small()[1].sites[0]
     for place, value, message in (
+        ("sites.int64", [10**30] * n, "too large"),
         ("sites.int64", [0] * n, f"its Design cannot be made: sites must hold {n} different sites"),
         ("misfit", "small", "its Design"), ("misfit", -1.0, "misfit = -1"),
         ("status", {"type": "Status", "name": "FINE"}, "its Status cannot be made: 'FINE'"),
