@@ -84,7 +84,7 @@ def test_sites_of_the_guide_are_those_of_a_design(tmp_path):
     path = tmp_path / "spec.toml"
     path.write_text(demo_text("linear") + sites, "utf-8")
     result = read_spec(path).design()
-    heights = dict(zip(result.sites.tolist(), result.surface.height.tolist(), strict=True))
+    heights = dict(zip((result.sites + 1).tolist(), result.surface.height.tolist(), strict=True))
     assert {site: heights.get(site) for site in (3, 17, 9, 12)} == {3: None, 17: None, 9: 0.15, 12: 0.12}
 
 

@@ -1,7 +1,5 @@
 from .comparison import Comparison as Comparison
-from .comparison import Feature as Feature
 from .comparison import compare as compare
-from .compression import ContactCalibration as ContactCalibration
 from .compression import Sample as Sample
 from .compression import fit_compression as fit_compression
 from .contact_table import contact_table as contact_table
@@ -14,7 +12,6 @@ from .images import contact_areas as contact_areas
 from .images import stack_areas as stack_areas
 from .laws import MeasuredLaw as MeasuredLaw
 from .laws import measured_law as measured_law
-from .sheared import ShearCalibration as ShearCalibration
 from .sheared import at_peak as at_peak
 from .sheared import over_plateau as over_plateau
 from .sheared import shear as shear
@@ -23,6 +20,7 @@ from .sites import SiteMatch as SiteMatch
 from .sites import TrackedContacts as TrackedContacts
 from .sites import match_sites as match_sites
 from .sites import track_contacts as track_contacts
+from .statistics import Calibration as Calibration
 from .statistics import MeasurementErrors as MeasurementErrors
 from .statistics import Verdict as Verdict
 from .statistics import joint_covariance as joint_covariance

@@ -2,72 +2,40 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from metafem import _validate as check
+from metafem._given import shown
 from metafem._validate import FloatArray
 from metafem._values import Value, percent, span
 from metafem.calibration.laws import MeasuredLaw
-from metafem.calibration.statistics import Verdict, checked_covariance, judged
+from metafem.calibration.statistics import Verdict, checked_covariance
 from metafem.errors import refuse_if
 from metafem.inversion import Design
-from metafem.notes import Note, information
-from metafem.prediction import FrictionLaw, friction_law
+from metafem.notes import Note
+from metafem.prediction import FrictionLaw
 from metafem.progress import doing
 
 # Parameters whose errors shift all points together.
 PARAMETERS = ("composite_modulus", "shear_strength", "area_ratio")
-
-# Smallest number of points of a line for an estimate of the scatter.
-FEWEST = 3
 
 # Relative deviation (rms) above which exchanged columns are suspected, and the largest ratio of the deviation
 # after the exchange to the deviation before it.
 EXCHANGED, BETTER = 0.3, 0.3
 
 
-@dataclass(frozen=True)
-class Feature:
-    """Slope of a measured law over the loads of a line of the target.
-
-    Attributes
-    ----------
-    name : str
-        The loads of the slope.
-    value, sd : float
-        Measured value, and its standard deviation due to the errors of measurement and of the parameters.
-    predicted : float
-        Value of the design, estimated with the same method at the same loads.
-    target : float
-        Value that the target specifies.
-
-    Examples
-    --------
-    >>> Feature("slope", 7.1, 0.2, 6.9, 6.87).predicted
-    6.9
-    """
-
-    name: str
-    value: float
-    sd: float
-    predicted: float
-    target: float
-
-
 @dataclass(frozen=True, eq=False, repr=False)
 class Comparison(Value):
-    """Agreement of a measured law with a design, point by point and in its slopes.
+    """Agreement of a measured law with a design, point by point.
 
     Attributes
     ----------
     measured : MeasuredLaw
-    point : ndarray of int, (m,)
-        Numbers of the compared points of the measured law.
+        The measured law at the m compared loads.
     predicted : ndarray, (m,)
         Rescaled friction of the design at the measured loads [mm^2].
     deviation, deviation_sd : ndarray, (m,)
@@ -75,8 +43,6 @@ class Comparison(Value):
         the friction and the parameters [mm^2].
     covariance : ndarray, (m, m)
         Covariance matrix of the deviations [mm^4].
-    features : tuple of Feature
-        Slopes of the lines of the design's target.
     verdict : Verdict
         Verdict on the deviations; it accounts for their correlation due to the errors of the parameters.
     parameters : mapping of str to float
@@ -97,11 +63,9 @@ class Comparison(Value):
     """
 
     measured: MeasuredLaw
-    point: NDArray[np.intp]
     predicted: FloatArray
     deviation: FloatArray
     covariance: FloatArray
-    features: tuple[Feature, ...]
     verdict: Verdict
     parameters: Mapping[str, float]
     notes: tuple[Note, ...]
@@ -125,12 +89,7 @@ class Comparison(Value):
 
     def __repr__(self) -> str:
         rms = np.sqrt((self.normalised**2).mean())
-        lines = [f"Comparison of {self.measured!r}", f"  points    {rms:.2g} standard deviations (rms)"]
-        lines += [
-            f"  {one.name}: {one.value:.3g} ± {one.sd:.2g}, design {one.predicted:.3g}"
-            for one in self.features
-        ]
-        return "\n".join([*lines, f"  verdict   {self.verdict}"])
+        return f"<Comparison of {self.measured!r}: {rms:.2g} standard deviations (rms), {self.verdict}>"
 
 
 def compare(
@@ -148,14 +107,11 @@ def compare(
     ``J C J^T`` to the covariance of the deviations, with ``dd/dE* = f' x / E*``, ``dd/dsigma = -y / sigma``
     and ``dd/dB = -y / B``.
 
-    The slopes are estimated from the measured points. The same method estimates the slopes of the design from
-    its law at the same loads.
-
     Parameters
     ----------
     measured : MeasuredLaw
     design : Design
-        Its law is computed at the measured loads, and its target defines the features.
+        Its law is computed at the measured loads.
     parameters : sequence of str
         Names of the parameters with errors, in the order of the rows of `covariance`: ``composite_modulus``,
         ``shear_strength`` and ``area_ratio``; default: none.
@@ -191,82 +147,52 @@ def compare(
     ...                        friction=template.friction)
     >>> compare(measured, design).percent.round(2)[:3]
     array([3., 3., 3.])
-    >>> slope = compare(measured, design).features[0]
-    >>> round(slope.value, 2), round(slope.sd, 2), round(slope.predicted, 2), slope.target
-    (7.33, 0.19, 7.12, 6.87)
     """
     check.instance("measured", measured, MeasuredLaw, "a metafem.calibration.MeasuredLaw")
     check.instance("design", design, Design, "a metafem.Design")
-    names, matrix = checked_covariance(parameters, covariance, PARAMETERS)
-    without = set(parameters) - {"composite_modulus"} and measured.friction is None
+    friction = measured.friction
+    without = set(parameters) - {"composite_modulus"} and friction is None
     must = "parameters of the friction have no effect on a law without a Friction; leave them out"
     refuse_if(without, must)
-    refuse_if(parameters and covariance is None, "parameters need a covariance")
-    point, notes = _compared(measured, design)
-    predicted, slope = _predicted(measured, point, design)
-    found, x = measured.rescaled_friction[point], measured.rescaled_load[point]
-    sd, found_sd = measured.rescaled_load_sd[point], measured.rescaled_friction_sd[point]
+    refuse_if(parameters and covariance is None, f"parameters = {shown(parameters)} need a covariance")
+    names, matrix = checked_covariance(parameters, covariance, PARAMETERS)
+    known, end = measured.known(), float(design.law.rescaled_load[-1])
+    inside = known.rescaled_load <= end
+    newtons = measured.material.composite_modulus * end
+    limit = f"P/E* = {end:.4g} mm^2 or {newtons:.4g} N; the smallest is {known.load[0]:.4g} N"
+    refuse_if(not inside.any(), f"all measured loads exceed the largest load of the design, {limit}")
+    left_out = (
+        (measured.load[np.isnan(measured.rescaled_friction)], "the area of a contact is unknown"),
+        (known.load[~inside], f"the law of the design ends at P/E* = {end:.4g} mm^2"),
+    )
+    notes = [Note(f"points at {span(load, 'N')} are left out: {why}") for load, why in left_out if load.size]
+    law = known.only(inside)
+    # use the material of the part, because the effect of adhesion depends on E*
+    surface = design.surface.replaced(material=measured.material)
+    with doing("computing the law of the design at the measured loads"):
+        predicted, slope = law.computed(surface, design.law.model, newtons)
+    found = law.rescaled_friction
+    # areas do not depend on the shear strength and the area ratio
+    by_stress = -found if law.stress_of_forces else 0.0 * found
+    changes = {"composite_modulus": slope * law.load / measured.material.composite_modulus}
+    if friction is not None:
+        changes["shear_strength"] = by_stress / friction.shear_strength
+        changes["area_ratio"] = by_stress / friction.area_ratio
+    jacobian = np.array([changes[name] for name in names]).reshape(len(names), len(found)).T
+    variance = law.rescaled_friction_sd**2 + (slope * law.load_sd) ** 2
+    total = np.diag(variance) + jacobian @ matrix @ jacobian.T
     deviation = found - predicted
-    changes = {"composite_modulus": slope * x / measured.material.composite_modulus}
-    if measured.friction is not None:
-        # areas do not depend on the shear strength and the area ratio
-        by_force = -found if measured.by_force else np.zeros(len(point))
-        changes["shear_strength"] = by_force / measured.friction.shear_strength
-        changes["area_ratio"] = by_force / measured.friction.area_ratio
-    jacobian = np.array([changes[name] for name in names]).reshape(len(names), len(point)).T
-    total = np.diag(found_sd**2 + (slope * sd) ** 2) + jacobian @ matrix @ jacobian.T
-    features, missing = _slopes(x, predicted, deviation, total, design)
     # if the design's law is correct, the whitened residuals are independent
-    residual = np.asarray(np.linalg.solve(np.linalg.cholesky(total), deviation))
+    residual = np.linalg.solve(np.linalg.cholesky(total), deviation)
     return Comparison(
-        measured=measured,
-        point=point,
+        measured=law,
         predicted=predicted,
         deviation=deviation,
         covariance=total,
-        features=features,
-        verdict=judged(residual, parameters=0),
+        verdict=Verdict(float(residual @ residual), len(residual)),
         parameters=dict(zip(names, np.sqrt(np.diag(matrix)).tolist(), strict=True)),
-        notes=(*_exchanged(measured, design.law, deviation / predicted), *measured.notes, *notes, *missing),
+        notes=(*_exchanged(law, design.law, deviation / predicted), *measured.notes, *notes),
     )
-
-
-def _compared(measured: MeasuredLaw, design: Design) -> tuple[NDArray[np.intp], list[Note]]:
-    """Return the numbers of the points within the design's loads, and notes on the omitted points."""
-    end, modulus = float(design.law.rescaled_load[-1]), measured.material.composite_modulus
-    known, load = ~np.isnan(measured.rescaled_friction), measured.rescaled_load
-    point = np.flatnonzero(known & (load <= end))
-    limit = (
-        f"P/E* = {end:.4g} mm^2 or {modulus * end:.4g} N; the smallest is {measured.known().load[0]:.4g} N"
-    )
-    refuse_if(not point.size, f"all measured loads exceed the largest load of the design, {limit}")
-    left_out = (
-        (~known, "the area of a contact is unknown"),
-        (known & (load > end), f"the law of the design ends at P/E* = {end:.4g} mm^2"),
-    )
-    return point, [
-        Note(f"points at {span(measured.load[which], 'N')} are left out: {why}")
-        for which, why in left_out
-        if which.any()
-    ]
-
-
-@doing("computing the law of the design at the measured loads")
-def _predicted(
-    measured: MeasuredLaw, point: NDArray[np.intp], design: Design
-) -> tuple[FloatArray, FloatArray]:
-    """Return the rescaled friction and the mean slope of a design at measured points, (m,) each."""
-    x, sd = measured.rescaled_load[point], measured.rescaled_load_sd[point]
-    end, modulus = float(design.law.rescaled_load[-1]), measured.material.composite_modulus
-    middle, low, high = (np.clip(each, 0.0, end) for each in (x, x - sd, x + sd))
-    # if an error bar lies entirely below 0, use the slope at the smallest loads
-    high = np.where(high > low, high, np.minimum(sd, end))
-    loads, place = np.unique(np.concatenate([middle, low, high]), return_inverse=True)
-    # use the material of the part, because the effect of adhesion depends on E*
-    surface = design.surface.replaced(material=measured.material)
-    friction = friction_law(surface, design.law.model, load=modulus * loads).rescaled_friction
-    predicted, at_low, at_high = friction[place].reshape(3, -1)
-    return predicted, (at_high - at_low) / (high - low)
 
 
 def _exchanged(measured: MeasuredLaw, law: FrictionLaw, relative: FloatArray) -> Iterator[Note]:
@@ -283,24 +209,3 @@ def _exchanged(measured: MeasuredLaw, law: FrictionLaw, relative: FloatArray) ->
             f"the friction forces differ from the design by {percent(before)}, and by {percent(after)} if "
             "they are exchanged with the loads: check whether the columns of the table are exchanged"
         )
-
-
-def _slopes(
-    x: FloatArray, predicted: FloatArray, deviation: FloatArray, covariance: FloatArray, design: Design
-) -> tuple[tuple[Feature, ...], list[Note]]:
-    """Return the slope of each branch, from a least-squares line through the points within its loads."""
-    found, notes = [], []
-    for i, (branch, _) in enumerate(design.fits):
-        low, high = branch.load_range
-        chosen = (x >= low) & (x <= high)
-        number = f" {i + 1}" if len(design.fits) > 1 else ""
-        name = f"slope{number}, P/E* = {low:.3g} to {high:.3g} mm²"
-        if chosen.sum() < FEWEST or np.ptp(x[chosen]) == 0.0:
-            text = f"{name}: {int(chosen.sum())} measured points; a slope needs at least {FEWEST}"
-            notes.append(information(text))
-            continue
-        centred = np.where(chosen, x - x[chosen].mean(), 0.0)
-        weight = centred / (centred**2).sum()
-        own, sd = float(weight @ predicted), math.sqrt(float(weight @ covariance @ weight))
-        found.append(Feature(name, own + float(weight @ deviation), sd, own, branch.slope))
-    return tuple(found), notes

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem._values import Value, percent
 from metafem.calibration.laws import MeasuredLaw
-from metafem.calibration.statistics import Verdict, judged
+from metafem.calibration.statistics import Verdict
 from metafem.contact.elastic import usual_law
 from metafem.errors import NotConverged, refuse_if
 from metafem.inversion import Design
@@ -22,8 +23,9 @@ from metafem.prediction import equilibrium
 from metafem.progress import doing
 from metafem.surface import STEEPEST, Surface
 
-# Expected standard deviations: tilt about either axis [rad], factor of all heights, E* and sigma B [-],
-# as in the parts of Aymard et al. (2024), and that of each height [mm].
+# Errors that are found, their names and their expected standard deviations: tilt about either axis [rad],
+# factor of all heights, E* and sigma B [-], as in the parts of Aymard et al. (2024), and that of each height
+# [mm].
 EXPECTED = {
     "angle_x": math.radians(0.05),
     "angle_y": math.radians(0.05),
@@ -31,19 +33,11 @@ EXPECTED = {
     "composite_modulus": 0.05,
     "friction": 0.05,
 }
+NAMES = dict(zip(EXPECTED, ("tilt along x", "tilt along y", "height scale", "E*", "σB"), strict=True))
 HEIGHT = 0.9e-3
 
-# Names of the errors that are found.
-NAMES = {
-    "angle_x": "tilt along x",
-    "angle_y": "tilt along y",
-    "height_scale": "height scale",
-    "composite_modulus": "E*",
-    "friction": "σB",
-}
-
-# Largest relative error that is found.
-MOST = 0.9
+# Largest errors that are found; without friction forces, the last one is not.
+MOST = np.array([STEEPEST, STEEPEST, 0.9, 0.9, 0.9])
 
 # Steps of the fit: the full length at first, and half of it where contacts that open and close make it swing.
 # It ends when no error changes by more than ENOUGH of its standard deviation.
@@ -59,15 +53,11 @@ class Explanation(Value):
     expected, mean, sd : mapping of str to float
         Expected standard deviation, found value and its standard deviation of ``angle_x``, ``angle_y`` [rad],
         ``height_scale``, ``composite_modulus`` and ``friction`` [-].
-    covariance : ndarray, (p, p)
-        Covariance of the found errors.
     misfit_design : float
         Chi-square of the measured values without these errors.
     verdict : Verdict
         Whether the errors explain the values: chi-square of the values and of the errors over their expected
         standard deviations.
-    surface : Surface
-        The part with these errors.
     model : Model
 
     Examples
@@ -84,19 +74,13 @@ class Explanation(Value):
     expected: Mapping[str, float]
     mean: Mapping[str, float]
     sd: Mapping[str, float]
-    covariance: FloatArray
     misfit_design: float
     verdict: Verdict
-    surface: Surface
     model: Model
 
     def __repr__(self) -> str:
-        lines = [
-            "{}: {} (expected {})".format(
-                *row(name, *(of[name] for of in (self.mean, self.sd, self.expected)))
-            )
-            for name in self.mean
-        ]
+        rows = (row(name, self.mean[name], self.sd[name], self.expected[name]) for name in self.mean)
+        lines = [f"{name}: {found} (expected {expected})" for name, found, expected in rows]
         return "\n".join([*lines, str(self.verdict)])
 
 
@@ -150,108 +134,85 @@ def explain(
     surface = design.surface if isinstance(design, Design) else design
     check.instance("design", surface, Surface, "a metafem.Design or a metafem.Surface")
     usual = design.law.model if isinstance(design, Design) else Independent(contact=usual_law(surface))
-    friction = measured.friction or surface.friction
+    solver = usual if model is None else checked_model(model)
+    friction, by_force = measured.friction or surface.friction, measured.friction_force is not None
     without = "measured friction forces need a design or a measured law with a Friction"
-    refuse_if(measured.friction_force is not None and friction is None, without)
+    refuse_if(by_force and friction is None, without)
     last = 0 if measured.site is None else int(measured.site.max())
     refuse_if(last >= surface.count, f"site names asperity {last}; the design has {surface.count}, from 0")
-    stress = friction.stress if friction is not None and measured.friction_force is not None else None
-    fit = _Fit(measured, surface, usual if model is None else checked_model(model), stress)
-    sd = {name: value for name, value in EXPECTED.items() if name != "friction" or stress is not None}
-    scale = np.array(list(sd.values()))
-    ends = np.array([STEEPEST if name.startswith("angle") else MOST for name in sd])
-    error = np.zeros(len(sd))
-    off, slopes = fit.whitened(dict.fromkeys(sd, 0.0))
+    stress = friction.stress if friction is not None and by_force else 0.0
+    count = 5 if by_force else 4
+    names, scale = [*EXPECTED][:count], np.array([*EXPECTED.values()])[:count]
+    error = np.zeros(count)
+    off, slopes = _whitened(measured, surface, solver, stress, error)
     misfit = float(off @ off)
     for share in SHARES:
-        covariance = np.asarray(np.linalg.inv(slopes.T @ slopes + np.diag(scale**-2)))
+        covariance = np.linalg.inv(slopes.T @ slopes + np.diag(scale**-2))
         # the errors are measured values of 0
         change = covariance @ (slopes.T @ off - error / scale**2)
-        error = np.clip(error + share * change, -ends, ends)
-        spread, mean = np.sqrt(np.diagonal(covariance)), dict(zip(sd, error.tolist(), strict=True))
-        off, slopes = fit.whitened(mean)
-        if (np.abs(change) <= ENOUGH * spread).all():
+        error = np.clip(error + share * change, -MOST[:count], MOST[:count])
+        sd = np.sqrt(np.diagonal(covariance))
+        off, slopes = _whitened(measured, surface, solver, stress, error)
+        if (np.abs(change) <= ENOUGH * sd).all():
             break
     else:
         raise NotConverged("the fit of the errors that explain the measured law does not converge", error)
-    deviation = dict(zip(sd, spread.tolist(), strict=True))
-    verdict = judged(np.append(off, error / scale), len(sd))
-    return Explanation(sd, mean, deviation, covariance, misfit, verdict, fit.part(mean), fit.model)
+    expected, mean, deviation = (dict(zip(names, each.tolist(), strict=True)) for each in (scale, error, sd))
+    verdict = Verdict(float(off @ off + ((error / scale) ** 2).sum()), len(off))
+    return Explanation(expected, mean, deviation, misfit, verdict, solver)
 
 
-@dataclass(frozen=True, eq=False)
-class _Fit:
-    """The measured values of a law, and the same values of a part under a model; `stress` is sigma B."""
+def _whitened(
+    law: MeasuredLaw, surface: Surface, model: Model, stress: float, error: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return measured minus computed values of a part with errors, and derivatives of the computed ones.
 
-    law: MeasuredLaw
-    surface: Surface
-    model: Model
-    stress: float | None
-
-    def part(self, error: Mapping[str, float]) -> Surface:
-        """Return the part with errors."""
-        modulus = self.law.material.composite_modulus * (1.0 + error.get("composite_modulus", 0.0))
-        part = self.surface.replaced(
-            height=self.surface.height * (1.0 + error.get("height_scale", 0.0)),
-            material=replace(self.law.material, composite_modulus=modulus),
+    Both are in standard deviations of the measured values. The derivatives of the areas are those of contacts
+    without interaction at a fixed load. `stress` is sigma B, or 0 without friction forces.
+    """
+    angle_x, angle_y, scale, stiffer, rougher = (*error.tolist(), 0.0)[:5]
+    modulus = law.material.composite_modulus * (1.0 + stiffer)
+    material = replace(law.material, composite_modulus=modulus)
+    part = surface.replaced(height=surface.height * (1.0 + scale), material=material)
+    part = part.tilted(angle_x, angle_y) if angle_x or angle_y else part
+    area = np.array([equilibrium(part, model, load=p).asperity_area for p in law.load.tolist()])
+    contact, size, closed = contact_of(model), np.sqrt(area / math.pi), area > 0.0
+    bound, summits, count = contact.bound(part), contact.summits(part), len(law.load)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        stiffness, slope = (
+            np.where(closed, of(size, summits), 0.0) for of in (bound.stiffness, bound.area_slope)
         )
-        tilt = error.get("angle_x", 0.0), error.get("angle_y", 0.0)
-        return part.tilted(*tilt) if any(tilt) else part
-
-    def values(self, area: FloatArray, factor: float) -> FloatArray:
-        """Return the values at areas (k, n, ...), or their derivatives at those of the areas."""
-        law = self.law
-        parts = [] if self.stress is None else [factor * self.stress * area.sum(axis=1)]
-        if law.asperity_area is not None:
-            parts.append(area[:, law.site][np.isfinite(law.asperity_area)])
-        elif law.area is not None:
-            parts.append(area.sum(axis=1)[np.isfinite(law.area)])
-        return np.concatenate(parts)
-
-    def own(self, suffix: str = "") -> FloatArray:
-        """Return the measured values, or their standard deviations for the suffix "_sd"."""
-        names = [] if self.stress is None else ["friction_force"]
-        names += ["area" if self.law.asperity_area is None else "asperity_area"]
-        known = ((getattr(self.law, name), getattr(self.law, name + suffix)) for name in names)
-        return np.concatenate([value[np.isfinite(own)] for own, value in known if own is not None])
-
-    def whitened(self, error: Mapping[str, float]) -> tuple[FloatArray, FloatArray]:
-        """Return the differences of the values in standard deviations, and derivatives of those of the part.
-
-        The derivatives of the areas are those of contacts without interaction at a fixed load.
-        """
-        law, part, factor = self.law, self.part(error), 1.0 + error.get("friction", 0.0)
-        loads, contact = law.load, contact_of(self.model)
-        area = np.array([equilibrium(part, self.model, load=p).asperity_area for p in loads.tolist()])
-        bound, summits, size = contact.bound(part), contact.summits(part), np.sqrt(area / math.pi)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            stiffness, slope = (
-                np.where(area > 0.0, of(size, summits), 0.0) for of in (bound.stiffness, bound.area_slope)
-            )
-        total = stiffness.sum(axis=1, keepdims=True)
-        by_height = slope[:, :, None] * (np.eye(area.shape[1]) - (stiffness / total)[:, None, :])
-        by_load = slope / (part.material.composite_modulus * total)
-        x, y = part.position.T
-        by_error = {
-            "angle_x": by_height @ x,
-            "angle_y": by_height @ y,
-            "height_scale": by_height @ self.surface.height,
-            "composite_modulus": -by_load * loads[:, None] / (1.0 + error.get("composite_modulus", 0.0)),
-        }
-        value = self.values(area, factor)
-        slopes = [self.values(by_error.get(name, 0.0 * area), factor) for name in error]
-        for name, column in zip(error, slopes, strict=True):
-            if name == "friction" and self.stress is not None:
-                column[: len(loads)] = value[: len(loads)] / factor
-        by_loads = by_load[:, :, None] * law.load_sd * np.eye(len(loads))[:, None]
-        change = self.values(np.concatenate([HEIGHT * by_height, by_loads], axis=2), factor)
-        # a contact that is found or computed to be open has at least the area error of a touching contact
-        least = law.errors.of_open + HEIGHT * float(slope.max())
-        sd = np.maximum(self.own("_sd"), np.where(np.minimum(self.own(), value) <= 0.0, least, 0.0))
-        root = np.linalg.cholesky(np.diag(sd**2) + change @ change.T)
-        right = np.column_stack([self.own() - value, *slopes])
-        found = np.linalg.solve(root, right)
-        return found[:, 0], found[:, 1:]
+    total = stiffness.sum(axis=1, keepdims=True)
+    by_height = slope[:, :, None] * (np.eye(part.count) - (stiffness / total)[:, None, :])
+    by_load = (slope / (modulus * total))[:, :, None]
+    shape = np.column_stack([part.position, surface.height])
+    by_modulus = -by_load * law.load[:, None, None] / (1.0 + stiffer)
+    by_loads = by_load * law.load_sd * np.eye(count)[:, None]
+    # the areas, their derivatives by the errors, and their errors by those of heights and loads, side by side
+    every = np.concatenate(
+        [area[:, :, None], by_height @ shape, by_modulus, HEIGHT * by_height, by_loads], axis=2
+    )
+    parts: list[tuple[FloatArray, Any, Any]] = []
+    if stress:
+        parts.append(
+            ((1.0 + rougher) * stress * every.sum(axis=1), law.friction_force, law.friction_force_sd)
+        )
+    if law.asperity_area is not None:
+        parts.append((every[:, law.site], law.asperity_area, law.asperity_area_sd))
+    elif law.area is not None:
+        parts.append((every.sum(axis=1), law.area, law.area_sd))
+    value, own, sd = (
+        np.concatenate([each[np.isfinite(known)] for each, known in pairs])
+        for pairs in ([(part[i], part[1]) for part in parts] for i in range(3))
+    )
+    # a contact that is found or computed to be open has at least the area error of a touching contact
+    least = law.errors.of_open + HEIGHT * float(slope.max())
+    sd = np.maximum(sd, np.where(np.minimum(own, value[:, 0]) <= 0.0, least, 0.0))
+    by_friction = np.where(np.arange(len(own)) < count, value[:, 0] / (1.0 + rougher), 0.0)
+    slopes = np.column_stack([value[:, 1:5], by_friction])[:, : len(error)]
+    root = np.linalg.cholesky(np.diag(sd**2) + value[:, 5:] @ value[:, 5:].T)
+    found = np.linalg.solve(root, np.column_stack([own - value[:, 0], slopes]))
+    return found[:, 0], found[:, 1:]
 
 
 def row(name: str, mean: float, sd: float, expected: float) -> tuple[str, str, str]:

@@ -18,12 +18,15 @@ from metafem.calibration.statistics import PAPER, MeasurementErrors
 from metafem.drawing import MEASURED, calibration, name_law
 from metafem.errors import InvalidInput, refuse_if
 from metafem.notes import Note, counted, to_lines
+from metafem.prediction import friction_law
 from metafem.prediction.base_law import BaseLaw
-from metafem.surface import Friction, Material
+from metafem.surface import Friction, Material, Surface
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from pandas import DataFrame
+
+    from metafem.models import Model
 
 # Quantities of a measured law.
 QUANTITIES = ("load", "friction_force", "asperity_area", "area")
@@ -71,8 +74,6 @@ class MeasuredLaw(BaseLaw):
     load_sd, friction_force_sd, area_sd, asperity_area_sd : array_like, optional
         Standard deviations in the units and shapes of the quantities, positive. For an open contact, the
         largest area that may have been overlooked, or 0.
-    label : str
-        Name of the law; default: "static".
     notes : tuple of Note
         Notes on what was left out.
 
@@ -100,7 +101,7 @@ class MeasuredLaw(BaseLaw):
     >>> law.rescaled_friction.round(4), law.rescaled_friction_sd.round(4)
     (array([0.1456, 0.2621]), array([0.0044, 0.0055]))
     >>> law
-    <MeasuredLaw "static": 2 loads 0.1 to 0.2 N, friction force 0.05 to 0.09 N, no notes>
+    <MeasuredLaw: 2 loads 0.1 to 0.2 N, friction force 0.05 to 0.09 N, no notes>
     """
 
     load: FloatArray
@@ -116,22 +117,38 @@ class MeasuredLaw(BaseLaw):
     friction_force_sd: FloatArray | None = None
     area_sd: FloatArray | None = None
     asperity_area_sd: FloatArray | None = None
-    label: str = "static"
     notes: tuple[Note, ...] = ()
 
     def __post_init__(self) -> None:
         check.instance("material", self.material, Material, "a metafem.Material")
         check.instance("friction", self.friction, Friction, "a metafem.Friction, or None", optional=True)
         check.instance("errors", self.errors, MeasurementErrors, "a metafem.calibration.MeasurementErrors")
-        check.instance("label", self.label, str, "a text")
-        found = self._values()
-        deviations = {f"{name}_sd": self._deviation(name, found) for name in QUANTITIES if name in found}
+        found: dict[str, Any] = {"load": check.array("load", self.load, shape=(None,))}
+        shape = found["load"].shape
+        if self.friction_force is not None:
+            found["friction_force"] = check.array("friction_force", self.friction_force, shape=shape)
+        if self.asperity_area is not None:
+            areas = check.array_with_gaps("asperity_area", self.asperity_area, shape=(*shape, None))
+            must = "must be at least 0; 0 is an open contact"
+            check.refuse_entries("asperity_area", areas, areas < 0.0, must)
+            count = areas.shape[1]
+            site = np.arange(count) if self.site is None else np.array(self.site)
+            wrong = site.shape != (count,) or site.dtype.kind not in "iu" or (site < 0).any()
+            must = f"must hold a different number of the design for each of the {count} asperities"
+            refuse_if(wrong or len(np.unique(site)) < count, f"site = {shown(self.site)} {must}")
+            found |= {"asperity_area": areas, "site": site.astype(np.intp)}
+            if not ("friction_force" in found and np.isnan(areas).any(axis=1).all()):
+                found["area"] = areas.sum(axis=1)
+        if self.area is not None:
+            found["area"] = check.array_with_gaps("area", self.area, shape=shape)
+        refuse_if(len(found) < 2, "a measured law needs friction_force, area or asperity_area")
         for name in QUANTITIES:
             alone = name not in found and getattr(self, f"{name}_sd") is not None
             refuse_if(alone, f"{name}_sd needs {name}")
-        found |= deviations
-        for name in {"load", "friction_force", "area"} & found.keys():
-            _refuse_contradiction(name, found)
+            if name in found:
+                found[f"{name}_sd"] = self._deviation(name, found)
+            if name in found and name != "asperity_area":
+                _refuse_contradiction(name, found)
         order = np.argsort(found["load"], kind="stable")
         for name, values in found.items():
             ordered = values if name == "site" else values[order]
@@ -144,38 +161,13 @@ class MeasuredLaw(BaseLaw):
         )
 
     def __repr__(self) -> str:
+        force = self.friction_force
         what = (
             f"area {span(self.rescaled_friction, 'mm^2')}"
-            if self.friction_force is None
-            else f"friction force {span(self.friction_force, 'N')}"
+            if force is None
+            else f"friction force {span(force, 'N')}"
         )
-        return (
-            f'<MeasuredLaw "{self.label}": {len(self.load)} loads {span(self.load, "N")}, {what}, '
-            f"{counted(self.notes)}>"
-        )
-
-    def _values(self) -> dict[str, Any]:
-        """Return the checked quantities and the numbers of the asperities by name."""
-        load = check.array("load", self.load, shape=(None,))
-        found: dict[str, Any] = {"load": load}
-        if self.friction_force is not None:
-            found["friction_force"] = check.array("friction_force", self.friction_force, shape=load.shape)
-        if self.asperity_area is not None:
-            areas = check.array_with_gaps("asperity_area", self.asperity_area, shape=(len(load), None))
-            must = "must be at least 0; 0 is an open contact"
-            check.refuse_entries("asperity_area", areas, areas < 0.0, must)
-            count = areas.shape[1]
-            site = np.arange(count) if self.site is None else np.array(self.site)
-            wrong = site.shape != (count,) or site.dtype.kind not in "iu" or (site < 0).any()
-            must = f"must hold a different number of the design for each of the {count} asperities"
-            refuse_if(wrong or len(np.unique(site)) < count, f"site = {shown(self.site)} {must}")
-            found |= {"asperity_area": areas, "site": site.astype(np.intp)}
-            if self.area is None and not ("friction_force" in found and np.isnan(areas).any(axis=1).all()):
-                found["area"] = areas.sum(axis=1)
-        if self.area is not None:
-            found["area"] = check.array_with_gaps("area", self.area, shape=load.shape)
-        refuse_if(len(found) < 2, "a measured law needs friction_force, area or asperity_area")
-        return found
+        return f"<MeasuredLaw: {len(self.load)} loads {span(self.load, 'N')}, {what}, {counted(self.notes)}>"
 
     def _deviation(self, name: str, found: Mapping[str, Any]) -> FloatArray:
         """Return the standard deviations of a quantity, as passed or computed from `errors`."""
@@ -189,12 +181,10 @@ class MeasuredLaw(BaseLaw):
         of = {"load": errors.of_load, "friction_force": errors.of_friction_force}.get(name, errors.of_area)
         if name != "area":
             return of(values)
-        total, largest = of(values), np.nanmax(values, initial=0.0)  # equal for n contacts and one
-        if self.area is None:
-            single = self._deviation("asperity_area", found)
-            closed = np.where(found["asperity_area"] > 0.0, single, 0.0)
-            total = np.sqrt((closed**2).sum(axis=1))
-            largest = np.nansum(found["asperity_area"], axis=1).max()
+        single = values[:, None] if self.area is not None else found["asperity_area"]
+        each = of(single) if self.area is not None else found["asperity_area_sd"]
+        total = np.sqrt((np.where(single > 0.0, each, 0.0) ** 2).sum(axis=1))
+        largest = np.nansum(single, axis=1).max()
         refuse_if(not largest > 0.0, f"area is {largest:g} mm^2 at most: there is no contact")
         return np.where(missing, np.nan, np.maximum(total, of(np.array(SMALL_CONTACT * largest))))
 
@@ -203,18 +193,32 @@ class MeasuredLaw(BaseLaw):
         known = ~np.isnan(self.rescaled_friction)
         none = "the contact area is unknown at every load, since an area of a contact is nan at each"
         refuse_if(not known.any(), none)
-        arrays = {f"{name}{sd}": getattr(self, f"{name}{sd}") for name in QUANTITIES for sd in ("", "_sd")}
-        return replace(self, **{name: of[known] for name, of in arrays.items() if of is not None})
+        return self.only(known)
 
-    @property
-    def by_force(self) -> bool:
-        """Whether the rescaled friction follows from measured friction forces instead of contact areas."""
-        return self.friction_force is not None and self.friction is not None
+    def only(self, chosen: NDArray[np.bool_]) -> MeasuredLaw:
+        """Return the law at some of its loads, (k,)."""
+        arrays = {f"{name}{sd}": getattr(self, f"{name}{sd}") for name in QUANTITIES for sd in ("", "_sd")}
+        return replace(self, **{name: of[chosen] for name, of in arrays.items() if of is not None})
+
+    def computed(
+        self, surface: Surface, model: Model, largest: float = np.inf
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return the contact areas of a surface at the loads, and their mean slopes over the error bars.
+
+        Loads above the `largest` one [N] are not used.
+        """
+        load, sd = self.load, self.load_sd
+        middle, low, high = (np.clip(each, 0.0, largest) for each in (load, load - sd, load + sd))
+        # if an error bar lies entirely below 0, use the slope at the smallest loads
+        high = np.where(high > low, high, np.minimum(sd, largest))
+        loads, place = np.unique(np.concatenate([middle, low, high]), return_inverse=True)
+        area, at_low, at_high = friction_law(surface, model, load=loads).area[place].reshape(3, -1)
+        return area, (at_high - at_low) / (high - low)
 
     @property
     def stress_of_forces(self) -> float:
         """Friction force over rescaled friction, sigma B [MPa], if forces were measured; else 0."""
-        return self._stress if self.by_force else 0.0
+        return 0.0 if self.friction_force is None or self.friction is None else self.friction.stress
 
     @property
     def rescaled_load(self) -> FloatArray:
@@ -237,24 +241,21 @@ class MeasuredLaw(BaseLaw):
         return self._rescaled("_sd")
 
     def _rescaled(self, suffix: str) -> FloatArray:
-        if self.by_force:
-            return np.asarray(getattr(self, f"friction_force{suffix}") / self._stress)
+        stress = self.stress_of_forces
+        if stress:
+            return np.asarray(getattr(self, f"friction_force{suffix}") / stress)
         return np.asarray(getattr(self, f"area{suffix}"))
 
-    @property
-    def _stress(self) -> float:
-        """Friction force per contact area, sigma B [MPa]."""
+    def _force(self, suffix: str = "") -> FloatArray:
+        """Return friction forces, measured or sigma B times areas, or their standard deviations [N]."""
+        if self.friction_force is not None:
+            return np.asarray(getattr(self, f"friction_force{suffix}"))
         if self.friction is None:
             raise InvalidInput(
                 "the friction force was not measured; to compute it from the areas, give the law "
                 "friction=metafem.Friction(shear_strength, area_ratio)"
             )
-        return self.friction.stress
-
-    def _force(self, suffix: str = "") -> FloatArray:
-        """Return friction forces, measured or sigma B times areas, or their standard deviations [N]."""
-        measured = getattr(self, f"friction_force{suffix}")
-        return np.asarray(self._stress * getattr(self, f"area{suffix}") if measured is None else measured)
+        return np.asarray(self.friction.stress * getattr(self, f"area{suffix}"))
 
     def quantities(self) -> dict[str, FloatArray]:
         """Return the arrays (k,) of the law by name, in the order of table columns."""
@@ -267,7 +268,7 @@ class MeasuredLaw(BaseLaw):
         return found
 
     def _about(self) -> dict[str, str]:
-        return {"label": self.label, "notes": to_lines(self.notes)}
+        return {"notes": to_lines(self.notes)}
 
     def _draw(self, ax: Axes, forces: bool, label: str | None) -> None:
         if forces:
@@ -285,7 +286,6 @@ def measured_law(
     friction: Friction | None = None,
     *,
     errors: MeasurementErrors = PAPER,
-    label: str = "static",
     sites: ArrayLike | None = None,
 ) -> MeasuredLaw:
     """Return the measured law of contacts found in images.
@@ -303,7 +303,6 @@ def measured_law(
     friction : Friction, optional
     errors : MeasurementErrors
         Errors of loads and friction forces; the table contains the errors of the areas.
-    label : str
     sites : array_like of int, (n,), optional
         Sites of the asperities of the design (``Design.sites``), required for a table of `metafem images` if
         the design leaves sites empty. Default: each asperity has the number of its site.
@@ -330,9 +329,7 @@ def measured_law(
     """
     numbers = None if sites is None else check.array("sites", sites, shape=(None,)).astype(np.int64)
     arrays, notes = of_contacts(table, friction is not None, numbers)
-    return MeasuredLaw(
-        material=material, friction=friction, errors=errors, label=label, notes=notes, **arrays
-    )
+    return MeasuredLaw(material=material, friction=friction, errors=errors, notes=notes, **arrays)
 
 
 def _refuse_contradiction(name: str, found: Mapping[str, Any]) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -18,39 +17,29 @@ from metafem.calibration.statistics import (
     PAPER,
     Calibration,
     Estimate,
-    Line,
     MeasurementErrors,
-    each_test,
+    Verdict,
     positive,
-    scatter,
-    straight,
 )
 from metafem.contact.elastic import usual_law
 from metafem.errors import InvalidInput, refuse_if
 from metafem.material import Friction
 from metafem.models import Independent, Model
 from metafem.notes import information
-from metafem.prediction import equilibrium, friction_law
+from metafem.prediction import equilibrium
 from metafem.surface import Surface
 
 # Excess of B over 1, in standard deviations, above which a fit is refused. One normal error in a hundred is
 # larger.
 ABOVE_ONE = 2.33
 
-# Names of the measured quantities, and their labels in figures.
-COLUMNS = {
-    "area_before": "area before shear  A0 [mm²]",
-    "area_sheared": "sheared area  Af [mm²]",
-    "friction_force": "friction force  F [N]",
-}
+# Names of the measured quantities, and the laws between each and the next one.
+COLUMNS = ("area_before", "area_sheared", "friction_force")
+LAWS = ("Af = B A0", "F = sigma Af")
 
 # Range of distances after the peak over which the paper averages the sliding friction (page 313) [mm], and
 # the rounding error of a difference between decimal displacements, relative to the last displacement.
 SLIDING, ROUNDING = (0.1, 0.2), 1e-12
-
-# Relative step of central differences. The error of a difference is about the square of the step, and the
-# rounding error 1e-16 over the step.
-STEP = 1e-4
 
 RESIST = "forces that resist sliding are positive"
 
@@ -58,83 +47,35 @@ Deviation = Callable[[FloatArray], FloatArray]
 
 
 def proportional(measured: FloatArray, deviation: Sequence[Deviation]) -> variables.Fit:
-    """Return the factors q_j of quantities ``x_j = q_j x_0`` that all have errors, and the x_0 as abscissae.
+    """Return the ratios q_j of quantities ``x_j = q_j x_(j-1)`` with errors, and the x_0 as abscissae.
 
     `measured` has the quantities x_0, x_1, ... of k points, (..., c, k), nan where not measured; each point
     has two or more. `deviation` returns the standard deviation of each quantity at its values.
     """
     y = np.moveaxis(measured, -2, -1)
-    known = np.isfinite(y)
+    known, count = np.isfinite(y), y.shape[-1] - 1
     filled = np.where(known, y, 0.0)
     both = known[..., 1:] & known[..., :-1]
     ratio = (both * filled[..., 1:]).sum(axis=-2) / (both * filled[..., :-1]).sum(axis=-2)
-    factor = ratio.cumprod(axis=-1)
-    every = np.concatenate([np.ones((*factor.shape[:-1], 1)), factor], axis=-1)[..., None, :]
-    start = (filled * every).sum(axis=-1) / (known * every**2).sum(axis=-1)
-    # smaller values are noise and would have infinite weights
-    least = 1e-6 * start.max(axis=-1, keepdims=True)
-    start = np.maximum(start, least)
+
+    def factors(q: FloatArray) -> FloatArray:
+        """Return x_j/x_0, (..., 1, c)."""
+        return np.concatenate([np.ones((*q.shape[:-1], 1)), q.cumprod(axis=-1)], axis=-1)[..., None, :]
 
     def model(q: FloatArray, x: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        by_x = np.concatenate([np.ones((*q.shape[:-1], 1)), q], axis=-1)[..., None, :, None]
-        count = q.shape[-1]
-        by_q = x[..., None] * np.eye(count + 1, count, -1)
-        return x * by_x[..., 0], by_q, np.broadcast_to(by_x, (*x.shape[:-1], count + 1, 1))
+        by_x = factors(q)
+        later = np.tri(count + 1, count, -1)
+        by_q = x[..., None] * later * (by_x[..., None] / q[..., None, None, :])
+        return x * by_x, by_q, np.broadcast_to(by_x[..., None], (*x.shape[:-1], count + 1, 1))
 
     def of(value: FloatArray) -> FloatArray:
         return np.stack([each(value[..., j]) for j, each in enumerate(deviation)], axis=-1)
 
-    return variables.fit(model, y, of, factor, start[..., None], (least[..., None], np.inf))
-
-
-@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
-class ShearCalibration(Calibration):
-    """Area ratio B and shear strength sigma of sheared contacts, with their errors.
-
-    Attributes
-    ----------
-    area_ratio, shear_strength : float
-        Area ratio B [-] and shear strength sigma [MPa].
-    friction : metafem.Friction
-    estimates : mapping of str to Estimate
-        Value, standard deviation and 68 % interval of B and sigma.
-    parameters, covariance : tuple of str, and ndarray, (2, 2)
-        Names and covariance of B and sigma. They are correlated because both depend on the sheared area.
-    lines : (Line, Line)
-        The lines ``Af = B A0`` and ``F = sigma Af`` with their points and verdicts.
-    area_fitted : ndarray, (k,)
-        Fitted areas before shear [mm^2]; nan for points with a single quantity.
-    tests : mapping of str to ShearCalibration
-        Calibration by each test if there are several; None for a test that does not determine B and sigma.
-    heterogeneity : Verdict or None
-        Whether the tests agree; None for a single test.
-    notes : tuple of Note
-
-    Examples
-    --------
-    >>> from metafem.calibration import shear
-    >>> before = np.array([0.1, 0.2, 0.3])
-    >>> found = shear(before, 0.85 * before, 0.3145 * before)
-    >>> round(found.area_ratio, 6), round(found.friction.shear_strength, 6)
-    (0.85, 0.37)
-    """
-
-    area_fitted: FloatArray
-
-    @property
-    def area_ratio(self) -> float:
-        """Area ratio B [-]."""
-        return self.estimates["area_ratio"].value
-
-    @property
-    def shear_strength(self) -> float:
-        """Shear strength sigma [MPa]."""
-        return self.estimates["shear_strength"].value
-
-    @property
-    def friction(self) -> Friction:
-        """Friction with the fitted area ratio, or 1 if errors make it larger, and the shear strength."""
-        return Friction(self.shear_strength, min(self.area_ratio, 1.0))
+    start = (filled * factors(ratio)).sum(axis=-1) / (known * factors(ratio) ** 2).sum(axis=-1)
+    # smaller values are noise and would have infinite weights
+    least = 1e-6 * start.max(axis=-1, keepdims=True)
+    start = np.maximum(start, least)
+    return variables.fit(model, y, of, ratio, start[..., None], (least[..., None], np.inf))
 
 
 def shear(
@@ -144,7 +85,7 @@ def shear(
     *,
     errors: MeasurementErrors = PAPER,
     test: Sequence[Any] | None = None,
-) -> ShearCalibration:
+) -> Calibration:
     """Return the area ratio B and the shear strength sigma, fitted to sheared contacts.
 
     The lines are ``Af = B A0`` and ``F = sigma Af`` with the area A0 before shear, the sheared area Af and
@@ -172,7 +113,7 @@ def shear(
 
     Returns
     -------
-    ShearCalibration
+    Calibration
 
     Raises
     ------
@@ -184,24 +125,22 @@ def shear(
     >>> before = np.array([0.05, 0.1, 0.2, 0.3])
     >>> found = shear(before, [0.043, 0.085, 0.17, 0.254], [0.0155, 0.0316, 0.0632, 0.0941])
     >>> found
-    <ShearCalibration: area_ratio = 0.8492 ± 0.0077, shear_strength = 0.3705 ± 0.006 MPa, 4 points, fits>
+    <Calibration: area_ratio = 0.8492 ± 0.0077, shear_strength = 0.3705 ± 0.006 MPa, fits>
     """
     check.instance("errors", errors, MeasurementErrors, "a metafem.calibration.MeasurementErrors")
     given = dict(zip(COLUMNS, (area_before, area_sheared, friction_force), strict=True))
     before = check.array_with_gaps("area_before", area_before, shape=(None,))
-    points = np.array([check.array_with_gaps(name, given[name], shape=before.shape) for name in given])
-    for name, areas in zip(given, points[:2], strict=False):
+    points = np.array([check.array_with_gaps(name, given[name], shape=before.shape) for name in COLUMNS])
+    for name, areas in zip(COLUMNS, points[:2], strict=False):
         must = "must be greater than 0; leave out points without contact"
         check.refuse_entries(name, areas, areas <= 0.0, must)
     known = np.isfinite(points)
     for i, what in enumerate(("B", "sigma")):
-        few = int(known[i : i + 2].all(axis=0).sum())
-        pair = " and ".join([*given][i : i + 2])
+        few, pair = int(known[i : i + 2].all(axis=0).sum()), " and ".join(COLUMNS[i : i + 2])
         refuse_if(few < 2, f"{what} needs at least 2 points with {pair}, and {few} have both quantities")
     used = known.sum(axis=0) >= 2
-    (ratio, strength), covariance, fit = parameters(points[:, used], errors)
-    value = np.full(len(before), np.nan)
-    value[used] = fit.abscissa[:, 0]
+    fit = proportional(points[:, used], (errors.of_area, errors.of_area, errors.of_friction_force))
+    (ratio, strength), covariance = fit.parameter.tolist(), fit.covariance
     refuse_if(strength <= 0.0, f"friction_force is not positive: sigma = {strength:.4g} MPa; {RESIST}")
     sd = math.sqrt(covariance[0, 0])
     refuse_if(
@@ -209,59 +148,26 @@ def shear(
         f"area_ratio = {ratio:.4g} ± {sd:.2g} is above 1, but contacts shrink under shear; check that "
         "area_before and area_sheared are not exchanged",
     )
-    tests = each_test(test, len(before), lambda rows: shear(*points[:, rows], errors=errors))
-    fitted = [each for each in tests.values() if each is not None]
-    names, values = ("area_ratio", "shear_strength"), (float(ratio), float(strength))
-    variances = np.diagonal(covariance).tolist()
-    found = ShearCalibration(
-        estimates=dict(zip(names, map(positive, values, variances), strict=True)),
-        parameters=names,
-        covariance=covariance,
-        lines=_lines(points, *values, value, errors),
-        area_fitted=value,
-        tests=tests,
-        heterogeneity=scatter(
-            [(each.area_ratio, each.shear_strength) for each in fitted],
-            [each.covariance for each in fitted],
-        ),
-    )
+    verdict = Verdict(float(fit.chi_square.sum()), int(known[:, used].sum() - used.sum()) - 2)
+    for i, law in enumerate(LAWS):
+        x, y = points[i : i + 2, known[i : i + 2].all(axis=0)]
+        contradicts = (
+            f"{COLUMNS[i + 1]} decreases with {COLUMNS[i]}, which contradicts {law}; check the columns"
+        )
+        refuse_if(np.cov(x, y)[0, 1] < 0.0 and not verdict.fits, f"{contradicts} and their units")
     unused = int((~used).sum())
     words = f"{unused} of {len(used)} points hold less than two quantities and are not used"
-    return replace(found, notes=(*found.doubts(), *([information(words)] if unused else ())))
-
-
-def parameters(points: FloatArray, errors: MeasurementErrors) -> tuple[FloatArray, FloatArray, variables.Fit]:
-    """Return B and sigma (..., 2), their covariance (..., 2, 2) and the fit to points (..., 3, k)."""
-    fit = proportional(points, (errors.of_area, errors.of_area, errors.of_friction_force))
-    ratio, product = fit.parameter[..., 0], fit.parameter[..., 1]
-    strength = product / ratio  # the second factor is sigma B
-    jacobian = np.zeros((*ratio.shape, 2, 2))
-    jacobian[..., 0, 0], jacobian[..., 1, 0], jacobian[..., 1, 1] = 1.0, -strength / ratio, 1.0 / ratio
-    covariance = jacobian @ fit.covariance @ np.swapaxes(jacobian, -1, -2)
-    # make the matrix exactly symmetric
-    covariance = 0.5 * (covariance + np.swapaxes(covariance, -1, -2))
-    return np.stack([ratio, strength], axis=-1), covariance, fit
-
-
-def _lines(
-    points: FloatArray, ratio: float, strength: float, value: FloatArray, errors: MeasurementErrors
-) -> tuple[Line, Line]:
-    """Return the lines through points (3, k) with the fitted areas before shear; refuse falling ones."""
-    sd = (
-        errors.of_area(value),
-        errors.of_area(ratio * value),
-        errors.of_friction_force(strength * ratio * value),
-    )
-    names, found = [*COLUMNS], []
-    for i, (law, factor) in enumerate((("Af = B A0", ratio), ("F = sigma Af", strength))):
-        axes, (x, y) = (COLUMNS[names[i]], COLUMNS[names[i + 1]]), points[i : i + 2]
-        line = straight(law, axes, (x, y, sd[i], sd[i + 1]), factor, np.hypot(sd[i + 1], factor * sd[i]))
-        known = np.isfinite(x) & np.isfinite(y)
-        falls = np.cov(x[known], y[known])[0, 1] < 0.0 and not line.verdict.fits
-        contradicts = f"{names[i + 1]} decreases with {names[i]}, which contradicts {law}; check the columns"
-        refuse_if(falls, f"{contradicts} and their units")
-        found.append(line)
-    return found[0], found[1]
+    return Calibration(
+        estimates={
+            "area_ratio": positive(ratio, covariance[0, 0]),
+            "shear_strength": positive(strength, covariance[1, 1]),
+        },
+        parameters=("area_ratio", "shear_strength"),
+        covariance=covariance,
+        verdict=verdict,
+        friction=Friction(strength, min(ratio, 1.0)),
+        notes=(information(words),) if unused else (),
+    ).of_tests(test, len(before), lambda rows: shear(*points[:, rows], errors=errors))
 
 
 def shear_strength(
@@ -324,14 +230,10 @@ def shear_strength(
     opened = int((equilibrium(surface, solver, load=least).asperity_area <= 0.0).sum())
     must = f"is too small: {opened} of {surface.count} asperities are not in contact at this load"
     refuse_if(opened, must, key="load_min", value=load_min)
-    load, force, force_sd = law.load[used], force[used], force_sd[used]
-    single, places = np.unique(load * (1.0 + STEP * np.array([[-1.0], [0.0], [1.0]])), return_inverse=True)
-    low, area, high = friction_law(surface, solver, load=single).area[places].reshape(3, -1)
-    area_sd = (high - low) / (2.0 * STEP * load) * law.load_sd[used]
-    # default standard deviations are computed from the fitted force, because the measured force is noisy
-    of_force = law.errors.of_friction_force
-    of = of_force if np.allclose(force_sd, of_force(force), rtol=1e-9) else lambda _: force_sd
-    fit = proportional(np.stack([area, force]), (lambda _: area_sd, of))
+    law = law.only(used)
+    area, slope = law.computed(surface, solver)
+    area_sd, force_sd = slope * law.load_sd, force_sd[used]
+    fit = proportional(np.stack([area, force[used]]), (lambda _: area_sd, lambda _: force_sd))
     factor, ratio = float(fit.parameter[0]), float(friction.area_ratio)
     refuse_if(factor <= 0.0, f"friction_force is not positive: sigma B = {factor:.4g} MPa; {RESIST}")
     strength = float(factor / ratio)

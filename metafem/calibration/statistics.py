@@ -1,12 +1,12 @@
-"""Errors of measurements, fitted lines with verdicts, 68 % intervals and covariances of calibrations."""
+"""Errors of measurements, results of calibrations with their verdicts, 68 % intervals and covariances."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,16 +15,13 @@ from scipy.optimize.elementwise import find_root
 from scipy.special import gammaincc, ndtr
 
 from metafem import _validate as check
-from metafem import drawing
 from metafem._given import shown
 from metafem._validate import FloatArray
-from metafem._values import Value
-from metafem.drawing import calibration
+from metafem._values import Value, three_digits
+from metafem.contact import Contact
 from metafem.errors import InvalidInput, NotConverged, refuse_if
+from metafem.material import Friction, Material
 from metafem.notes import Note
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 # Probability below which a law is rejected. One in a hundred correct laws is rejected by chance.
 REJECTED = 0.01
@@ -58,7 +55,7 @@ class Verdict:
     chi_square : float
         Sum of the squares of the residuals over their standard deviations [-].
     freedom : int
-        Number of points minus number of fitted parameters.
+        Number of measured values minus number of fitted ones.
     probability : float
         Probability of a chi-square at least as large for a correct law with independent normal errors [-].
     fits : bool
@@ -69,7 +66,7 @@ class Verdict:
 
     Examples
     --------
-    >>> verdict = judged(np.array([0.5, -1.0, 0.8, -0.2, 1.1, -0.9]), parameters=1)
+    >>> verdict = Verdict(chi_square=3.954, freedom=5)
     >>> verdict.fits, str(verdict)
     (True, 'chi² = 3.95 with 5 degrees of freedom (p = 0.56)')
     """
@@ -94,36 +91,12 @@ class Verdict:
 
     def __str__(self) -> str:
         freedom = f"{self.freedom} degree{'s' * (self.freedom != 1)} of freedom"
-        return f"chi² = {chi(self.chi_square)} with {freedom} (p = {self.probability:.2g})"
+        return f"chi² = {three_digits(self.chi_square)} with {freedom} (p = {self.probability:.2g})"
 
     def to_dict(self) -> dict[str, Any]:
         """Return the attributes by name."""
         names = ("fits", "chi_square", "freedom", "probability", "birge_ratio")
         return {name: getattr(self, name) for name in names}
-
-    def note(self, what: str) -> Note:
-        """Return a note that something does not fit or agree, such as "the law does not fit"."""
-        return Note(
-            f"{what}: {self}; the stated uncertainties do not include this; uncertainties "
-            f"{self.birge_ratio:.2g} times as large would (Birge ratio)"
-        )
-
-
-def chi(square: float) -> str:
-    """Return a chi-square value as text without a power of ten.
-
-    Examples
-    --------
-    >>> chi(3.954), chi(317_512.0)
-    ('3.95', '317,500')
-    """
-    return f"{square:.3g}" if square < 999.5 else f"{float(f'{square:.4g}'):,.0f}"
-
-
-def judged(residual: FloatArray, parameters: int) -> Verdict:
-    """Return the verdict on normalised residuals (k,) after a fit of some parameters; nan has no weight."""
-    known = residual[np.isfinite(residual)]
-    return Verdict(float((known**2).sum()), max(len(known) - parameters, 0))
 
 
 class Estimate(NamedTuple):
@@ -141,81 +114,53 @@ def positive(value: float, variance: float) -> Estimate:
     return Estimate(value, sd, (float(low), float(high)))
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class Line(Value):
-    """A law that was fitted to points with errors on both axes.
-
-    Attributes
-    ----------
-    name : str
-        The law, such as "F = sigma Af".
-    axes : (str, str)
-        Labels of the axes.
-    x, y, x_sd, y_sd : ndarray, (k,)
-        Points and their standard deviations; nan for a quantity that was not measured.
-    fitted_x, fitted_y : ndarray, (m,)
-        Points of the fitted law.
-    residual : ndarray, (k,)
-        Distances of the points from the law over their standard deviations [-]; nan for points without one.
-    parameters : int
-        Number of fitted parameters.
-    verdict : Verdict
-        Whether the law fits the points.
-    """
-
-    name: str
-    axes: tuple[str, str]
-    x: FloatArray
-    y: FloatArray
-    x_sd: FloatArray
-    y_sd: FloatArray
-    fitted_x: FloatArray
-    fitted_y: FloatArray
-    residual: FloatArray
-    parameters: int = 1
-
-    @property
-    def verdict(self) -> Verdict:
-        """Whether the law fits the points."""
-        return judged(self.residual, self.parameters)
-
-
-def straight(
-    name: str, axes: tuple[str, str], points: Sequence[FloatArray], factor: float, spread: FloatArray
-) -> Line:
-    """Return the line ``y = factor x`` fitted to points (x, y, x_sd, y_sd).
-
-    `spread` holds the standard deviations of ``y - factor x``.
-    """
-    x, y, x_sd, y_sd = points
-    ends = np.array([0.0, 1.05 * float(np.nanmax(x))])
-    return Line(name, axes, x, y, x_sd, y_sd, ends, factor * ends, (y - factor * x) / spread)
-
-
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Calibration(Value):
-    """Base class of the results of calibrations.
+    """Result of a calibration: the parameters of a law that was fitted to tests.
+
+    Intervals contain the true value in 68 % of repeated calibrations.
 
     Attributes
     ----------
     estimates : mapping of str to Estimate
-        Value, standard deviation and 68 % interval of each quantity.
+        ``value``, standard deviation ``sd`` and 68 % ``interval``: of compression tests E*,
+        ``composite_modulus`` [MPa], and w, ``adhesion_energy`` [N/mm], whose interval is asymmetric and may
+        begin at 0, and R, ``radius`` [mm], if it has an error; of shear tests B, ``area_ratio`` [-], and
+        sigma, ``shear_strength`` [MPa]. E* belongs to `contact_law`.
     parameters, covariance : tuple of str, and ndarray, (p, p)
-        Names and covariance of the parameters for `metafem.studies.uncertainty` and `joint_covariance`.
-    lines : tuple of Line
-        Fitted laws with their points.
+        Names and covariance of the parameters for `metafem.studies.uncertainty`; `joint_covariance` joins
+        those of compression and shear tests.
+    verdict : Verdict
+        Whether the law fits the points.
+    material, contact_law : Material and Contact, or None
+        Of compression tests: material and law for a model, that of Johnson, Kendall and Roberts if the
+        interval of w does not begin at 0, and otherwise that of the cap without adhesion.
+    friction : Friction or None
+        Of shear tests: B, or 1 if errors make it larger, and sigma.
     tests : mapping of str to Calibration
         Calibration by each test if there are several; None for a test without a fit.
     heterogeneity : Verdict or None
-        Whether the tests agree; None for a single test.
+        Whether the tests agree: by how much the chi-square of the common fit exceeds the sum of those of the
+        tests. None for a single test, and if a test has no fit.
     notes : tuple of Note
+
+    Examples
+    --------
+    >>> from metafem.calibration import shear
+    >>> before = np.array([0.1, 0.2, 0.3])
+    >>> found = shear(before, 0.85 * before, 0.3145 * before)
+    >>> round(found.estimates["area_ratio"].value, 6), round(found.friction.shear_strength, 6)
+    (0.85, 0.37)
     """
 
     estimates: Mapping[str, Estimate]
     parameters: tuple[str, ...]
     covariance: FloatArray
-    lines: tuple[Line, ...]
-    tests: Mapping[str, Any] = field(default_factory=dict)
+    verdict: Verdict
+    material: Material | None = None
+    contact_law: Contact | None = None
+    friction: Friction | None = None
+    tests: Mapping[str, Calibration | None] = field(default_factory=dict)
     heterogeneity: Verdict | None = None
     notes: tuple[Note, ...] = ()
 
@@ -224,9 +169,7 @@ class Calibration(Value):
             f"{name} = {value:.4g} ± {sd:.2g} {UNITS[name]}".removesuffix(" 1")
             for name, (value, sd, _) in self.estimates.items()
         ]
-        points = f"{len(self.lines[0].x)} points"
-        fits = "fits" if all(line.verdict.fits for line in self.lines) else "does not fit"
-        return f"<{type(self).__name__}: {', '.join([*stated, points, fits])}>"
+        return f"<Calibration: {', '.join(stated)}, {'fits' if self.verdict.fits else 'does not fit'}>"
 
     def to_dict(self) -> dict[str, Any]:
         """Return the result as numbers and texts, for JSON; the names of numbers end with their units.
@@ -236,92 +179,57 @@ class Calibration(Value):
         >>> from metafem.calibration import shear
         >>> before = np.array([0.1, 0.2, 0.3])
         >>> found = shear(before, 0.85 * before, 0.3145 * before).to_dict()
-        >>> round(found["shear_strength_MPa"], 6), found["lines"]["F = sigma Af"]["fits"]
+        >>> round(found["shear_strength_MPa"], 6), found["verdict"]["fits"]
         (0.37, True)
         """
         found: dict[str, Any] = {}
         for name, (value, sd, ends) in self.estimates.items():
-            found |= {keyed(name): value, keyed(name, "_sd"): sd, keyed(name, "_interval"): list(ends)}
-        found["lines"] = {line.name: line.verdict.to_dict() for line in self.lines}
+            unit = "" if UNITS[name] == "1" else "_" + UNITS[name].replace("/", "_per_")
+            found |= {f"{name}{unit}": value, f"{name}_sd{unit}": sd, f"{name}_interval{unit}": list(ends)}
+        found["verdict"] = self.verdict.to_dict()
         if self.tests:
             found["tests"] = {name: test and test.to_dict() for name, test in self.tests.items()}
             found["heterogeneity"] = self.heterogeneity and self.heterogeneity.to_dict()
         return found
 
-    def doubts(self) -> Iterator[Note]:
-        """Return notes on lines that do not fit, and on tests that differ."""
-        for line in self.lines:
-            if not line.verdict.fits:
-                yield line.verdict.note(f"{line.name}: the law does not fit")
-        if self.heterogeneity is not None and not self.heterogeneity.fits:
-            yield self.heterogeneity.note("the tests differ")
-        unfitted = ", ".join(name for name, test in self.tests.items() if test is None)
-        if unfitted:
-            yield Note(f"the tests {unfitted} have no fit of their own; they are part of the common fit only")
+    def of_tests(self, test: Any, count: int, fit: Callable[[Any], Calibration]) -> Calibration:
+        """Return the result with the fit of each test, whose labels `test` holds for each of `count` points.
 
-    def plot(self, ax: Axes | None = None, line: int = 0) -> Axes:
-        """Draw a line and its points with error bars, and return the axes.
-
-        Parameters
-        ----------
-        ax : matplotlib Axes, optional
-            Axes to draw on; default: those of a new figure of ``matplotlib.pyplot``.
-        line : int
-            Index of the line in `lines`; default: 0.
-
-        Examples
-        --------
-        >>> from metafem.calibration import shear
-        >>> before = np.array([0.1, 0.2, 0.3])
-        >>> shear(before, 0.85 * before, 0.3145 * before).plot(line=1).get_xlabel()
-        'sheared area  Af [mm²]'
+        `fit` takes the numbers of the points of a test. Notes tell what does not fit or agree.
         """
-        ax, drawn = drawing.axes(ax), self.lines[line]
-        calibration.measured(ax, drawn.x, drawn.y, drawn.x_sd, drawn.y_sd)
-        calibration.fitted(ax, drawn.fitted_x, drawn.fitted_y)
-        ax.set(xlabel=drawn.axes[0], ylabel=drawn.axes[1])
-        return ax
-
-
-def keyed(name: str, what: str = "") -> str:
-    """Return the name of a parameter with its unit, such as "shear_strength_sd_MPa" for "_sd"."""
-    unit = UNITS[name].replace("/", "_per_")
-    return f"{name}{what}" if unit == "1" else f"{name}{what}_{unit}"
-
-
-def each_test(test: Any, count: int, fit: Callable[[Any], Any]) -> dict[str, Any]:
-    """Return the fits to the points of each test by its label, None without a fit; {} for a single test.
-
-    `test` holds the label of each of `count` points, and `fit` takes the numbers of the points.
-    """
-    if test is None:
-        return {}
-    wrong = isinstance(test, str) or np.ndim(test) != 1 or len(test) != count
-    refuse_if(wrong, f"test = {shown(test)} must hold a label for each of the {count} points")
-    labels = np.array([str(name) for name in test])
-    names, found = dict.fromkeys(labels.tolist()), {}
-    for name in names if len(names) > 1 else ():
-        try:
-            found[name] = fit(np.flatnonzero(labels == name))
-        except (InvalidInput, NotConverged):
-            found[name] = None
-    return found
-
-
-def scatter(value: ArrayLike, covariance: ArrayLike) -> Verdict | None:
-    """Return the chi-square of estimates (t, p) of t tests about their weighted mean; None for t < 2.
-
-    Examples
-    --------
-    >>> str(scatter([[0.84], [0.86]], [[[1e-4]], [[1e-4]]]))
-    'chi² = 2 with 1 degree of freedom (p = 0.16)'
-    """
-    if len(value := np.asarray(value)) < 2:
-        return None
-    weight = np.linalg.inv(np.asarray(covariance))
-    mean = np.linalg.solve(weight.sum(axis=0), (weight @ value[..., None]).sum(axis=0))
-    off = value - mean[:, 0]
-    return Verdict(float(np.einsum("ti,tij,tj", off, weight, off)), off.size - off.shape[1])
+        tests = dict[str, Calibration | None]()
+        heterogeneity = None
+        if test is not None:
+            wrong = isinstance(test, str) or np.ndim(test) != 1 or len(test) != count
+            refuse_if(wrong, f"test = {shown(test)} must hold a label for each of the {count} points")
+            labels = np.array([str(name) for name in test])
+            names = dict.fromkeys(labels.tolist())
+            for name in names if len(names) > 1 else ():
+                try:
+                    tests[name] = fit(np.flatnonzero(labels == name))
+                except (InvalidInput, NotConverged):
+                    tests[name] = None
+        fitted = [each.verdict for each in tests.values() if each is not None]
+        if tests and len(fitted) == len(tests):
+            square = self.verdict.chi_square - sum(each.chi_square for each in fitted)
+            freedom = self.verdict.freedom - sum(each.freedom for each in fitted)
+            heterogeneity = Verdict(max(square, 0.0), freedom)
+        notes = [
+            Note(
+                f"{what}: {verdict}; the stated uncertainties do not include this; uncertainties "
+                f"{verdict.birge_ratio:.2g} times as large would (Birge ratio)"
+            )
+            for what, verdict in (
+                (f"{' and '.join(self.estimates)}: the law does not fit", self.verdict),
+                ("the tests differ", heterogeneity),
+            )
+            if verdict is not None and not verdict.fits
+        ]
+        unfitted = ", ".join(name for name, each in tests.items() if each is None)
+        if unfitted:
+            words = "have no fit of their own; they are part of the common fit only"
+            notes.append(Note(f"the tests {unfitted} {words}"))
+        return replace(self, tests=tests, heterogeneity=heterogeneity, notes=(*self.notes, *notes))
 
 
 def bounded_interval(estimate: ArrayLike, sd: ArrayLike) -> tuple[FloatArray, FloatArray]:
@@ -366,12 +274,12 @@ def checked_covariance(
 ) -> tuple[tuple[str, ...], FloatArray]:
     """Return the names of parameters and their covariance (p, p), or raise InvalidInput.
 
-    The names must be different names of `known`. No covariance is that of no parameters.
+    The names must be different names of `known`.
     """
     names = tuple(names)
     unknown = set(names) - set(known) or len(set(names)) < len(names)
     refuse_if(unknown, f"parameters = {shown(names)} must be different names of {', '.join(known)}")
-    if covariance is None:
+    if not names:
         return (), np.zeros((0, 0))
     matrix = check.array("covariance", covariance, shape=(len(names), len(names)))
     # check the correlation matrix, which has no units
@@ -389,7 +297,7 @@ def joint_covariance(*calibrations: Calibration) -> tuple[tuple[str, ...], Float
 
     Parameters
     ----------
-    *calibrations : ContactCalibration or ShearCalibration
+    *calibrations : Calibration
         Calibrations without a parameter in common.
 
     Returns

@@ -22,11 +22,12 @@ from metafem.cli.options import (
 from metafem.cli.output import notes_data, show
 from metafem.cli.progress import progress
 from metafem.errors import refuse_if
-from metafem.notes import Note, information
+from metafem.notes import information
 
 if TYPE_CHECKING:
-    from metafem.calibration import ContactCalibration, MeasurementErrors, ShearCalibration
-    from metafem.files import CalibrationData
+    from pandas import DataFrame
+
+    from metafem.calibration import Calibration, MeasurementErrors
 
 # Options of the dimensions of a sample, and of the standard deviations: unit, example and help text.
 LENGTHS = {
@@ -51,12 +52,13 @@ ERRORS = {
 # Member of MeasurementErrors for each option of a standard deviation.
 MEMBERS = dict(zip(ERRORS, ("load", "boundary", "friction_force", "friction_relative"), strict=True))
 
-# Name, unit and size of the unit of each quantity that is printed.
-PRINTED = {
-    "composite_modulus": ("E*, composite modulus", "MPa", 1.0),
-    "adhesion_energy": ("w, adhesion energy", "mJ/m²", 1e-6),
-    "area_ratio": ("B, area ratio", "", 1.0),
-    "shear_strength": ("σ, shear strength", "MPa", 1.0),
+# Name of each quantity that is printed.
+NAMES = {
+    "composite_modulus": "E*, composite modulus",
+    "adhesion_energy": "w, adhesion energy",
+    "radius": "R, radius of the caps",
+    "area_ratio": "B, area ratio",
+    "shear_strength": "σ, shear strength",
 }
 
 
@@ -71,12 +73,6 @@ PRINTED = {
     ),
     *quantities(ERRORS),
     column_option,
-    click.option(
-        "--contact",
-        metavar="LAW",
-        help='Contact law of the caps without adhesion, such as "elastic" or the table of a law. Default: '
-        "hertz.",
-    ),
     click.option(
         "--unusual",
         is_flag=True,
@@ -115,88 +111,64 @@ def calibrate(
     refuse_files(force, output)
     sources = [str(path) for path in data]
     refuse_if(not sources, "no table is given; write for example metafem calibrate compression.csv shear.csv")
+    given = {MEMBERS[name]: options[name] for name in ERRORS if options[name] is not None}
     with progress():
-        columns = columns_of(options["column"])
-        measured = mf.files.read_calibration(data, columns=columns)
-        given = {} if measured.boundary is None else {"boundary": measured.boundary}
-        given |= {MEMBERS[name]: options[name] for name in ERRORS if options[name] is not None}
-        errors = mf.calibration.MeasurementErrors(**given)
-        contact, shear = _contact(measured, options, errors, sources), _shear(measured, errors, sources)
-        found = [each for each in (contact, shear) if each is not None]
-        notes = [*measured.notes, *(note for each in found for note in each.notes), *_shared(measured)]
+        measured = mf.files.read_calibration(data, columns=columns_of(options["column"]))
+        boundary = {} if measured.boundary is None else {"boundary": measured.boundary}
+        errors = mf.calibration.MeasurementErrors(**boundary | given)
+        contact, shear = measured.compression, measured.shear
+        pressed = None if contact is None else _contact(contact, options, errors, sources)
+        slid = None if shear is None else _shear(shear, errors, sources)
+        found = [each for each in (pressed, slid) if each is not None]
+        notes = [*measured.notes, *(note for each in found for note in each.notes)]
+        if contact is not None and shear is not None and contact["place"].isin(shear["place"]).any():
+            words = (
+                "E* and B follow from the same areas before shear; the covariance of their errors is left out"
+            )
+            notes.append(information(words))
         if output is not None:
-            cap = mf.files.section_named(options["contact"].split()) if options["contact"] else None
-            text = mf.files.calibration_text(contact, shear, sources=sources, cap=cap)
+            text = mf.files.calibration_text(pressed, slid, sources=sources)
             mf.files.write_text(output, text, force=force)
-    results = {"files": sources, **mf.files.calibration_data(contact, shear)}
-    table = ("quantity", "value", "68 % interval", "unit", "± standard deviation"), [*_rows(found)], None
+    results = {"files": sources, **mf.files.calibration_data(pressed, slid), "notes": notes_data(notes)}
+    rows = [[NAMES[name], *mf.files.printed(name, each)] for each in found for name in each.estimates]
+    rows = [[text.replace("^2", "²") for text in row] for row in rows]
+    table = ("quantity", "value", "68 % interval", "unit", "± standard deviation"), rows, None
     lines = [text for each in found for text in _verdicts(each)]
-    data_of_notes = {"notes": notes_data(notes)}
-    show(as_json, results | data_of_notes, tables=[table], lines=lines, notes=notes, files=[output])
+    show(as_json, results, tables=[table], lines=lines, notes=notes, files=[output])
 
 
 def _contact(
-    measured: CalibrationData, options: Mapping[str, Any], errors: MeasurementErrors, sources: list[str]
-) -> ContactCalibration | None:
-    """Return the calibration of E* and the adhesion energy; None without compression tests."""
-    points, radius, count = measured.compression, options["radius"], options["contacts"]
-    if points is None:
-        return None
+    points: DataFrame, options: Mapping[str, Any], errors: MeasurementErrors, sources: list[str]
+) -> Calibration:
+    """Return the calibration of E* and the adhesion energy by compression tests."""
+    radius, count = options["radius"], options["contacts"]
     example = '--radius "526 um" --radius-sd "5 um"'
     refuse_if(radius is None, f"E* needs the radius of the caps; add for example {example}")
-    must = f"the tables hold {measured.contacts} contacts one by one; leave it out"
-    refuse_if(measured.contacts is not None and count not in (None, measured.contacts), f"--contacts: {must}")
-    given = {"contact": mf.files.contact_named(options["contact"])} if options["contact"] else {}
-    with mf.files.of_tables(sources, points.place):
+    total = "area" in points
+    area = points["area"] if total else points.filter(like="area_")
+    must = f"the tables hold {area.shape[-1]} contacts one by one; leave it out"
+    refuse_if(not total and count not in (None, area.shape[-1]), f"--contacts: {must}")
+    with mf.files.of_tables(sources, points["place"]):
         sample = mf.calibration.Sample(
-            contacts=measured.contacts or count or 1,
+            contacts=(count or 1) if total else area.shape[-1],
             radius_sd=options["radius_sd"] or 0.0,
             unusual=options["unusual"],
-            **given,
         )
-        load, area = points.values
-        return mf.calibration.fit_compression(load, area, radius, sample, errors=errors, test=points.test)
+        load, test = points["load"], points["test"].to_list()
+        return mf.calibration.fit_compression(load, area, radius, sample, errors=errors, test=test)
 
 
-def _shear(
-    measured: CalibrationData, errors: MeasurementErrors, sources: list[str]
-) -> ShearCalibration | None:
-    """Return the calibration of B and sigma; None without shear tests."""
-    points = measured.shear
-    if points is None:
-        return None
-    with mf.files.of_tables(sources, points.place):
-        return mf.calibration.shear(*points.values, errors=errors, test=points.test)
+def _shear(points: DataFrame, errors: MeasurementErrors, sources: list[str]) -> Calibration:
+    """Return the calibration of B and sigma by shear tests."""
+    with mf.files.of_tables(sources, points["place"]):
+        values = (points[name] for name in ("area_before", "area_sheared", "friction_force"))
+        return mf.calibration.shear(*values, errors=errors, test=points["test"].to_list())
 
 
-def _rows(found: list[Any]) -> Iterator[list[str]]:
-    """Yield the row of each quantity."""
-    from metafem.calibration.statistics import Estimate
-
-    for each in found:
-        for name, (value, sd, (low, high)) in each.estimates.items():
-            label, unit, size = PRINTED[name]
-            scaled = Estimate(value / size, sd / size, (low / size, high / size))
-            if name == "adhesion_energy":  # whose interval is asymmetric
-                scaled = scaled._replace(sd=0.5 * (high - low) / size)
-            number, deviation = (mf.files.rounded(part, scaled.sd) for part in scaled[:2])
-            yield [label, number, mf.files.interval(scaled), unit, deviation]
-
-
-def _verdicts(found: Any) -> Iterator[str]:
-    """Yield whether each law fits, and whether repeated tests agree."""
-    for line in found.lines:
-        fits, points = line.verdict.fits, line.verdict.freedom + line.parameters
-        yield f"{line.name}, {points} points: the law {'fits' if fits else 'does not fit'}: {line.verdict}"
+def _verdicts(found: Calibration) -> Iterator[str]:
+    """Yield whether the law fits, and whether repeated tests agree."""
+    what = " and ".join(NAMES[name].partition(",")[0] for name in found.estimates if name != "radius")
+    yield f"{what}: the law {'fits' if found.verdict.fits else 'does not fit'}: {found.verdict}"
     alike = found.heterogeneity
     if alike is not None:
-        what = " and ".join(line.name for line in found.lines)
         yield f"{what}, {len(found.tests)} tests: the tests {'agree' if alike.fits else 'differ'}: {alike}"
-
-
-def _shared(measured: CalibrationData) -> Iterator[Note]:
-    """Yield a note if E* and B use the same areas."""
-    pressed, sheared = measured.compression, measured.shear
-    if pressed is not None and sheared is not None and not set(pressed.place).isdisjoint(sheared.place):
-        words = "E* and B follow from the same areas before shear; the covariance of their errors is left out"
-        yield information(words)

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
@@ -20,39 +20,21 @@ from metafem.cli.options import (
 )
 from metafem.cli.output import show
 from metafem.cli.progress import loaded, progress
-from metafem.cli.study import deviation_option, given_deviations, show_study
+from metafem.cli.study import show_study
 from metafem.errors import refuse_if
 
-if TYPE_CHECKING:
-    from metafem._validate import FloatArray
-    from metafem.surface import Friction
-
-# Parameters of the part whose errors shift all points together: unit and example of each.
-PARAMETERS = {
-    "composite_modulus": ("MPa", "0.04MPa"),
-    "shear_strength": ("MPa", "0.006MPa"),
-    "area_ratio": ("1", "0.01"),
-}
-
-# Options of the material pair: unit, example and help text.
+# Options of the material pair, whose errors shift all points together: unit, example and help text.
 DESIGNED = "Default: that of the calibration or of the design."
 PAIR = {
     "composite_modulus": ("MPa", "1.36 MPa", f"E* of the part, such as {{}}. {DESIGNED}"),
-    "shear_strength": ("MPa", "0.404 MPa", f"σ of static friction, such as {{}}. {DESIGNED}"),
-    "area_ratio": ("1", "0.85", f"B of static friction. {DESIGNED}"),
-    "sliding_shear_strength": ("MPa", "0.37 MPa", "σ of sliding friction. Default: that of static friction."),
+    "shear_strength": ("MPa", "0.404 MPa", f"σ of static or sliding friction, such as {{}}. {DESIGNED}"),
+    "area_ratio": ("1", "0.85", f"B. {DESIGNED}"),
 }
 
 
 @command(
     click.argument("folder", type=Name(), metavar="DIR"),
     click.argument("table", type=Name(), metavar="MEASURED.csv"),
-    click.option(
-        "--sliding",
-        type=Name(),
-        metavar="TABLE.csv",
-        help="Table of the sliding friction law, to be compared beside the static one.",
-    ),
     column_option,
     click.option(
         "--calibration",
@@ -61,7 +43,6 @@ PAIR = {
         help="E*, σ and B of the part with their errors and correlations, from metafem calibrate.",
     ),
     *quantities(PAIR),
-    deviation_option(PARAMETERS),
     click.option("--explain", is_flag=True, help="State which errors of the part explain the difference."),
     force_option,
     json_option,
@@ -83,78 +64,48 @@ def compare(folder: Path, table: Path, explain: bool, force: bool, as_json: bool
 
     Example: metafem compare linear measured.csv --calibration calibration.toml --explain
     """
-    from metafem.studies.measured import answers, explained, features, measured
+    from metafem.studies.measured import explained, measured
     from metafem.studies.summary import summary
 
     with progress():
         design = loaded(folder)
-        names, covariance, values = _parameters(given)
-        surface, laws = design.surface, []
-        material = surface.material
-        if "composite_modulus" in values:
-            material = mf.Material(values["composite_modulus"], material.poisson_ratio)
-        friction = _friction(values, surface.friction)
-        for label, path in (("static", table), ("sliding", given["sliding"])):
-            if path is None:
-                continue
-            if label == "sliding" and given["sliding_shear_strength"] is not None:
-                friction = _friction({"shear_strength": given["sliding_shear_strength"]}, friction)
-            read = mf.files.read_table(path, columns_of(given["column"]))
-            law = mf.files.read_measured_law(read, material, friction, label=label, sites=design.sites)
-            laws.append(law)
-        if friction is None:  # areas depend on E* alone
-            kept = [i for i, name in enumerate(names) if name == "composite_modulus"]
-            names, covariance = [names[i] for i in kept], covariance[kept][:, kept]
-        files = [
-            mf.files.study_path(folder, name, force) for name in ("measured", "explained")[: 1 + explain]
-        ]
-        errors: dict[str, Any] = {"parameters": names, "covariance": covariance} if names else {}
-        comparisons = [mf.calibration.compare(law, design, **errors) for law in laws]
-        studies = [measured(comparisons, design.law.model)]
+        values = {name: given[name] for name in PAIR if given[name] is not None}
+        errors: dict[str, Any] = {}
+        if given["calibration"] is not None:
+            found = mf.files.read_parameters(given["calibration"])
+            calibrated = dict(zip(found.parameters, found.value.tolist(), strict=True))
+            # the calibration's error does not apply to a value that an option states
+            used = [i for i, name in enumerate(calibrated) if name in PAIR.keys() - values.keys()]
+            names = [found.parameters[i] for i in used]
+            errors = {"parameters": names, "covariance": found.covariance[used][:, used]}
+            values |= {name: calibrated[name] for name in names}
+        surface, modulus = design.surface, values.pop("composite_modulus", None)
+        material = (
+            surface.material if modulus is None else mf.Material(modulus, surface.material.poisson_ratio)
+        )
+        friction = surface.friction
+        if values:
+            needs = "--area-ratio needs --shear-strength, which the design does not state"
+            refuse_if(friction is None and "shear_strength" not in values, needs)
+            designed = {} if friction is None else asdict(friction)
+            friction = mf.Friction(**designed | values)
+        read = mf.files.read_table(table, columns_of(given["column"]))
+        law = mf.files.read_measured_law(read, material, friction, sites=design.sites)
+        wanted = ("measured", "explained")[: 1 + explain]
+        files = [mf.files.study_path(folder, name, force) for name in wanted]
+        comparison = mf.calibration.compare(law, design, **errors)
+        studies = [measured(comparison, design.law.model)]
         if explain:
-            studies.append(explained(mf.calibration.explain(laws[0], design)))
+            studies.append(explained(mf.calibration.explain(law, design)))
         # all files are written at the end, so that a stopped run leaves none that a repeated run would refuse
         for study, path in zip(studies, files, strict=True):
             mf.files.write_study(study, path, force=force)
-    said = [answers(studies[0]), *([summary(study).answer] for study in studies[1:])]
     if as_json:
         data = [
-            {"file": str(path), "answers": lines, **mf.files.study_data(study)}
-            for study, path, lines in zip(studies, files, said, strict=True)
+            {"file": str(path), "answer": summary(study).answer, **mf.files.study_data(study)}
+            for study, path in zip(studies, files, strict=True)
         ]
         show(True, {**data[0], **({"explanation": data[1]} if explain else {})})
         return
-    more = features(studies[0])
-    tables = [[(more.columns, more.rows, more.title)] if more.rows else [], []]
-    for study, path, lines, others in zip(studies, files, said, tables, strict=False):
-        show_study(False, {}, study, path, *others, lines=lines)
-
-
-def _parameters(given: Mapping[str, Any]) -> tuple[list[str], FloatArray, dict[str, float]]:
-    """Return names and covariance of the parameters with errors, and the values that replace the design's."""
-    import numpy as np
-    from scipy.linalg import block_diag
-
-    deviations = given_deviations(given["sd"], PARAMETERS)
-    names, covariance = [*deviations], np.diag(np.square([*deviations.values()]))
-    stated = {name: given[name] for name in PARAMETERS if given[name] is not None}
-    if given["calibration"] is None:
-        return names, covariance, stated
-    found = mf.files.read_parameters(given["calibration"])
-    twice = ", ".join(name for name in found.parameters if name in deviations)
-    refuse_if(twice, f"--sd {twice} and --calibration both give the error of {twice}; keep one")
-    # the calibration's error does not apply to a value that an option states
-    used = [i for i, name in enumerate(found.parameters) if name in PARAMETERS and name not in stated]
-    values = dict(zip(found.parameters, found.value.tolist(), strict=True)) | stated
-    every = [*(found.parameters[i] for i in used), *names]
-    return every, block_diag(found.covariance[np.ix_(used, used)], covariance), values
-
-
-def _friction(given: Mapping[str, Any], default: Friction | None) -> Friction | None:
-    """Return the Friction with the given values; `default` supplies what they do not state."""
-    if given.keys().isdisjoint({"shear_strength", "area_ratio"}):
-        return default
-    needs = "--area-ratio needs --shear-strength, which the design does not state"
-    refuse_if(default is None and "shear_strength" not in given, needs)
-    strength, ratio = (1.0, 1.0) if default is None else (default.shear_strength, default.area_ratio)
-    return mf.Friction(given.get("shear_strength", strength), given.get("area_ratio", ratio))
+    for study, path in zip(studies, files, strict=True):
+        show_study(False, {}, study, path)

@@ -23,11 +23,6 @@ def measured(
     ax.errorbar(x, y, y_sd, x_sd, fmt="o", ms=3.0, lw=0.9, color=colour, label=label, zorder=3.0)
 
 
-def fitted(ax: Axes, x: FloatArray, y: FloatArray, label: str | None = None) -> None:
-    """Draw a fitted law."""
-    ax.plot(x, y, color=TARGET, lw=1.2, label=label, zorder=2.0)
-
-
 def residuals(ax: Axes, x: FloatArray, residual: FloatArray, colour: str = ACHIEVED) -> None:
     """Draw residuals in units of their standard deviations, with a band from -1 to 1."""
     ax.axhspan(-1.0, 1.0, color=QUIET, alpha=0.2, lw=0.0)

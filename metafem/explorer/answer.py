@@ -12,8 +12,8 @@ from metafem._validate import FloatArray
 from metafem.errors import Infeasible, InvalidInput, MetafemError
 from metafem.explorer.fields import shown
 from metafem.explorer.history import State
-from metafem.explorer.table import on_page
-from metafem.files import Specification, parsed, planned, section_forms, toml_table
+from metafem.explorer.table import on_page, places
+from metafem.files import Specification, of_table, planned, toml_table
 from metafem.inversion import Design, Target
 from metafem.models import Independent, Model
 from metafem.models.model import contact_of
@@ -141,8 +141,7 @@ def answered(
             return replace(answer, design=None, stopped=True)
         return replace(answer, design=_designed(specification, draft))
     except InvalidInput as error:
-        problems, reasons = _problems(error)
-        return replace(answer, problems=problems, reasons=reasons, offers=_offers(error))
+        return replace(answer, **_problems(error))  # type: ignore[arg-type]
     except Infeasible as error:
         return _refused(answer, error)
     except MetafemError as error:
@@ -161,9 +160,9 @@ def _refused(answer: Answer, error: Infeasible) -> Answer:
 
 def specification_of(state: State) -> Specification:
     """Return the specification of a state, or raise InvalidInput."""
-    # a browser can send a lone surrogate; with "surrogatepass" the parser then refuses it as invalid UTF-8
+    # a browser can send a lone surrogate; with "surrogatepass" the reader then refuses it as invalid UTF-8
     tables = {name: text.encode("utf-8", "surrogatepass") for name, text in state.tables.items()}
-    return parsed(state.text, tables)
+    return of_table(state.table, state.text, tables)
 
 
 def _designed(specification: Specification, draft: bool) -> Design:
@@ -187,46 +186,40 @@ def _serves(before: Answer, state: State, draft: bool) -> bool:
     return bool(same) and (draft or not before.draft)
 
 
-def _problems(error: InvalidInput) -> tuple[dict[str, str], dict[str, str]]:
-    """Return the problems of a specification by key: full messages, and messages without key and value."""
-    found: dict[str, list[InvalidInput]] = {}
-    for problem in error.problems or (error,):
-        found.setdefault(_known(problem.key), []).append(problem)
-    problems = {key: "\n".join(map(str, each)) for key, each in found.items()}
-    reasons = {key: "\n".join(_sentence(key, problem) for problem in each) for key, each in found.items()}
-    return problems, {key: on_page(words) for key, words in reasons.items()}
-
-
-def _offers(error: InvalidInput) -> dict[str, str]:
-    """Return the examples of an error by key, as a field shows them.
+def _problems(error: InvalidInput) -> dict[str, dict[str, str]]:
+    """Return the problems of a specification by key, as members of an answer.
 
     An example can be a line with another key of the section. One for an entry would replace its whole list,
     and that of a file is not loaded.
     """
-    found: dict[str, str] = {}
+    problems, reasons, offers = dict[str, str](), dict[str, str](), dict[str, str]()
     for each in error.problems or (error,):
-        section, _, name = each.key.rpartition(".")
-        if each.example and "[" not in each.key and name != "file":
-            line = each.example if " = " in each.example else f"{name} = {each.example}"
-            found |= {f"{section}.{key}": shown(value) for key, value in toml_table(line).items()}
-    return found
+        key = _known(each.key)
+        section, _, name = key.rpartition(".")
+        line = each.example if " = " in each.example else f"{name} = {each.example}" * bool(each.example)
+        examples = {f"{section}.{other}": shown(value) for other, value in toml_table(line).items()}
+        words = on_page(_sentence(key, each, ", ".join(examples.values())))
+        problems[key] = f"{problems[key]}\n{each}" if key in problems else str(each)
+        reasons[key] = f"{reasons[key]}\n{words}" if key in reasons else words
+        if each.key == key and name != "file":
+            offers |= examples
+    return {"problems": problems, "reasons": reasons, "offers": offers}
 
 
 def _known(key: str) -> str:
     """Return the longest leading part of a key that a specification can have; "" if there is none."""
-    known = {name for form in section_forms() for name in (form, f"{form}.kind")}
-    known |= {f"{form.name}.{each.name}" for form in section_forms().values() for each in form.every}
     key = key.partition("[")[0]
-    while key and key not in known:
+    while key and places().get(key) != key:
         key = key.rpartition(".")[0]
     return key
 
 
-def _sentence(key: str, problem: InvalidInput) -> str:
+def _sentence(key: str, problem: InvalidInput, example: str) -> str:
     """Return a problem as a sentence; without the key if its field shows it, and with the entry of a list."""
     if "." not in key:
         return str(problem)
-    words, place = problem.must, ENTRY.fullmatch(problem.key.removeprefix(key))
+    words, place = str(problem.args[0]), ENTRY.fullmatch(problem.key.removeprefix(key))
+    words += f"; write for example {example}" * bool(example)
     if words.startswith("and ") or place is None:
         return f"{problem}."
     if place[1]:

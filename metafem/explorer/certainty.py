@@ -6,7 +6,6 @@ import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from html import escape
-from weakref import finalize
 
 from nicegui import ui
 
@@ -16,10 +15,9 @@ from metafem.errors import MetafemError
 from metafem.explorer.answer import Answer
 from metafem.explorer.control import Control, Panel
 from metafem.explorer.queue import Queue
-from metafem.explorer.table import on_page
+from metafem.explorer.table import on_page, places
 from metafem.inversion import Design
 from metafem.notes import Note, counted
-from metafem.prediction import Tolerances
 from metafem.prediction.tolerances import scatter
 from metafem.prediction.validity import BASE, base_contact_load
 from metafem.report import all_notes, error_words, fit_table, misfit_words
@@ -37,62 +35,32 @@ MOST_ALONE, MOST_COUPLED = 100_000, 400
 Band = tuple[FloatArray, FloatArray, FloatArray]
 
 
-# Bands of the designs on open pages, by the identity of the design, because hashing a design would compute
-# all of its notes. Each is stored as long as its design exists.
-_BANDS: dict[int, Band | None] = {}
-
-
-def tolerances_of(answer: Answer) -> Tolerances | None:
-    """Return the manufacturing errors that a specification states; None if it states none.
-
-    These are those of the heights, ``limits.height_sd``.
-    """
-    deviation = None if answer.design is None else answer.design.limits.height_sd
-    return Tolerances(height_sd=deviation) if deviation else None
-
-
-def tolerance_words(tolerances: Tolerances) -> str:
-    """Return the manufacturing errors of the part in words.
-
-    Examples
-    --------
-    >>> tolerance_words(Tolerances(height_sd=0.0009))
-    'errors of the heights of 0.9 µm (SD)'
-    """
-    return f"errors of the heights of {MICROMETRES * tolerances.height_sd:.3g} µm (SD)"
-
-
 def tolerance_band(answer: Answer) -> Band | None:
     """Return rescaled load, and A0 of manufactured surfaces one standard deviation below and above [mm^2].
 
-    The result is None if the specification states no errors, the surface has too many asperities or the model
-    has no solution.
+    The error of their heights is ``limits.height_sd``. The result is None if the specification states none,
+    the surface has too many asperities or the model has no solution.
     """
-    design, tolerances = answer.design, tolerances_of(answer)
-    if design is None or tolerances is None:
+    design = answer.design
+    if design is None or not design.limits.height_sd:
         return None
-    if id(design) not in _BANDS:
-        finalize(design, _BANDS.pop, id(design), None)
-        _BANDS[id(design)] = _linear(design, tolerances)
-    return _BANDS[id(design)]
-
-
-def band_words(answer: Answer) -> str:
-    """Return the description of the band of an answer; "" if the specification states no errors."""
-    tolerances = tolerances_of(answer)
-    return "" if tolerances is None else f"± 1 SD of made surfaces, with {tolerance_words(tolerances)}"
-
-
-def _linear(design: Design, tolerances: Tolerances) -> Band | None:
     model, surface = design.law.model, design.surface
     if surface.count > (MOST_COUPLED if model.couples else MOST_ALONE):
         return None
     load = design.law.rescaled_load[::-EVERY][::-1]
     try:
-        mean, sd = scatter(surface, model, load, tolerances.height_sd)
+        mean, sd = scatter(surface, model, load, design.limits.height_sd)
     except MetafemError:  # the model has no solution at these loads
         return None
     return load, mean - sd, mean + sd
+
+
+def band_words(answer: Answer) -> str:
+    """Return the description of the band of an answer; "" if the specification states no errors."""
+    deviation = None if answer.design is None else answer.design.limits.height_sd
+    if not deviation:
+        return ""
+    return f"± 1 SD of made surfaces, with errors of the heights of {MICROMETRES * deviation:.3g} µm (SD)"
 
 
 # Messages in place of the tables and above them.
@@ -104,13 +72,17 @@ def tables_of(answer: Answer) -> str:
     """Return what a report states of the design of an answer: its numbers, fitted slopes and notes."""
     design = answer.design
     if design is None:
-        return _paragraph(NO_DESIGN)
+        return f"<p>{NO_DESIGN}</p>"
     columns, rows = fit_table(design)
-    fits = _table(zip(columns, *rows, strict=True)) if rows else ""
     notes = remarks(answer)
-    above = "" if answer.current else _paragraph(NOT_CURRENT, "warn")
-    texts = "".join(map(_note, notes))
-    return f"{above}{_table(numbers_of(answer, design))}{fits}<p>{counted(notes)} on the design</p>{texts}"
+    texts = [
+        f'<p class="{"warn" if note.warns else "note"}">{"Warning" if note.warns else "Note"}: '
+        f"{escape(str(note))}</p>"
+        for note in notes
+    ]
+    above = "" if answer.current else f'<p class="warn">{NOT_CURRENT}</p>'
+    tables = [numbers_of(answer, design), [*zip(columns, *rows, strict=True)] if rows else []]
+    return "".join([above, *map(_table, tables), f"<p>{counted(notes)} on the design</p>", *texts])
 
 
 def remarks(answer: Answer) -> tuple[Note, ...]:
@@ -134,12 +106,6 @@ def numbers_of(answer: Answer, design: Design) -> list[tuple[str, str]]:
     ]
 
 
-def chip(warnings: Sequence[str]) -> str:
-    """Return the number of warnings in a chip."""
-    count = f"{len(warnings)} warning{'s' * (len(warnings) > 1)}"
-    return f'<span class="chip warn"><span aria-hidden="true">▲</span>{count}</span>'
-
-
 def _base(design: Design) -> str:
     """Return the load at which the plane touches the base, and the largest load of the law."""
     try:
@@ -151,43 +117,18 @@ def _base(design: Design) -> str:
 
 
 def _table(rows: Iterable[Sequence[str]]) -> str:
-    """Return rows as a table whose first cells are headings."""
-    lines = (
-        f'<tr><th scope="row">{escape(first)}</th>{"".join(map(_cell, others))}</tr>'
-        for first, *others in rows
-    )
-    return f'<div class="scroll"><table class="figure-table"><tbody>{"".join(lines)}</tbody></table></div>'
+    """Return rows as a table whose first cells are headings; nothing without rows."""
+    lines = []
+    for first, *others in rows:
+        cells = "".join(f"<td>{escape(each)}</td>" for each in others)
+        lines.append(f'<tr><th scope="row">{escape(first)}</th>{cells}</tr>')
+    body = f'<table class="figure-table"><tbody>{"".join(lines)}</tbody></table>'
+    return f'<div class="scroll">{body}</div>' if lines else ""
 
 
-def _cell(words: str) -> str:
-    return f"<td>{escape(words)}</td>"
-
-
-def _note(note: Note) -> str:
-    return _paragraph(f"{'Warning' if note.warns else 'Note'}: {note}", "warn" if note.warns else "note")
-
-
-def _paragraph(words: str, kind: str = "") -> str:
-    return f'<p class="{kind}">{escape(words)}</p>'
-
-
-# Remedies of notes about the surface, and of notes about the law, with the key of the specification for each.
-OF_THE_SURFACE = {
-    "offset": "limits.offset",
-    "min_height": "limits.offset",
-    "pitch": "lattice.pitch",
-    "radius": "lattice.radius",
-    "hardness": "checks.hardness",
-    "width": "block.width",
-    "length": "block.length",
-}
-OF_THE_LAW = {
-    "max_height": "limits.max_height",
-    "load_range": "target.load_range",
-    "slope": "target.slope",
-    "model": "model.kind",
-    "pinned": "sites.pinned",
-}
+# Remedies of notes that concern the surface, not the law, and keys that are not the first of their name.
+OF_THE_SURFACE = {"offset", "min_height", "pitch", "radius", "hardness", "width", "length"}
+KEYS = {"hardness": "checks.hardness", "model": "model.kind"}
 
 
 def warnings_by_place(answer: Answer) -> dict[str, list[str]]:
@@ -198,17 +139,17 @@ def warnings_by_place(answer: Answer) -> dict[str, list[str]]:
     """
     if not answer.current:
         return {}
-    places = {place: [answer.no_part] for place in ("surface", "take") if answer.no_part}
+    found = {place: [answer.no_part] for place in ("surface", "take") if answer.no_part}
     for note in remarks(answer):
         for name in _places(note) if note.warns else ():
-            places.setdefault(name, []).append(on_page(str(note)))
-    return places
+            found.setdefault(name, []).append(on_page(str(note)))
+    return found
 
 
 def _places(note: Note) -> tuple[str, ...]:
-    part = "surface" if any(name in OF_THE_SURFACE for name in note.remedies) else "law"
-    keys = OF_THE_SURFACE | OF_THE_LAW
-    return part, *(keys[name] for name in note.remedies if name in keys)
+    part = "law" if OF_THE_SURFACE.isdisjoint(note.remedies) else "surface"
+    known = {**places(), **KEYS}
+    return part, *(known[name] for name in note.remedies if name in known)
 
 
 # An answer, and whether it is judged: newer answers follow in a drag.
@@ -251,8 +192,10 @@ class PlaceWarnings(Panel):
     def warn(self, places: Mapping[str, list[str]]) -> None:
         """Show the warnings of this part."""
         texts = [text[:1].upper() + text[1:] for text in places.get(self.place, [])]
+        count = f"{len(texts)} warning{'s' * (len(texts) > 1)}"
+        chip = f'<span class="chip warn"><span aria-hidden="true">▲</span>{count}</span>'
         brief = re.split(r"[.:;] ", texts[0])[0] if texts else ""
-        self.brief.content = f'{chip(texts)}<span class="small">{escape(brief)}</span>' if texts else ""
+        self.brief.content = f'{chip}<span class="small">{escape(brief)}</span>' if texts else ""
         self.words.content = "".join(f'<p class="warn small">{escape(text)}</p>' for text in texts)
 
 

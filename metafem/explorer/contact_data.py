@@ -23,12 +23,6 @@ PERCENT = 100.0
 # Millinewtons per newton.
 MILLINEWTONS = 1e3
 
-# Decimals of contact radii [mm], pressures [MPa], loads [mN] and sensitivities [% per um].
-RADIUS_DECIMALS, PRESSURE_DECIMALS, LOAD_DECIMALS, SENSITIVITY_DECIMALS = 4, 5, 3, 5
-
-# Decimals of contact areas and of entry loads [mm^2], and significant digits of rescaled loads.
-AREA_DECIMALS, ENTRY_DECIMALS, DIGITS = 6, 12, 6
-
 # Largest number of intervals between the loads, a power of two. On a straight line between two loads, the
 # contact radii of the demo differ from the computed ones by at most 1 % of the largest, on a layer by 4 %.
 INTERVALS = 32
@@ -68,9 +62,9 @@ def _contacts(design: Design, state: ContactState) -> dict[str, Any]:
     return {
         "load": state.load / design.surface.material.composite_modulus,
         "separation": MICROMETRES * state.separation,
-        "radius": at_sites(design, np.sqrt(area / np.pi), RADIUS_DECIMALS),
-        "pressure": at_sites(design, pressure, PRESSURE_DECIMALS),
-        "force": at_sites(design, MILLINEWTONS * load, LOAD_DECIMALS),
+        "radius": at_sites(design, np.sqrt(area / np.pi)),
+        "pressure": at_sites(design, pressure),
+        "force": at_sites(design, MILLINEWTONS * load),
     }
 
 
@@ -81,11 +75,11 @@ def _sensitivity(design: Design, rescaled_load: float, state: ContactState) -> d
     """
     model = design.law.model.gradient_model
     if not state.area > 0.0:
-        return {"sensitivity": at_sites(design, np.zeros(design.surface.count), 0), "note": ""}
+        return {"sensitivity": at_sites(design, np.zeros(design.surface.count)), "note": ""}
     found = model.sensitivity(design.surface, np.array([rescaled_load]))
     share = PERCENT * found.gradient[0] / (found.curve.area[0] * MICROMETRES)
     note = "" if model == design.law.model else f"Sensitivities are those of the model {model.name}."
-    return {"sensitivity": at_sites(design, share, SENSITIVITY_DECIMALS), "note": note}
+    return {"sensitivity": at_sites(design, share), "note": note}
 
 
 def press_data(design: Design) -> dict[str, Any]:
@@ -112,15 +106,15 @@ def press_data(design: Design) -> dict[str, Any]:
     loads = np.array([curve.load[0] for curve in curves])
     return {
         "exact": exact,
-        "entry": numbers(np.array(at_sites(design, entry, ENTRY_DECIMALS), dtype=float), DIGITS),
+        "entry": at_sites(design, entry),
         "states": [
             {
                 "load": load,
                 "separation": MICROMETRES * (top - float(curve.approach[0])),
-                "area": at_sites(design, curve.last.area, AREA_DECIMALS),
-                "force": at_sites(design, MILLINEWTONS * modulus * curve.last.load, LOAD_DECIMALS),
+                "area": at_sites(design, curve.last.area),
+                "force": at_sites(design, MILLINEWTONS * modulus * curve.last.load),
             }
-            for load, curve in zip(numbers(loads, DIGITS), curves, strict=True)
+            for load, curve in zip(numbers(loads), curves, strict=True)
         ],
     }
 

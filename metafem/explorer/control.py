@@ -18,7 +18,8 @@ from metafem.errors import InvalidInput
 from metafem.explorer.answer import Answer, answered
 from metafem.explorer.history import Session, State, from_link, to_link
 from metafem.explorer.queue import LOG, PATIENCE, Queue, in_words
-from metafem.explorer.table import loses_comments, on_page
+from metafem.explorer.table import Table, on_page
+from metafem.files import DEMOS, demo_text
 
 # Calls that are not sent yet, by the page.
 CALLS: WeakKeyDictionary[Client, list[str]] = WeakKeyDictionary()
@@ -72,6 +73,9 @@ Show = Callable[[], object]
 # surface can be designed. With a shorter time, nothing would be shown until the pointer rests; with a longer
 # time, a pointer at rest would wait too long for the newest draft.
 PATIENCE_WITH_DRAFTS = 5.0
+
+# Texts whose comments are not the user's.
+DEMO_TEXTS = {demo_text(name) for name in DEMOS}
 
 # Said once, when an edit by hand ends the comments that the user wrote.
 COMMENTS_END = "The comments in your specification end with this first edit by hand. Undo brings them back."
@@ -218,18 +222,18 @@ class Control:
         """Answer the state that `change(state)` returns, as a step of the history; `how` as in `change`."""
         return await self.change(lambda session: session.after(change(session.state)), **how)
 
-    async def make(self, change: Callable[[State], str], *, draft: bool = False, **how: Any) -> int | None:
-        """Answer the state with the text that `change(state)` returns; `how` as in `change`."""
+    async def make(self, change: Callable[[State], Table], *, draft: bool = False, **how: Any) -> int | None:
+        """Answer the state with the table that `change(state)` returns; `how` as in `change`."""
         lost = False
 
         def edited(state: State) -> State:
             nonlocal lost
-            text = change(state)
-            lost = not (self.comments_ended or draft) and loses_comments(state.text, text)
-            return replace(state, text=text)
+            new = state.edited(change(state))
+            lost = "#" in state.text and "#" not in new.text and state.text not in DEMO_TEXTS
+            return new
 
         number = await self.step(edited, draft=draft, **how)
-        if lost and number is not None:
+        if lost and number is not None and not (draft or self.comments_ended):
             self.comments_ended = True
             self.say(COMMENTS_END, passing=False)
         return number
@@ -239,12 +243,8 @@ class Control:
         return await self.step(lambda state: replace(state, **members), by=by)
 
     async def moved(self, steps: int) -> None:
-        """Undo (-1) or redo (1) a step of the history."""
+        """Undo (-1) or redo (1) a step of the history, or answer the state anew (0)."""
         await self.change(lambda session: session.moved(steps))
-
-    async def compute(self) -> None:
-        """Answer the current state, whose computation was stopped."""
-        await self.change(lambda session: session)
 
     async def stop(self) -> None:
         """End the computations of the page, and go to the nearest state whose answer is shown, if any."""

@@ -4,32 +4,26 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
-from metafem.errors import InvalidInput
+from metafem.errors import InvalidInput, refuse_if
 from metafem.explorer.answer import Answer
 from metafem.explorer.control import Control, Panel, Widget
 from metafem.explorer.history import State
-from metafem.explorer.table import order_of, section_of
+from metafem.explorer.table import section_of
 
 # Name of the specification in a result folder.
 KEPT = "spec.toml"
 
 
-@dataclass(frozen=True)
-class Given:
-    """A file that the user selected or dropped: its name, and its text or why it could not be read."""
-
-    name: str
-    text: str = ""
-    why: str = ""
+# A file that the user selected or dropped: its ``name``, and its ``text`` or ``why`` it could not be read.
+Given = Mapping[str, str]
 
 
-async def load(page: Control, files: list[dict[str, Any]]) -> None:
+async def load(page: Control, files: list[Given]) -> None:
     """Show the specification in loaded files, or a message why they cannot be used."""
-    given = [Given(**each) for each in files]
-    await page.told(page.step(lambda state: loaded(state, given)))
+    await page.told(page.step(lambda state: loaded(state, files)))
 
 
 def loaded(state: State, files: list[Given]) -> State:
@@ -40,64 +34,49 @@ def loaded(state: State, files: list[Given]) -> State:
     InvalidInput
         If no file is a specification or table that can be used; the message states the reason.
     """
-    unread = [f"{each.name} {each.why}." for each in files if each.why]
-    texts = {each.name: each.text for each in files if not each.why}
+    unread = {each["name"]: each["why"] for each in files if each.get("why")}
+    texts = {each["name"]: each["text"] for each in files if each["name"] not in unread}
     specifications = {name: text for name, text in texts.items() if name.lower().endswith(".toml")}
     tables = {name: text for name, text in texts.items() if name.lower().endswith((".csv", ".txt", ".tsv"))}
-    if len(specifications) > 1:
-        specifications = {name: text for name, text in specifications.items() if name == KEPT}
-        if not specifications:
-            raise InvalidInput("These are several specifications. Load one of them, with its tables.")
-    if specifications:
-        ((name, text),) = specifications.items()
-        _refuse_foreign(name, text)
-        for each in files:
-            if each.why and _named(text, {each.name: ""}):
-                raise InvalidInput(f"{name} names the table {each.name}, which {each.why}.")
-        return replace(state, text=text, tables=_named(text, tables))
-    named = _named(state.text, tables)
-    if named:
+    if KEPT in specifications:
+        specifications = {KEPT: specifications[KEPT]}
+    words = "These are several specifications. Load one of them, with its tables."
+    refuse_if(len(specifications) > 1, words)
+    for name, text in specifications.items():
+        found = State(text)
+        for each, why in unread.items():
+            refuse_if(_named(found, {each: ""}), f"{name} names the table {each}, which {why}.")
+        return replace(state, text=text, tables=_named(found, tables))
+    if named := _named(state, tables):
         return replace(state, tables={**state.tables, **named})
     if tables:
-        table, known = next(iter(tables)), ", ".join(table_names(state.text)) or "no table"
+        table, known = next(iter(tables)), ", ".join(table_names(state)) or "no table"
         raise InvalidInput(
             f'{table} is a table. The specification names {known}. To use it, write file = "{table}" into '
             "[target] or [contact] first. To compare with a measured law, drop it onto the plot of the law."
         )
-    others = [f"{name} is no specification." for name in texts]
+    reasons = [f"{name} {why}." for name, why in unread.items()]
+    reasons += [f"{name} is no specification." for name in texts]
     remedy = f"Load a .toml file, such as the {KEPT} of a result folder, with the tables that it names."
-    raise InvalidInput(" ".join([*unread, *others, remedy]))
+    raise InvalidInput(" ".join([*reasons, remedy]))
 
 
-def table_names(text: str) -> tuple[str, ...]:
+def table_names(state: State) -> list[str]:
     """Return the file names of the tables that a specification refers to.
 
     Examples
     --------
-    >>> table_names('[target]\\nfile = "wanted.csv"')
-    ('wanted.csv',)
+    >>> table_names(State('[target]\\nfile = "wanted.csv"'))
+    ['wanted.csv']
     """
-    found = [section_of(text, name).get("file") for name in ("target", "cap", "contact")]
-    return tuple(name for name in found if isinstance(name, str))
+    found = [section_of(state.known, name).get("file") for name in ("target", "cap", "contact")]
+    return [name for name in found if isinstance(name, str)]
 
 
-def _named(text: str, tables: Mapping[str, str]) -> dict[str, str]:
+def _named(state: State, tables: Mapping[str, str]) -> dict[str, str]:
     """Return the tables that a specification refers to, by the names in the specification."""
-    last = {name: re.split(r"[/\\]", name)[-1] for name in table_names(text)}
+    last = {name: re.split(r"[/\\]", name)[-1] for name in table_names(state)}
     return {name: tables[part] for name, part in last.items() if part in tables}
-
-
-def _refuse_foreign(name: str, text: str) -> None:
-    """Raise InvalidInput for a text without any section of a specification.
-
-    A specification with errors is accepted, because the user can correct it on the page.
-    """
-    sections = "|".join(order_of(""))
-    if not re.search(rf"^[ \t]*(\[[ \t]*({sections})\b|({sections})[ \t]*[.=])", text, re.MULTILINE):
-        raise InvalidInput(
-            f"{name} is no specification: it has none of the sections, such as [target]. "
-            "The menu of the page has examples to start over from."
-        )
 
 
 # Line number in a message of the TOML parser.

@@ -8,11 +8,10 @@ import re
 from typing import Any
 
 from metafem.errors import InvalidInput
-from metafem.explorer.table import Document, form_of
-from metafem.files import KeyForm, quantity
+from metafem.files import Form
 
 # A number, the space after it, and its unit.
-QUANTITY = re.compile(r"\s*[+-]?[\d.]+(?:[eE][+-]?\d+)?(\s*)(.*?)\s*", re.DOTALL)
+QUANTITY = re.compile(r"\s*([+-]?[\d.]+(?:[eE][+-]?\d+)?)(\s*)(.*?)\s*", re.DOTALL)
 
 # Number of significant digits that double precision always preserves.
 ALL_DIGITS = 15
@@ -44,25 +43,19 @@ def rounded(value: float, resolution: float) -> float:
     return number
 
 
-def stated(rescaled: float, like: str, stress: float | None, resolution: float) -> str:
-    """Return a rescaled load or friction [mm^2] as a quantity in the unit of the quantity `like`.
-
-    For a unit of force, `stress` is the force per rescaled value [MPa]: E* for loads, sigma B for friction.
+def scaled(text: str, ratio: float, resolution: float) -> str:
+    """Return a quantity so many times as large, with the digits of a resolution, in its unit.
 
     Examples
     --------
-    >>> stated(0.25, "140 mN", 1.36, 1e-3), stated(0.25, "0.14mm^2", None, 1e-3)
-    ('340 mN', '0.25mm^2')
+    >>> scaled("0.14mm^2", 25 / 14, 1e-3)
+    '0.25mm^2'
     """
-    match = QUANTITY.fullmatch(like)
-    space, unit = match.groups() if match else (" ", "mm^2")
-    try:
-        value = rescaled / quantity("value", f"1 {unit}", "mm^2")
-    except InvalidInput:
-        if stress is None:
-            raise
-        value = rescaled * stress / quantity("value", f"1 {unit}", "N")
-    return f"{rounded(value, resolution):.{ALL_DIGITS}g}{space}{unit}"
+    found = QUANTITY.fullmatch(text)
+    if found is None:
+        raise InvalidInput(f"{text} is not a quantity")
+    number, space, unit = found.groups()
+    return f"{rounded(float(number) * ratio, resolution):.{ALL_DIGITS}g}{space}{unit}"
 
 
 def between(value: float, low: float, high: float, resolution: float) -> tuple[float, float]:
@@ -97,44 +90,6 @@ CROSS = re.compile(r"[,;\s×]|(?<![^\W\d])[xX](?![^\W\d])")
 GROUP_OR_ENTRY = re.compile(r"\[([^\[\]]*)\]|([^,;\n\[\]]+)")
 
 
-def with_field(text: str, key: str, typed: str) -> str:
-    """Return the text with the value that the user typed for a key; an empty value removes the key.
-
-    A number without a unit has the unit of the value before. Decimal commas become points; in a list of plain
-    numbers, only where semicolons separate the entries. An invalid value is also written as typed, so that
-    the reader of the specification reports the error. If the key belongs to one of several choices, the keys
-    of the other choices are removed. If the key is a kind, the keys that the new kind does not have are
-    removed.
-
-    Raises
-    ------
-    InvalidInput
-        If the text is not valid TOML, or the specification has no such key.
-
-    Examples
-    --------
-    >>> with_field('[limits]\\nmax_height = "120 um"', "limits.max_height", "90,5")
-    '[limits]\\nmax_height = "90.5 um"\\n'
-    """
-    document = Document(text)
-    section, _, name = key.rpartition(".")
-    form, typed, old = form_of(section), typed.strip(), document.value(key)
-    forms = {each.name: each for each in document.keys(section)}
-    is_kind = name == "kind" and form is not None and bool(form.kinds)
-    if is_kind and typed:
-        return document.with_kind(section, typed)
-    if not is_kind and name not in forms:
-        raise InvalidInput(f'a specification has no key "{key:.60}" here')
-    if typed == shown(old):
-        return text
-    if not typed:
-        return document.with_values({key: None})
-    choice = forms[name].choice
-    others = [each for each in forms.values() if choice is not None and each.choice not in (None, choice)]
-    values = dict.fromkeys(f"{section}.{each.name}" for each in others)
-    return document.with_values({**values, key: typed_value(forms[name], typed, unit_of(old))})
-
-
 def shown(value: Any) -> str:
     """Return a value of a specification as a field shows it: strings without quotes, lists without brackets.
 
@@ -163,29 +118,31 @@ def unit_of(value: Any) -> str:
     ('mN', 'N', '', '')
     """
     parts = [part for part in re.split(r"[,\[\]]", shown(value)) if part.strip()]
-    units = {found[2] if (found := QUANTITY.fullmatch(part)) else "" for part in parts}
+    units = {found[3] if (found := QUANTITY.fullmatch(part)) else "" for part in parts}
     return units.pop() if len(units) == 1 else ""
 
 
-def typed_value(form: KeyForm, typed: str, unit: str = "") -> Any:
+def typed_value(form: Form, typed: str, unit: str = "") -> Any:
     """Return typed text as a TOML value; text that does not match the type of the key stays a string.
 
     A quantity without a unit has the unit `unit`.
 
     Examples
     --------
-    >>> forms = {key.name: key for key in form_of("lattice").keys[""]}
+    >>> from metafem.files import all_keys
+    >>> forms = {key["name"]: key for key in all_keys() if key["section"] == "lattice"}
     >>> typed_value(forms["shape"], "8 x 12"), typed_value(forms["pitch"], "1,5", "mm")
     ([8, 12], '1.5 mm')
     """
-    if form.value == "quantity" or (form.value != "text" and (not form.listed or ";" in typed)):
+    kind, listed = form["value"], form["listed"]
+    if kind == "quantity" or (kind != "text" and (not listed or ";" in typed)):
         typed = with_points(typed)
-    if not form.listed:
-        return _entry(form, typed, unit)
-    if not form.pairs:
-        return _entries(form, typed.strip("[] "), unit)
+    if not listed:
+        return _entry(kind, typed, unit)
+    if not form["pairs"]:
+        return _entries(kind, typed.strip("[] "), unit)
     return [
-        _entry(form, entry.strip(), unit) if entry else _entries(form, group, unit)
+        _entry(kind, entry, unit) if entry else _entries(kind, group, unit)
         for group, entry in GROUP_OR_ENTRY.findall(typed)
         if not entry or entry.strip()
     ]
@@ -203,18 +160,16 @@ def with_unit(typed: str, unit: str) -> str:
     return typed if isinstance(number, str) or not unit else f"{shown(number)} {unit}"
 
 
-def _entries(form: KeyForm, typed: str, unit: str) -> list[Any]:
-    parts = (CROSS if form.value == "integer" else SEPARATORS).split(typed)
-    return [_entry(form, part.strip(), unit) for part in parts if part.strip()]
+def _entries(kind: str, typed: str, unit: str) -> list[Any]:
+    parts = (CROSS if kind == "integer" else SEPARATORS).split(typed)
+    return [_entry(kind, part, unit) for part in parts if part.strip()]
 
 
-def _entry(form: KeyForm, typed: str, unit: str) -> Any:
-    typed = typed.strip("\"'")
-    if form.value == "quantity":
+def _entry(kind: str, typed: str, unit: str) -> Any:
+    typed = typed.strip().strip("\"'")
+    if kind == "quantity":
         return with_unit(typed, unit)
-    if form.value == "text":
-        return typed
-    return {"true": True, "false": False}.get(typed, _number(typed))
+    return typed if kind == "text" else {"true": True, "false": False}.get(typed, _number(typed))
 
 
 def _number(typed: str) -> int | float | str:

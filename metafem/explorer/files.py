@@ -15,12 +15,11 @@ from nicegui import ui
 from nicegui.element import Element
 
 from metafem.drawing import svg
-from metafem.errors import InvalidInput, MetafemError
-from metafem.explorer.answer import Answer, specification_of
+from metafem.errors import MetafemError
+from metafem.explorer.answer import Answer
 from metafem.explorer.control import Control, Panel
 from metafem.explorer.history import State
 from metafem.files import result_tables, save
-from metafem.inversion import Design
 from metafem.report import page
 from metafem.report.figures import law_figure
 
@@ -33,39 +32,60 @@ DATE = (1980, 1, 1, 0, 0, 0)
 # Python script that computes the design from the downloaded specification.
 SCRIPT = 'import metafem as mf\n\nspec = mf.read_spec("spec.toml")\nprint(spec.design())\n'
 
-# Files that need only the design. All other files describe the part, or are written together with it.
-OF_THE_DESIGN = ("heights.csv", "law.csv", "law.svg")
+# The files that the page offers by the titles of their groups, with their meanings.
+ARCHIVE, PICTURE = "surface.zip", "law.svg"
+GROUPS = {
+    "To make the part": {
+        "mould.csv": "Mould table: position (x mirrored), depth and tool radius of each hole",
+        "block.stl": "Solid of the block with its summits",
+        "mould.stl": "Solid of the mould",
+    },
+    "To keep and to repeat the design": {
+        ARCHIVE: "Everything: the result folder of metafem design",
+        SPECIFICATION: "Specification, with the tables that it names",
+        "report.html": "Report: one page that opens without a network",
+    },
+    "Data": {
+        "heights.csv": "Heights: site, position, height and radius of each summit",
+        "law.csv": "Law: load, area, friction and separation",
+        PICTURE: "Picture of the law, with its difference from the target",
+        "surface.vtu": "Surface for ParaView",
+    },
+}
 
-# Messages above the files.
+# Files that need only the design. All other files describe the part, or are written together with it.
+OF_THE_DESIGN = ("heights.csv", "law.csv", PICTURE)
+
+# Messages above the files, and why a file cannot be downloaded if they do not say it.
 NO_DESIGN = (
     "There is no surface for the specification as it stands, and so there are no files of one. "
     "The specification itself can be downloaded."
 )
 NO_PART = "The tables of the design and the specification can be downloaded."
-
-# Reasons why a file cannot be downloaded. The message above the files states those in `ABOVE` in full; the
-# others are shown beside the file.
-NEEDS_DESIGN, NEEDS_PART = "needs a surface", "needs a part that can be made"
-ABOVE = ("", NEEDS_DESIGN, NEEDS_PART)
 NO_BLOCK = "needs “Block” with its width, length and thickness"
+
+# Message if the state has no full design.
+NOTHING = "there is no design; change the target or a field first"
+
+# Message beside the link, and message after the link is copied.
+LINK = "The address of this page, for this machine; colleagues need spec.toml"
+COPIED = (
+    "The address of this page was copied. It opens the same state on this machine while metafem explore "
+    "runs. For another machine take spec.toml."
+)
 
 
 def specification_file(state: State) -> tuple[str, bytes]:
     """Return name and content of the specification file or, if it has tables, of a zip archive with them.
 
-    A link can contain table names that point outside the folder of the archive, where the tables would be
-    unpacked. In this case, all tables are renamed as in a result folder, without folders. A lone surrogate,
-    which has no UTF-8 bytes, becomes a question mark.
+    The tables stand beside the specification, as in a result folder: a link can contain names that point
+    elsewhere. A lone surrogate, which has no UTF-8 bytes, becomes a question mark.
     """
     text = state.text.encode("utf-8", "replace")
     if not state.tables:
         return SPECIFICATION, text
-    files = {name: table.encode("utf-8", "replace") for name, table in state.tables.items()}
-    if not all(map(_lies_within, state.tables)):
-        try:
-            return ZIPPED, archive(specification_of(state).files)
-        except InvalidInput:  # the text cannot be read, so the tables that it needs are unknown
-            files = {}
+    tables = {re.split(r"[/\\:]", name)[-1]: table for name, table in state.tables.items()}
+    files = {name: table.encode("utf-8", "replace") for name, table in tables.items() if name.strip(" .")}
     return ZIPPED, archive({**files, SPECIFICATION: text})
 
 
@@ -75,22 +95,16 @@ def command_of(state: State) -> str:
     return f"{unpack}metafem design {SPECIFICATION} -o surface"
 
 
-def _lies_within(name: str) -> bool:
-    """Return whether a file is unpacked inside the folder of its archive and is not the specification."""
-    return name != SPECIFICATION and not re.search(r"^[/.]|\\|:|(^|/)\.\.?(/|$)|/$|^$", name)
-
-
-def tables_of(answer: Answer) -> dict[str, bytes]:
-    """Return the tables of an answer's design, by file name; empty if its state has no full design."""
-    if not answer.current or answer.draft or answer.design is None or answer.specification is None:
-        return {}
-    tables = result_tables(answer.design, answer.specification.part)
-    return {name: text.encode("utf-8") for name, text in tables.items()}
-
-
-def law_picture(design: Design) -> bytes:
-    """Return the content of an SVG file with the figure of the law, as in a report."""
-    return (svg(law_figure(design), design.target.title) + "\n").encode("utf-8")
+def quick_files(answer: Answer) -> dict[str, bytes]:
+    """Return the tables and the picture of an answer's design, by file name, which take no time."""
+    design, specification = answer.design, answer.specification
+    if not answer.current or answer.draft or design is None or specification is None:
+        raise MetafemError(NOTHING)
+    found = result_tables(design, specification.part)
+    if answer.no_part:
+        del found["mould.csv"]
+    found[PICTURE] = svg(law_figure(design), design.target.title) + "\n"
+    return {name: text.encode("utf-8") for name, text in found.items()}
 
 
 def made_files(answer: Answer) -> dict[str, bytes]:
@@ -114,19 +128,17 @@ def archive(files: Mapping[str, bytes]) -> bytes:
     return content.getvalue()
 
 
-def hindrance(name: str, answer: Answer, problem: str = "") -> str:
-    """Return why a file of an answer cannot be downloaded; "" if it can.
+def hindrance(name: str, answer: Answer, problem: str = "") -> str | None:
+    """Return why a file of an answer cannot be downloaded; "" if `said_above` says it, None if it can.
 
     `problem` states why no part can be made; it is "" if a part can be made.
     """
-    if not answer.current:
-        return NEEDS_DESIGN
-    if problem and name not in OF_THE_DESIGN:
-        return NEEDS_PART
-    specification = answer.specification
-    if specification is None or not name.endswith(".stl") or specification.template.block is not None:
+    if name == SPECIFICATION:
+        return None
+    if not answer.current or (problem and name not in OF_THE_DESIGN):
         return ""
-    return NO_BLOCK
+    bare = answer.specification is None or answer.specification.template.block is None
+    return NO_BLOCK if bare and name.endswith(".stl") else None
 
 
 def said_above(answer: Answer, problem: str = "") -> str:
@@ -134,36 +146,6 @@ def said_above(answer: Answer, problem: str = "") -> str:
     if not answer.current:
         return f"{NO_DESIGN} {answer.refused}".strip()
     return f"{problem[:1].upper()}{problem[1:]}. {NO_PART}" if problem else ""
-
-
-# Names of the archive and of the picture.
-ARCHIVE, PICTURE = "surface.zip", "law.svg"
-
-# The files that the page offers and their meanings. Tables, pictures and the specification are written at
-# once; all other files take some seconds.
-MEANINGS = {
-    "mould.csv": "Mould table: position (x mirrored), depth and tool radius of each hole",
-    "heights.csv": "Heights: site, position, height and radius of each summit",
-    "law.csv": "Law: load, area, friction and separation",
-    "report.html": "Report: one page that opens without a network",
-    "block.stl": "Solid of the block with its summits",
-    "mould.stl": "Solid of the mould",
-    "surface.vtu": "Surface for ParaView",
-    PICTURE: "Picture of the law, with its difference from the target",
-    SPECIFICATION: "Specification, with the tables that it names",
-    ARCHIVE: "Everything: the result folder of metafem design",
-}
-QUICK = ("mould.csv", "heights.csv", "law.csv", PICTURE)
-
-# Message beside the link, and message after the link is copied.
-LINK = "The address of this page, for this machine; colleagues need spec.toml"
-COPIED = (
-    "The address of this page was copied. It opens the same state on this machine while metafem explore "
-    "runs. For another machine take spec.toml."
-)
-
-# Message if the state has no full design.
-NOTHING = "there is no design; change the target or a field first"
 
 
 class Taking(Panel):
@@ -179,30 +161,19 @@ class Taking(Panel):
         self.above.set_visibility(False)
         self.label = ui.label().props('role="status"')
         with ui.element("div").classes("cards"):
-            self._cards()
-
-    def _cards(self) -> None:
-        """Create the cards with their buttons."""
-        with _card("To make the part"):
-            self._buttons("mould.csv", "block.stl", "mould.stl")
-        with _card("To keep and to repeat the design"):
-            self._buttons(ARCHIVE, SPECIFICATION)
-            copy = self._copy("location.href", COPIED, text="Copy link", icon="link")
-            copy.props("no-caps flat dense align=left")
-            ui.label(LINK).classes("small")
-            self._buttons("report.html")
-        with _card("Data"):
-            self._buttons("heights.csv", "law.csv", PICTURE, "surface.vtu")
-        with _card("The same from the command line"):
-            self.command = self._lines("command", command_of(self.answer.state))
-            self._lines("script", SCRIPT)
-
-    def _buttons(self, *names: str) -> None:
-        """Create buttons that download files, each with the meaning of the file beside it."""
-        for name in names:
-            button = ui.button(name, icon="download", on_click=partial(self.take, name))
-            button.props(f'no-caps flat dense align=left data-take="{name}"')
-            self.offered[name] = button, ui.label(MEANINGS[name]).classes("small")
+            for title, files in GROUPS.items():
+                with _card(title):
+                    for name, meaning in files.items():
+                        button = ui.button(name, icon="download", on_click=partial(self.take, name))
+                        button.props(f'no-caps flat dense align=left data-take="{name}"')
+                        self.offered[name] = button, ui.label(meaning).classes("small")
+            with _card("To open it again"):
+                copy = self._copy("location.href", COPIED, text="Copy link", icon="link")
+                copy.props("no-caps flat dense align=left")
+                ui.label(LINK).classes("small")
+            with _card("The same from the command line"):
+                self.command = self._lines("command", command_of(self.answer.state))
+                self._lines("script", SCRIPT)
 
     def _lines(self, name: str, text: str) -> ui.label:
         """Return a label that shows the text unchanged, next to a button that copies the text."""
@@ -234,10 +205,12 @@ class Taking(Panel):
 
     def _offer(self) -> None:
         """Enable the available files, and show why the other files are not available."""
-        for name, (button, label) in self.offered.items():
-            reason = "" if name == SPECIFICATION else hindrance(name, self.answer, self.problem)
-            label.text = MEANINGS[name] if reason in ABOVE else f"{MEANINGS[name]}: {reason}"
-            button.set_enabled(not reason)
+        for files in GROUPS.values():
+            for name, meaning in files.items():
+                button, label = self.offered[name]
+                reason = hindrance(name, self.answer, self.problem)
+                label.text = f"{meaning}: {reason}" if reason else meaning
+                button.set_enabled(reason is None)
         self.above.text = said_above(self.answer, self.problem)
         self.above.set_visibility(bool(self.above.text))
 
@@ -255,20 +228,10 @@ class Taking(Panel):
         """Return the name and the content of a file of an answer."""
         if name == SPECIFICATION:
             return await asyncio.to_thread(specification_file, answer.state)
-        if not answer.current or answer.draft or answer.design is None:
-            raise MetafemError(NOTHING)
-        if name in QUICK:
-            return name, await asyncio.to_thread(self._quick, name, answer, answer.design)
-        found = await self._made(answer)
+        found = await asyncio.to_thread(quick_files, answer)
+        if name not in found:
+            found = await self._made(answer)
         return name, found[name] if name != ARCHIVE else await asyncio.to_thread(archive, found)
-
-    def _quick(self, name: str, answer: Answer, design: Design) -> bytes:
-        """Return the content of one of the files in `QUICK`."""
-        if name == PICTURE:
-            return law_picture(design)
-        if name == "mould.csv" and answer.no_part:
-            raise MetafemError(answer.no_part)
-        return tables_of(answer)[name]
 
     async def _made(self, answer: Answer) -> dict[str, bytes]:
         """Return all files of an answer; those of one state are written once."""

@@ -9,14 +9,12 @@ from typing import Any
 from nicegui import app
 
 from metafem._values import percent
-from metafem.errors import InvalidInput
 from metafem.explorer.answer import Answer
 from metafem.explorer.control import Control, Panel, Widget
 from metafem.explorer.editor import load
-from metafem.explorer.fields import with_field
 from metafem.explorer.history import State
 from metafem.explorer.new_part import NewPart
-from metafem.explorer.table import Document
+from metafem.explorer.table import section_of, with_field
 from metafem.files import DEMOS, MODELS, demo_text
 from metafem.files.specification.models import AUTOMATIC
 from metafem.inversion import Design, DesignStatus
@@ -66,7 +64,7 @@ class Header(Panel):
             part=part.open,
             model=self._choose,
             stop=lambda _: page.stop(),
-            compute=lambda _: page.compute(),
+            compute=lambda _: page.moved(0),
         )
         timer = app.timer(LATE, self._wait)  # `ui.timer` would be an element, with a file of its own
         page.client.on_delete(lambda: timer.cancel())
@@ -88,12 +86,13 @@ class Header(Panel):
     async def _begin(self, name: str) -> None:
         """Start again from a demo, or from the first state of the page, as one step of the history."""
         if name in (FIRST, *DEMOS):
-            await self.page.alter(**vars(self.page.first if name == FIRST else State(demo_text(name))))
+            begun = self.page.first if name == FIRST else State(demo_text(name))
+            await self.page.step(lambda _: begun)
 
     async def _choose(self, model: str) -> None:
         """Change the model of the design."""
         self.bar.shown["model"] = model  # the browser shows it already
-        change = self.page.make(lambda state: with_field(state.text, "model.kind", model), by=self)
+        change = self.page.make(lambda state: with_field(state.table, "model.kind", model), by=self)
         await self.page.told(change)
 
     def _wait(self) -> None:
@@ -112,8 +111,8 @@ def header_data(answer: Answer) -> dict[str, Any]:
     data = {"status": status, "kind": kind, "meaning": answer.refused, "stopped": answer.stopped}
     if answer.current and answer.design is not None:
         data["meaning"] = _meaning(answer.design)
-    model = _model(answer.state.text)
-    if model is not None:
+    model = section_of(answer.state.known, "model").get("kind", AUTOMATIC)
+    if answer.state.known and isinstance(model, str):
         data |= {"model": model, "solved": model}
     if answer.specification is not None:
         data["title"] = answer.specification.target.title
@@ -143,12 +142,3 @@ def _meaning(design: Design) -> str:
     status, bound = design.status.value, percent(design.largest_misfit, ".3g")
     good = f"The misfit is the {design.misfit_meaning}; up to {bound} is good."
     return f"{status[:1].upper()}{status[1:]}. {good}"
-
-
-def _model(text: str) -> str | None:
-    """Return the model kind in a text, even if the text has other problems; None if it cannot be read."""
-    try:
-        kind = Document(text).section("model").get("kind", AUTOMATIC)
-    except InvalidInput:
-        return None
-    return kind if isinstance(kind, str) else None

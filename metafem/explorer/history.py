@@ -7,10 +7,13 @@ import json
 import zlib
 from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import asdict, dataclass, field, fields, replace
+from dataclasses import asdict, dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
-from metafem.errors import InvalidInput
+from metafem.errors import InvalidInput, refuse_if
+from metafem.explorer.table import Table, written
+from metafem.files import toml_table
 
 # Largest number of states in the history; each needs a few kilobytes.
 MOST_STATES = 200
@@ -23,7 +26,7 @@ class State:
     Attributes
     ----------
     text : str
-        The text of the specification.
+        The text of the specification: as the user has typed it or, after an edit, as its table is written.
     tables : mapping of str to str
         Names and texts of the table files that the specification refers to.
     measured, measured_name : str
@@ -41,6 +44,27 @@ class State:
     newtons: bool = True
     load: float | None = None
 
+    @cached_property
+    def table(self) -> Table:
+        """The table of the specification; raise InvalidInput if the text is not valid TOML."""
+        return toml_table(self.text)
+
+    @property
+    def known(self) -> Table:
+        """The table of the specification; an empty one if the text is not valid TOML."""
+        with suppress(InvalidInput):
+            return self.table
+        return {}
+
+    def edited(self, table: Table) -> State:
+        """Return the state with another table; the same state, with its text, for an equal table."""
+        # repr distinguishes 1, 1.0 and true, and nan equals nan
+        if repr(table) == repr(self.table):
+            return self
+        state = replace(self, text=written(table))
+        vars(state)["table"] = table
+        return state
+
     def designs_the_same(self, other: State) -> bool:
         """Return whether another state has the same specification and tables, and so the same design."""
         return self.text == other.text and self.tables == other.tables
@@ -54,23 +78,21 @@ class State:
     def from_json(cls, text: str) -> State:
         """Return the state that a JSON text describes; raise InvalidInput if the text describes no state."""
         try:
-            record = json.loads(text)
-        except (ValueError, RecursionError):
-            raise InvalidInput("the state of the page is damaged: it is not JSON") from None
-        if not isinstance(record, dict) or not record.keys() <= {member.name for member in fields(cls)}:
-            raise InvalidInput("the state of the page is damaged: it has other members")
-        found = cls(**record) if "text" in record else None
-        if found is None or not found.valid():
-            raise InvalidInput("the state of the page is damaged: a member is of another kind")
-        return found
+            state = cls(**json.loads(text))
+        except (ValueError, TypeError, RecursionError):
+            raise InvalidInput(
+                "the state of the page is damaged: it is not the JSON of its members"
+            ) from None
+        refuse_if(not state.valid(), "the state of the page is damaged: a member is of another kind")
+        return state
 
     def valid(self) -> bool:
         """Return whether every member has its type and the load is positive and finite."""
-        texts: list[Any] = [self.text, self.measured, self.measured_name]
-        tables = isinstance(self.tables, dict)
-        texts += [*self.tables, *self.tables.values()] if tables else []
+        if not isinstance(self.tables, dict):
+            return False
+        texts: list[Any] = [self.text, self.measured, self.measured_name, *self.tables, *self.tables.values()]
         number = self.load is None or (isinstance(self.load, float) and 0.0 < self.load < float("inf"))
-        return tables and number and isinstance(self.newtons, bool) and all(isinstance(t, str) for t in texts)
+        return number and isinstance(self.newtons, bool) and all(isinstance(each, str) for each in texts)
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,11 +12,11 @@ from metafem.errors import InvalidInput, MetafemError
 from metafem.explorer.answer import Answer, answered, specification_of
 from metafem.explorer.handles import RESOLUTION, added, scene_of
 from metafem.explorer.history import State
-from metafem.explorer.scene import NEWTON_KEYS, Numbers, Scene, members
-from metafem.explorer.table import Document, form_of
+from metafem.explorer.scene import NEWTON_KEYS, Keys, Numbers, members
+from metafem.explorer.table import Table, section_of, with_only, with_section, with_values
 from metafem.files import Specification
-from metafem.inversion import Design, Limits, OperatingPoints, SampledLaw, Target, achievable_load_range
-from metafem.inversion.wording import RESCALED, Wording, listed
+from metafem.inversion import Design, Limits, SampledLaw, Target, achievable_load_range
+from metafem.inversion.wording import RESCALED, Wording
 
 # Rescaled friction at rescaled loads [mm^2].
 Law = Callable[[FloatArray], FloatArray]
@@ -31,15 +30,21 @@ HALF_WIDTH = 0.05
 # Relative resolution of a target after a change of units. The change of the law is too small to see.
 RESTATED = 1e-6
 
+# Distance of a load range from the ends of the reached loads, relative to them, for rounding.
+EDGE = 0.01
+
+# Number of the choice of target keys that are forces or friction coefficients.
+FORCES = 1
+
 # First load of the new target if the present target has a single load, as a fraction of that load.
 START = 0.25
 
 
-def with_kind(state: State, design: Design | None, kind: str) -> str:
-    """Return the text of a state with a target of another kind that is close to the law of the last design.
+def with_kind_near(state: State, design: Design | None, kind: str) -> Table:
+    """Return the table of a state with a target of another kind that is close to the law of the last design.
 
-    The values keep their units. Without a design, or if the text has problems, the values are the examples of
-    the manual.
+    The values keep their units. Without a design, or if the state has problems, the values are the examples
+    of the manual.
 
     Raises
     ------
@@ -48,28 +53,26 @@ def with_kind(state: State, design: Design | None, kind: str) -> str:
 
     Examples
     --------
-    >>> from metafem.files import demo_text, parsed
+    >>> from metafem.files import demo_text, of_table, parsed
     >>> text = demo_text("operating-points")
-    >>> new = with_kind(State(text), parsed(text).design(), "power")
-    >>> parsed(new).target.load_range
+    >>> of_table(with_kind_near(State(text), parsed(text).design(), "power")).target.load_range
     (0.144, 0.649)
     """
-    document = Document(state.text)
     if kind not in KINDS:
         raise InvalidInput(f'kind = "{kind:.40}" is unknown (known: {", ".join(KINDS)})')
-    if kind == document.value("target.kind"):
-        return state.text
+    if kind == section_of(state.table, "target").get("kind"):
+        return state.table
     try:
         if design is not None:
             return near_design(state, specification_of(state), design, kind)
     except MetafemError:
-        pass  # the text has problems
-    return document.with_kind("target", kind)
+        pass  # the state has problems
+    return with_section(state.table, "target", kind)
 
 
-def near_design(state: State, specification: Specification, design: Design, kind: str = "") -> str:
-    """Return the text with a target of a kind, default: its own, that is close to the law of a design."""
-    scene = Scene(Document(state.text), specification, design)
+def near_design(state: State, specification: Specification, design: Design, kind: str = "") -> Table:
+    """Return the table with a target of a kind, default: its own, that is close to the law of a design."""
+    scene = scene_of(state, specification, design)
     target, kind = scene.target, kind or scene.kind
     law, low, high = _present(design, specification.limits)
     numbers = KINDS[kind][1](law, low, high)
@@ -77,17 +80,40 @@ def near_design(state: State, specification: Specification, design: Design, kind
         numbers["load_range"] = [low, high]
     if "rescaled_friction" in numbers:
         numbers = _with_bends(numbers, law, target)
-    return scene.document.with_kind("target", kind, scene.stated(numbers, RESOLUTION))
+    return with_only(state.table, "target", {"kind": kind, **scene.stated(numbers, RESOLUTION)})
 
 
-def restated(text: str, specification: Specification, newtons: bool) -> dict[str, Any]:
-    """Return the keys of the same target in newtons or rescaled; no keys for newtons without a friction."""
-    scene, friction = Scene(Document(text), specification, None), specification.template.friction
-    if newtons and friction is None:
-        return {}
-    material = specification.template.material
-    wording = Wording.of(material, friction) if newtons and friction else RESCALED
-    return scene.stated(members(scene.target, NEWTON_KEYS), RESTATED, wording=wording)
+def with_units(state: State, section: str, choice: int, specification: Specification | None) -> Table:
+    """Return the table with the keys of another choice of a section; a valid target keeps its law.
+
+    A friction coefficient without a load range is then F/P over the widest range of loads in which
+    independent asperities reach it. All other new keys have the examples of the manual.
+    """
+    kind = section_of(state.table, section).get("kind", "")
+    if section != "target" or specification is None:
+        return with_section(state.table, section, kind, choice)
+    template, same, given = specification.template, Keys(), section_of(state.table, "target")
+    if choice != FORCES or template.friction is not None:
+        scene, wording = scene_of(state, specification, None), RESCALED
+        if choice == FORCES and template.friction is not None:
+            wording = Wording.of(template.material, template.friction)
+        same = scene.stated(members(scene.target, NEWTON_KEYS), RESTATED, wording=wording)
+    table = with_section(state.table, section, kind, choice, same)
+    if choice == FORCES and "slope" in given and "load_range" not in given:
+        table = with_values(table, {"target.load_range": _reached_forces(specification)})
+    return table
+
+
+def _reached_forces(specification: Specification) -> list[str] | None:
+    """Return the loads between which a line through the origin is reached, or None."""
+    target: Any = specification.target
+    template, limits, tools = specification.template, specification.limits, specification.tools
+    try:
+        low, high = achievable_load_range(target, template, limits, tools)
+    except MetafemError:
+        return None
+    modulus = template.material.composite_modulus
+    return [f"{modulus * end:.3g} N" for end in (low * (1.0 + EDGE), high * (1.0 - EDGE))]
 
 
 def _present(design: Design, limits: Limits) -> tuple[Law, float, float]:
@@ -122,22 +148,10 @@ def _with_bends(numbers: Numbers, law: Law, target: Target) -> Numbers:
     return _along(law, load)
 
 
-def _points(law: Law, low: float, high: float) -> Numbers:
-    return _along(law, np.linspace(low, high, POINTS))
-
-
-def _sampled(law: Law, low: float, high: float) -> Numbers:
-    return _along(law, np.geomspace(low, high, SAMPLES))
-
-
 def _band(law: Law, low: float, high: float) -> Numbers:
     load = np.geomspace(low, high, SAMPLES)
     lowest, highest = ((factor * law(load)).tolist() for factor in (1.0 - HALF_WIDTH, 1.0 + HALF_WIDTH))
     return {"rescaled_load": load.tolist(), "lowest": lowest, "highest": highest}
-
-
-def _linear(law: Law, low: float, high: float) -> Numbers:
-    return {"slope": _slope(law, low, high)}
 
 
 def _bilinear(law: Law, low: float, high: float) -> Numbers:
@@ -165,12 +179,15 @@ def _slope(law: Law, low: float, high: float) -> float:
 
 # Name of each kind on the page, and the target of the kind near a law between two loads.
 KINDS: Mapping[str, tuple[str, Callable[[Law, float, float], Numbers]]] = {
-    "operating-points": ("operating points", _points),
-    "linear": ("straight line (linear)", _linear),
+    "operating-points": (
+        "operating points",
+        lambda law, low, high: _along(law, np.linspace(low, high, POINTS)),
+    ),
+    "linear": ("straight line (linear)", lambda *law: {"slope": _slope(*law)}),
     "bilinear": ("two branches (bilinear)", _bilinear),
     "multilinear": ("several branches (multilinear)", _multilinear),
     "power": ("power law", _power),
-    "sampled": ("curve (sampled)", _sampled),
+    "sampled": ("curve (sampled)", lambda law, low, high: _along(law, np.geomspace(low, high, SAMPLES))),
     "band": ("between two curves (band)", _band),
 }
 
@@ -191,148 +208,50 @@ MEMBERS = (
 
 def offer(answer: Answer) -> str:
     """Return the label of the button that adopts the nearest law of an answer; "" if none is known."""
-    nearest = answer.nearest_target
-    if nearest is None or answer.specification is None:
-        return ""
-    target = answer.specification.target
-    if not isinstance(nearest, OperatingPoints) or not isinstance(target, OperatingPoints):
-        return "Use the nearest law"
-    kept, count = len(nearest.rescaled_load), len(target.rescaled_load)
-    moved = np.flatnonzero(nearest.rescaled_friction != target.rescaled_friction[:kept]) + 1
-    words = f"Move {_numbered(moved.tolist())} to the nearest law"
-    if kept < count:
-        words += f" and drop {_numbered(list(range(kept + 1, count + 1)))}"
-    return words
+    return "" if answer.nearest_target is None or answer.specification is None else "Use the nearest law"
 
 
-def _numbered(numbers: list[int]) -> str:
-    """Return the numbers of points in words, such as ``points 1 and 2``."""
-    return f"{'points' if len(numbers) > 1 else 'point'} {listed(list(map(str, numbers)))}"
-
-
-def reachable(answer: Answer) -> str:
-    """Return the text of a refused answer with a target near it that can be designed.
+def reachable(answer: Answer) -> Table:
+    """Return the table of a refused answer with a target near it that can be designed.
 
     It is the nearest law of the refusal if one is known, otherwise a target close to the law of the last
     design.
     """
-    found, state = answer, answer.state
+    found = answer
     for _ in range(MOST_STEPS):
         if found.nearest_target is None:
             break
-        text = with_nearest(found)
-        found = answered(replace(state, text=text), answer.number, answer, draft=True)
+        state = answer.state.edited(with_nearest(found))
+        found = answered(state, answer.number, answer, draft=True)
         if found.undecided:  # only the whole search decides
-            found = answered(replace(state, text=text), answer.number, answer)
+            found = answered(state, answer.number, answer)
         if not found.refused:
-            return text
+            return state.table
     if answer.design is None or answer.specification is None:
         raise InvalidInput("no law is known that can be designed")
-    return near_design(state, answer.specification, answer.design)
+    return near_design(answer.state, answer.specification, answer.design)
 
 
-def with_point(answer: Answer, load: float, friction: float, near: float) -> str:
-    """Return the text of an answer with one more point of the target at a rescaled load and friction [mm^2].
+def with_point(answer: Answer, load: float, friction: float, near: float) -> Table:
+    """Return the table of an answer with one more point of the target at a rescaled load and friction [mm^2].
 
     If the friction differs by at most `near` from that of the achieved law, the point is on it; if no surface
     passes through all points then, they become a curve that is approximated.
     """
-    scene = scene_of(answer.state.text, answer.specification, answer.design)
+    scene = scene_of(answer.state, answer.specification, answer.design)
     free, found = added(scene, load, friction), added(scene, load, friction, near)
-    if found != free and answered(replace(answer.state, text=found), answer.number, draft=True).refused:
-        return Document(found).with_values({"target.kind": "sampled"})
+    if found != free and answered(answer.state.edited(found), answer.number, draft=True).refused:
+        return with_values(found, {"target.kind": "sampled"})
     return found
 
 
-def with_nearest(answer: Answer) -> str:
-    """Return the text of a refused answer, with the nearest law that can be designed as the target."""
+def with_nearest(answer: Answer) -> Table:
+    """Return the table of a refused answer, with the nearest law that can be designed as the target."""
     target, specification = answer.nearest_target, answer.specification
     if target is None or specification is None:
         raise InvalidInput("no nearest law is known")
-    scene = scene_of(answer.state.text, specification, answer.design)
+    scene = scene_of(answer.state, specification, answer.design)
     numbers = members(target, MEMBERS)
     if isinstance(target, SampledLaw) and scene.kind != "sampled":  # no law of the kind is near
-        return scene.document.with_kind("target", "sampled", scene.stated(numbers, CLOSE))
+        return with_only(answer.state.table, "target", {"kind": "sampled", **scene.stated(numbers, CLOSE)})
     return scene.written(numbers, CLOSE)
-
-
-# Distance of a load range from the ends of the reached loads, relative to them, for rounding.
-EDGE = 0.01
-
-# Number of the choice of target keys that are forces or friction coefficients.
-FORCES = 1
-
-
-def with_choice(text: str, section: str, choice: int, specification: Specification | None = None) -> str:
-    """Return the text with the keys of another choice of a section.
-
-    If `specification` is given, a target keeps its law; a friction coefficient without a load range is then
-    F/P over the widest range of loads in which independent asperities reach it. All other new keys have the
-    examples of the manual.
-
-    Examples
-    --------
-    >>> with_choice("[target]\\nkind = 'linear'\\nslope = 7.0", "target", 1)
-    '[target]\\nkind = "linear"\\nfriction_coefficient = 1.5\\n'
-    """
-    document = Document(text)
-    given, same, values = document.section(section), dict[str, Any](), dict[str, Any]()
-    if section == "target" and specification is not None:
-        same = restated(text, specification, newtons=choice == FORCES)
-        if choice == FORCES and "slope" in given and "load_range" not in given:
-            values["target.load_range"] = _reached_forces(specification)
-    for key in document.keys(section):
-        if key.choice == choice and key.name not in given:
-            values[f"{section}.{key.name}"] = same.get(key.name, key.example)
-        elif key.choice not in (None, choice):
-            values[f"{section}.{key.name}"] = None
-    return _with_radius(document.with_values(values), section)
-
-
-def _reached_forces(specification: Specification) -> list[str] | None:
-    """Return the loads between which a line through the origin is reached, or None."""
-    target: Any = specification.target
-    template, limits, tools = specification.template, specification.limits, specification.tools
-    try:
-        low, high = achievable_load_range(target, template, limits, tools)
-    except MetafemError:
-        return None
-    modulus = template.material.composite_modulus
-    return [f"{modulus * end:.3g} N" for end in (low * (1.0 + EDGE), high * (1.0 - EDGE))]
-
-
-def with_section(text: str, section: str) -> str:
-    """Return the text with a new section, whose required keys have the example values of the manual.
-
-    The radii of the section ``tools`` replace ``lattice.radius``.
-    """
-    document, form = Document(text), form_of(section)
-    if form is None or document.value(section) is not None:
-        return text
-    if form.kinds:
-        return document.with_kind(section, next(iter(form.kinds)))
-    needed = [key for key in form.keys[""] if key.needed] or form.keys[""][:1]
-    values = {f"{section}.{key.name}": key.example for key in needed}
-    return _with_radius(document.with_values(values), section)
-
-
-def without_section(text: str, section: str) -> str:
-    """Return the text without a section; an example ``lattice.radius`` replaces ``tools``."""
-    document = Document(text)
-    values = dict.fromkeys(f"{section}.{key}" for key in document.section(section))
-    return _with_radius(document.with_values(values), section)
-
-
-def _with_radius(text: str, section: str) -> str:
-    """Return a text with ``lattice.radius`` unless the changed section ``tools`` replaces it.
-
-    Exponents of tools are those of caps with the radius of the lattice. A missing radius is the example of
-    the manual.
-    """
-    document = Document(text)
-    if section != "tools":
-        return text
-    example = next(key.example for key in document.keys("lattice") if key.name == "radius")
-    needed = document.value("tools") is None or document.value("tools.exponent_range") is not None
-    radius = (document.value("lattice.radius") or example) if needed else None
-    return document.with_values({"lattice.radius": radius})

@@ -18,14 +18,14 @@ from metafem.explorer.kinds import reachable, with_nearest, with_point
 from metafem.explorer.law_data import Units, band_data, law_data, measured_of, pinned_data, read_points
 from metafem.explorer.queue import Queue
 from metafem.explorer.scene import Scene
-from metafem.explorer.table import on_page
+from metafem.explorer.table import Table, on_page
 
 # Why the axes cannot be in newtons.
 NO_FORCES = "Newtons need “Friction” with its shear strength and area ratio in the workshop."
 
 Event = dict[str, Any]
 
-# The smallest part of its axes that a plot shows, as `view.js` has it.
+# The smallest part of its axes that a plot shows, as `law_plot.js` has it.
 LEAST_PART = 1e-3
 
 
@@ -106,11 +106,11 @@ class LawPanel(Panel):
         # a zoomed plot resolves smaller parts of a value
         resolution = RESOLUTION * min(1.0, max(LEAST_PART, float(event.get("part", 1.0))))
 
-        def dragged(state: State) -> str:
+        def dragged(state: State) -> Table:
             if not event.get("back"):
                 return moved(self._base(state), id, *place, resolution)
             answer = self.page.answer
-            return reachable(answer) if self.stuck and answer.refusal else state.text
+            return reachable(answer) if self.stuck and answer.refusal else state.table
 
         self.requests[self.page.asked + 1] = number
         try:
@@ -122,7 +122,7 @@ class LawPanel(Panel):
         """Add a point; close to the achieved law it is on this law."""
         place, near = self._place(event), self._units().rescaled(0.0, float(event.get("near", 0.0)))[1]
 
-        def drawn(state: State) -> str:
+        def drawn(state: State) -> Table:
             base = self._base(state)
             return with_point(Answer(self.page.number, state, base.specification, base.design), *place, near)
 
@@ -177,6 +177,6 @@ class LawPanel(Panel):
     def _base(self, state: State) -> Scene:
         """Return the target of a state, from which a drag starts."""
         base = self.base
-        if base is None or base.document.text != state.text:
-            self.base = base = scene_of(state.text, specification_of(state), self.page.answer.design)
+        if base is None or base.state.text != state.text:
+            self.base = base = scene_of(state, specification_of(state), self.page.answer.design)
         return base

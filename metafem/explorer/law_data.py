@@ -153,7 +153,7 @@ def law_data(answer: Answer) -> dict[str, Any]:
     units = Units.of(answer.template, answer.state.newtons)
     own = Units.of_design(answer, answer.state.newtons)
     given = answer.specification
-    scene = None if given is None else scene_of(answer.state.text, given, answer.design)
+    scene = None if given is None else scene_of(answer.state, given, answer.design)
     target, many = (scene.target, scene.crowd) if scene else (None, 0)
     marked = isinstance(target, OperatingPoints) and not many
     law = None if answer.design is None else answer.design.law
@@ -171,7 +171,7 @@ def law_data(answer: Answer) -> dict[str, Any]:
         "nearest": None if answer.nearest is None else units.curve(*answer.nearest) | {"marked": marked},
         # label of the button that adopts the nearest law
         "offer": "" if answer.nearest is None else offer(answer),
-        "refusal": f"{answer.refused} {SEARCHED}" if answer.undecided else answer.refused,
+        "refusal": f"{answer.refused.removesuffix('.')}. {SEARCHED}" if answer.undecided else answer.refused,
         "undecided": answer.undecided,
         # None if the text has problems, because its handles are then unknown
         "handles": None if scene is None else [_handle(each, units) for each in scene.handles()],

@@ -5,15 +5,15 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from functools import cached_property
+from typing import Any
 
-import rtoml
 from nicegui import ui
 
 from metafem._values import MICROMETRES
 from metafem.errors import InvalidInput
 from metafem.explorer.control import Control
 from metafem.explorer.fields import with_points, with_unit
-from metafem.explorer.table import on_page
+from metafem.explorer.table import Table, on_page, written
 from metafem.files import quantity
 
 # The fields with their labels, units and first values, those of the paper's part.
@@ -22,8 +22,10 @@ FIELDS = {
     "asperities": ("Asperities: rows × columns", "", "8 × 8"),
     "radius": ("Radius of curvature", "um", "526"),
     "modulus": ("Composite modulus E*", "MPa", "1.36"),
+    "young": ("or Young's modulus E", "MPa", ""),
     "stress": ("Friction per contact area σB", "MPa", "0.31"),
     "coefficient": ("Friction coefficient μ", "", "1.5"),
+    "loads": ("over the loads, such as 0.1 – 0.5; empty: any", "N", ""),
 }
 FIRST = {name: first for name, (_, _, first) in FIELDS.items()}
 
@@ -31,11 +33,11 @@ FIRST = {name: first for name, (_, _, first) in FIELDS.items()}
 HIGHEST, ERROR = 0.5, "0.9 um"
 
 # What separates numbers.
-SEPARATOR = re.compile(r"[\s×xX*;]+")
+SEPARATOR = re.compile(r"(?:[\s×xX*;–]|(?<![eE])-)+")
 
 
-def new_part(typed: Mapping[str, str]) -> str:
-    """Return the specification of a part from the texts of the fields; its lattice fills the block.
+def new_part(typed: Mapping[str, str]) -> Table:
+    """Return the table of a part from the texts of the fields; its lattice fills the block.
 
     Raises
     ------
@@ -44,21 +46,31 @@ def new_part(typed: Mapping[str, str]) -> str:
 
     Examples
     --------
-    >>> print(new_part(FIRST).partition("[lattice]")[2].partition("[limits]")[0].strip())
-    pitch = "2.5 mm"
-    radius = "526 um"
-    shape = [8, 8]
+    >>> new_part(FIRST)["lattice"]
+    {'shape': [8, 8], 'pitch': '2.5 mm', 'radius': '526 um'}
     """
     width, length, thickness = _numbers("size", typed, 3)
     rows, columns = _numbers("asperities", typed, 2)
     if not (rows.is_integer() and columns.is_integer()):
         raise InvalidInput(f"asperities = {typed['asperities']} must be whole numbers, such as 8 × 8")
-    quantities = ("radius", "modulus", "stress")
-    radius, modulus, stress = (with_unit(typed[name], FIELDS[name][1]) for name in quantities)
+    stiffness = "young" if typed["young"].strip() else "modulus"
+    radius, modulus, stress = (
+        with_unit(typed[name], FIELDS[name][1]) for name in ("radius", stiffness, "stress")
+    )
     highest = HIGHEST * MICROMETRES * quantity("radius", radius, "mm")
-    sections = {
-        "target": {"kind": "linear", "friction_coefficient": _number(with_points(typed["coefficient"]))},
-        "material": {"composite_modulus": modulus, "poisson_ratio": 0.5},
+    target: dict[str, Any] = {
+        "kind": "linear",
+        "friction_coefficient": _number(with_points(typed["coefficient"])),
+    }
+    if typed["loads"].strip():
+        target["load_range"] = [f"{load:g} N" for load in _numbers("loads", typed, 2)]
+    material = {
+        "young_modulus" if stiffness == "young" else "composite_modulus": modulus,
+        "poisson_ratio": 0.5,
+    }
+    return {
+        "target": target,
+        "material": material,
         "friction": {"shear_strength": stress, "area_ratio": 1.0},
         "block": {"width": f"{width:g} mm", "length": f"{length:g} mm", "thickness": f"{thickness:g} mm"},
         "lattice": {
@@ -69,7 +81,6 @@ def new_part(typed: Mapping[str, str]) -> str:
         "limits": {"max_height": f"{highest:.6g} um", "height_sd": ERROR},
         "model": {"kind": "independent"},
     }
-    return rtoml.dumps(sections)
 
 
 def _numbers(name: str, typed: Mapping[str, str], count: int) -> list[float]:
@@ -126,7 +137,7 @@ class NewPart:
     async def make(self) -> None:
         """Show the part as one step of the history, or which value cannot be read."""
         try:
-            text = new_part({name: field.value for name, field in self.fields.items()})
+            text = written(new_part({name: field.value for name, field in self.fields.items()}))
         except InvalidInput as error:
             self.words.text = on_page(str(error))
             self.words.set_visibility(True)

@@ -1,8 +1,7 @@
-"""The target of a text: its numbers as they are written, and what its handles change."""
+"""A target with its draggable points, and the table with other numbers of it in the units of the user."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
@@ -11,14 +10,14 @@ from typing import Any
 import numpy as np
 
 from metafem._validate import FloatArray
-from metafem.errors import InvalidInput
-from metafem.explorer.fields import EXACT, between, rounded, stated
-from metafem.explorer.table import Document
+from metafem.explorer.fields import ALL_DIGITS, EXACT, rounded, scaled
+from metafem.explorer.history import State
+from metafem.explorer.table import Table, section_of, with_only
 from metafem.files import Specification
 from metafem.inversion import Design
 from metafem.inversion.wording import Wording
 
-# Keys of the members of a target that a text can also give as forces or friction coefficients.
+# Keys of the members of a target that a specification can also give as forces or friction coefficients.
 NEWTON_KEYS = {
     "rescaled_load": "load",
     "rescaled_friction": "friction_force",
@@ -28,17 +27,15 @@ NEWTON_KEYS = {
     "slopes": "friction_coefficients",
 }
 
-# Members of a target that are frictions, and those without a unit.
+# Members of a target that are frictions, slopes, and those without a unit.
 FRICTIONS = ("rescaled_friction", "lowest", "highest")
+SLOPES = ("slope", "slopes")
 PLAIN = ("exponent", "prefactor", "weight", "relative_error")
 
 # Members of a target that have an entry for each point.
 COLUMNS = ("rescaled_load", "rescaled_friction", "weight", "relative_error")
 
-# Members of a target that are loads with a handle of their own.
-MARKED = ("crossover_load", "crossover_loads", "load_range")
-
-# Members of a target by name: slopes [-], loads and frictions [mm^2]; and keys of a text with their values.
+# Members of a target by name: slopes [-], loads and frictions [mm^2]; and keys of a table with their values.
 Numbers = dict[str, Any]
 Keys = dict[str, Any]
 
@@ -79,13 +76,18 @@ class Handle:
     carried: str = ""
 
 
+# The handles of a target, and its curve as rescaled loads and frictions [mm^2], nan in gaps.
+Drawn = tuple[list[Handle], tuple[FloatArray, FloatArray]]
+
+
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """The target of a text, with its specification and the last design; each kind adds its handles."""
+    """The target of a state, with its specification, the last design, and what draws targets of its kind."""
 
-    document: Document
+    state: State
     specification: Specification
     design: Design | None
+    draw: Callable[[Scene], Drawn]
 
     @property
     def target(self) -> Any:
@@ -95,12 +97,17 @@ class Scene:
     @property
     def kind(self) -> str:
         """The kind of the target."""
-        return str(self.section.get("kind"))
+        return str(self.section["kind"])
+
+    @property
+    def crowd(self) -> int:
+        """The number of points of a target that has too many of them for handles, otherwise 0."""
+        return 0 if self._drawn[0] else len(getattr(self.target, "rescaled_friction", ()))
 
     @cached_property
     def section(self) -> Keys:
-        """The keys and values of the target in the text; lists in place of the name of a table."""
-        section = self.document.section("target").copy()
+        """The keys and values of the target in the table; lists in place of the name of a file."""
+        section = {**section_of(self.state.table, "target")}
         if section.pop("file", None) is None:
             return section
         given = members(self.target, COLUMNS)
@@ -108,42 +115,17 @@ class Scene:
             del given["weight"]
         return section | self.stated(given, EXACT)
 
-    @property
-    def crowd(self) -> int:
-        """The number of points of the target if it has too many points for handles, otherwise 0."""
-        return 0
+    @cached_property
+    def _drawn(self) -> Drawn:
+        return self.draw(self)
 
-    def handles(self) -> tuple[Handle, ...]:
+    def handles(self) -> list[Handle]:
         """Return the handles; a target with too many points has none."""
-        return ()
+        return self._drawn[0]
 
     def curve(self) -> tuple[FloatArray, FloatArray]:
         """Return rescaled load and friction of the target [mm^2], nan in gaps."""
-        raise NotImplementedError
-
-    def moved(self, handle: Handle, load: float, friction: float, resolution: float) -> tuple[Numbers, float]:
-        """Return the numbers of the target that change when a handle has moved, and their resolution."""
-        raise NotImplementedError
-
-    def added(self, load: float, friction: float, resolution: float) -> tuple[Numbers, float]:
-        """Return the numbers of the target that change when a point is added, and their resolution."""
-        raise InvalidInput(
-            f"a {self.kind} law is not given by points; choose the kind operating-points or sampled to "
-            "add some"
-        )
-
-    def removed(self, id: str) -> Numbers:
-        """Return the numbers of the target that change when the point or parameter of a handle is removed."""
-        raise InvalidInput(f"a {self.kind} law needs what this handle changes; it cannot be removed")
-
-    def slid(self, handle: Handle, load: float, resolution: float) -> tuple[Numbers, float]:
-        """Return the crossovers and the load range with one load moved between its neighbours."""
-        given = members(self.target, MARKED)
-        path = np.unique(np.hstack([np.ravel(value) for value in given.values()])).tolist()
-        i, path = path.index(handle.load), [0.0, *path, math.inf]
-        placed, fine = between(load, path[i], path[i + 2], resolution)
-        placed = placed or resolution * handle.load
-        return {name: _replaced(value, handle.load, placed) for name, value in given.items()}, fine
+        return self._drawn[1]
 
     def achieved(self, rescaled_load: FloatArray) -> FloatArray | None:
         """Return the rescaled friction of the last design at rescaled loads [mm^2]; None without a design.
@@ -157,13 +139,13 @@ class Scene:
         inside = np.clip(rescaled_load, load[0], load[-1])
         return np.asarray(np.interp(inside, load, friction) * rescaled_load / inside)
 
-    def written(self, numbers: Numbers, resolution: float, kind: str = "") -> str:
-        """Return the text with other numbers of the target in the units in which they are written.
+    def written(self, numbers: Numbers, resolution: float, kind: str = "") -> Table:
+        """Return the table with other numbers of the target in the units in which they are written.
 
         Numbers that do not change remain as they are written; the number None removes its key.
         """
-        values = self.stated(numbers, resolution, self.section)
-        return self.document.with_kind("target", kind or self.kind, {**self.section, **values})
+        values = {**self.section, **self.stated(numbers, resolution, self.section)}
+        return with_only(self.state.table, "target", {**values, "kind": kind or self.kind})
 
     def stated(
         self, numbers: Numbers, resolution: float, like: Keys | None = None, wording: Wording | None = None
@@ -181,35 +163,33 @@ class Scene:
             found[key] = None if number is None else _like(number, before, (like or {}).get(key), write)
         return found
 
-    def _entry(self, name: str, resolution: float, units: Wording, number: float, like: Any) -> Any:
-        """Return a number of a target as one entry of the text."""
-        if name in PLAIN or name in ("slope", "slopes"):
+    def _entry(
+        self, name: str, resolution: float, units: Wording, number: float, before: float, old: str | None
+    ) -> Any:
+        """Return a number of a target as an entry of the table: like an old entry, or in the units."""
+        if name in (*PLAIN, *SLOPES):
             return rounded(number if name in PLAIN else units.coefficient(number), resolution)
-        friction = self.specification.template.friction
-        stress: float | None = self.specification.template.material.composite_modulus
-        if name in FRICTIONS:
-            stress = None if friction is None else friction.stress
-        newtons = units.per_slope if name in NEWTON_KEYS else units.composite_modulus
-        return stated(number, like or ("1 N" if newtons else "1 mm^2"), stress, resolution)
+        if old is not None:
+            return scaled(old, number / before, resolution)
+        template, factor, unit = self.specification.template, 1.0, "mm^2"
+        if units.per_slope if name in NEWTON_KEYS else units.composite_modulus:
+            factor, unit = template.material.composite_modulus, "N"
+            if name in FRICTIONS and template.friction is not None:
+                factor = template.friction.stress
+        return f"{rounded(factor * number, resolution):.{ALL_DIGITS}g} {unit}"
 
 
-def _like(number: Any, before: Any, old: Any, write: Callable[[float, Any], Any]) -> Any:
+def _like(number: Any, before: Any, old: Any, write: Callable[[Any, Any, Any], Any]) -> Any:
     """Return a number, or numbers, as written by `write` in the form of the `old` value of `before`."""
     if old is not None and number == before:
         return old
     if not isinstance(number, Sequence):
-        return write(number, old)
+        return write(number, before, old)
     if old is None:
-        return [write(each, None) for each in number]
+        return [write(each, None, None) for each in number]
     if not isinstance(old, list):  # one load in place of a pair of equal loads
-        return write(number[0], old)
+        return write(number[0], before[0], old)
     known = dict(zip(before, old, strict=True))
     places = [min(i, len(old) - 1) for i in range(len(number))]  # a point may have been added
     pairs = zip(number, places, strict=True)
     return [known.get(each) or _like(each, before[i], old[i], write) for each, i in pairs]
-
-
-def _replaced(value: Any, old: float, new: float) -> Any:
-    if isinstance(value, tuple):
-        return tuple(_replaced(each, old, new) for each in value)
-    return new if value == old else value

@@ -12,6 +12,7 @@ from metafem.explorer.control import Control, Panel, Widget
 from metafem.explorer.history import State
 from metafem.explorer.queue import Queue
 from metafem.explorer.surface_data import edited, layout_data, message_data, site_data
+from metafem.explorer.table import Table
 from metafem.inversion import Design
 
 # An answer, and whether its contacts at all loads are computed, or those at the load of its state.
@@ -79,8 +80,8 @@ class SurfacePanel(Panel):
     async def _edit(self, given: Any) -> None:
         """Fix, empty or release sites, as chosen in the menu."""
 
-        def change(state: State) -> str:
-            return edited(state.text, self.page.answer.design, given)
+        def change(state: State) -> Table:
+            return edited(state.table, self.page.answer.design, given)
 
         await self.page.told(self.page.make(change))
 

@@ -16,7 +16,8 @@ from metafem.caps import Cap, Caps
 from metafem.errors import InvalidInput
 from metafem.explorer.answer import Answer
 from metafem.explorer.fields import with_unit
-from metafem.explorer.table import Document, section_of
+from metafem.explorer.law_data import numbers
+from metafem.explorer.table import Table, section_of, with_values
 from metafem.inversion import Design, DesignStatus
 from metafem.inversion.result import misfit_text
 from metafem.models.interacting.influence import nearest_distance
@@ -32,26 +33,26 @@ class Asked:
     empty : frozenset of int
         Sites that stay empty.
     pinned : mapping of int to str
-        Heights, as written in the text, of the sites whose heights are fixed.
+        Heights, as written in the table, of the sites whose heights are fixed.
     """
 
     empty: frozenset[int]
     pinned: Mapping[int, str]
 
 
-def asked_sites(text: str) -> Asked:
-    """Return the fixed heights and empty sites in a text; entries of a wrong type are ignored."""
-    section = section_of(text, "sites")
+def asked_sites(table: Table) -> Asked:
+    """Return the fixed heights and empty sites in a table; entries of a wrong type are ignored."""
+    section = section_of(table, "sites")
     heights = section.get("heights")
     pairs = zip(_numbers(section.get("pinned")), heights if isinstance(heights, list) else (), strict=False)
     return Asked(frozenset(_numbers(section.get("empty"))), {site: str(height) for site, height in pairs})
 
 
 def with_sites(
-    text: str, pinned: Mapping[int, str], empty: Collection[int] = (), free: Collection[int] = ()
-) -> str:
-    """Return the text with sites fixed at heights such as "150 um", empty, or free."""
-    asked, changed = asked_sites(text), {*pinned, *empty, *free}
+    table: Table, pinned: Mapping[int, str], empty: Collection[int] = (), free: Collection[int] = ()
+) -> Table:
+    """Return the table with sites fixed at heights such as "150 um", empty, or free."""
+    asked, changed = asked_sites(table), {*pinned, *empty, *free}
     kept = {site: height for site, height in asked.pinned.items() if site not in changed}
     heights = dict(sorted({**kept, **pinned}.items()))
     values = {
@@ -59,11 +60,11 @@ def with_sites(
         "pinned": [site + 1 for site in heights],
         "heights": list(heights.values()),
     }
-    return Document(text).with_values({f"sites.{name}": value or None for name, value in values.items()})
+    return with_values(table, {f"sites.{name}": value or None for name, value in values.items()})
 
 
-def edited(text: str, design: Design | None, given: Any) -> str:
-    """Return the text after an edit of sites, `given` as {"action", "sites", "height"}.
+def edited(table: Table, design: Design | None, given: Any) -> Table:
+    """Return the table after an edit of sites, `given` as {"action", "sites", "height"}.
 
     With the height "", the action "pin" fixes each site at its current height.
     """
@@ -71,18 +72,18 @@ def edited(text: str, design: Design | None, given: Any) -> str:
         raise InvalidInput("there is no surface yet whose sites could be changed")
     action, sites, typed = _checked(given, design.template.count)
     if action == "empty":
-        return with_sites(text, {}, empty=sites)
+        return with_sites(table, {}, empty=sites)
     if action == "release":
-        return with_sites(text, {}, free=sites)
+        return with_sites(table, {}, free=sites)
     if typed:
-        return with_sites(text, dict.fromkeys(sites, typed_height(typed)))
+        return with_sites(table, dict.fromkeys(sites, typed_height(typed)))
     shown = {site: kept_height(design, site) for site in sites}
     heights = {site: height for site, height in shown.items() if height is not None}
     if not heights:
         raise InvalidInput(
             "an empty site has no height that could be kept: type one, or let the design choose"
         )
-    return with_sites(text, heights)
+    return with_sites(table, heights)
 
 
 def typed_height(typed: str) -> str:
@@ -134,9 +135,6 @@ INTERVALS, DECIMALS = 32, 6
 # Smallest height of a meridian over the radius, for a surface without a summit above the base plane.
 LOWEST = 1e-3
 
-NO_BLOCK = "the mould needs “Block” with its width, length and thickness"
-NO_SURFACE = "the mould needs a surface"
-
 
 def cap_data(surface: Surface, height: float) -> list[dict[str, Any]]:
     """Return the meridians of the kinds of caps down to a height [mm], or to where the caps end.
@@ -169,36 +167,6 @@ def _meridian(cap: Cap, height: float) -> dict[str, Any]:
     }
 
 
-def mould_data(answer: Answer) -> dict[str, Any]:
-    """Return what the mould has besides the caps of the surface, in the coordinates of the part.
-
-    ``thickness`` is that of the plate [mm], and ``alignment`` contains position, height [um], radius [mm] and
-    kind of cap of the alignment asperities. If no mould can be made, only the ``problem`` is returned.
-    """
-    part = answer.part
-    if part is None or isinstance(part, InvalidInput):
-        return {"problem": answer.no_part or (NO_BLOCK if answer.current else answer.refused or NO_SURFACE)}
-    whole, kind = part.surface, kind_of_cap(part.surface)
-    return {
-        "problem": "",
-        "thickness": part.block.thickness + float(whole.height.max()),
-        "alignment": [
-            {
-                "x": float(whole.position[i, 0]),
-                "y": float(whole.position[i, 1]),
-                "height": MICROMETRES * float(whole.height[i]),
-                "radius": float(whole.radius[i]),
-                "kind": int(kind[i]),
-            }
-            for i in range(part.asperities, whole.count)
-        ],
-    }
-
-
-# Decimals of heights [um] and positions [mm]. One unit of the last decimal is smaller than a pixel.
-HEIGHT_DECIMALS, POSITION_DECIMALS = 2, 4
-
-
 def layout_data(design: Design) -> dict[str, Any]:
     """Return the data that rarely change: sites, their smallest distance and block size, all in [mm].
 
@@ -207,8 +175,8 @@ def layout_data(design: Design) -> dict[str, Any]:
     template = design.template
     block, distance = template.block, nearest_distance(template)
     return {
-        "x": _rounded(template.position[:, 0], POSITION_DECIMALS),
-        "y": _rounded(template.position[:, 1], POSITION_DECIMALS),
+        "x": numbers(template.position[:, 0]),
+        "y": numbers(template.position[:, 1]),
         "spacing": distance if math.isfinite(distance) else 4.0 * float(template.radius[0]),
         "block": None if block is None else [block.width, block.length, block.thickness],
     }
@@ -220,28 +188,24 @@ def site_data(answer: Answer) -> dict[str, Any]:
     ``pinned`` contains the fixed heights as written, by site; ``empty`` the sites that the specification
     leaves empty; ``limits`` the smallest and the largest height of the colour scale [um]; ``loads`` the
     smallest and the largest rescaled load of the law [mm^2]; ``modulus`` the composite modulus [MPa];
-    ``caps`` the shapes of the caps, and ``cap`` the index of the shape at each site if there are several. A
-    full answer has the ``mould``.
+    ``caps`` the shapes of the caps, and ``cap`` the index of the shape at each site if there are several.
     """
     data: dict[str, Any] = message_data(answer)
     design = answer.design
     if design is None:
         return data
-    asked = asked_sites(answer.state.text)
+    asked = asked_sites(answer.state.known)
     heights = MICROMETRES * design.surface.height
     radii = np.unique(design.surface.radius)
     limits, count = design.limits, design.template.count
     low = min(MICROMETRES * limits.foot, float(heights.min()))
     high = max(MICROMETRES * (limits.offset + limits.max_height), float(heights.max()))
-    specification = answer.specification
-    alignment = None if specification is None else specification.part.alignment_height
-    caps = cap_data(design.surface, max(high / MICROMETRES, alignment or 0.0))
+    caps = cap_data(design.surface, high / MICROMETRES)
     return data | {
-        **({} if answer.draft else {"mould": mould_data(answer)}),
         "caps": caps,
-        "cap": at_sites(design, kind_of_cap(design.surface), 0) if len(caps) > 1 else None,
-        "height": at_sites(design, heights, HEIGHT_DECIMALS),
-        "radius": float(radii[0]) if len(radii) == 1 else at_sites(design, design.surface.radius, 4),
+        "cap": at_sites(design, kind_of_cap(design.surface)) if len(caps) > 1 else None,
+        "height": at_sites(design, heights),
+        "radius": float(radii[0]) if len(radii) == 1 else at_sites(design, design.surface.radius),
         "pinned": {str(site): height for site, height in asked.pinned.items() if site < count},
         "empty": sorted(site for site in asked.empty if site < count),
         "limits": [low, high],
@@ -264,10 +228,10 @@ def message(answer: Answer) -> str:
     """
     if answer.design is None:
         return "There is no surface yet." if answer.problems or answer.refusal else ""
-    asked = asked_sites(answer.state.text)
+    asked = asked_sites(answer.state.known)
     if answer.refusal or answer.problems:
         of_sites = [words for key, words in answer.problems.items() if key.startswith("sites")]
-        reason = "\n".join(of_sites) or "The reason is given in the plot of the law."
+        reason = "\n".join(of_sites) or "The law states the reason."
         return f"These are the heights of the last surface that was found. {reason}"
     if (asked.empty or asked.pinned) and answer.design.status is DesignStatus.MISSED:
         return (
@@ -276,13 +240,13 @@ def message(answer: Answer) -> str:
     return ""
 
 
-def at_sites(design: Design, values: ArrayLike, decimals: int) -> list[float | None]:
+# Significant digits of values at the sites: finer than what is drawn and told of them.
+DIGITS = 6
+
+
+def at_sites(design: Design, values: ArrayLike) -> list[float | None]:
     """Return values at the asperities by site of the template, None at empty sites."""
     listed: list[float | None] = [None] * design.template.count
-    for site, value in zip(design.sites.tolist(), _rounded(values, decimals), strict=True):
+    for site, value in zip(design.sites.tolist(), numbers(np.asarray(values), DIGITS), strict=True):
         listed[site] = value
     return listed
-
-
-def _rounded(values: ArrayLike, decimals: int) -> list[float]:
-    return np.round(np.asarray(values, dtype=float), decimals).tolist()  # type: ignore[no-any-return]

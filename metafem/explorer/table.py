@@ -1,300 +1,243 @@
-"""The table of a specification: its values and their one writer, and what the page calls its keys."""
+"""The table of a specification, which is the state of the page: its edits, its text, and names of its keys.
+
+A table has the values of TOML by section and key. No function changes the table that it is given.
+"""
 
 from __future__ import annotations
 
-import copy
 import re
-from collections.abc import Mapping, Sequence
-from functools import cache, lru_cache
+from collections.abc import Mapping
+from functools import cache
 from typing import Any
 
 import rtoml
 
-from metafem.errors import InvalidInput
-from metafem.files import DEMOS, KeyForm, SectionForm, demo_text, section_forms, toml_table
+from metafem.errors import refuse_if
+from metafem.explorer.fields import shown, typed_value, unit_of
+from metafem.files import Form, section_forms
 
-# Titles of sections whose names do not explain themselves.
+Table = Mapping[str, Any]
+
+# Titles of sections and labels of keys whose names do not explain themselves.
 TITLES: Mapping[str, str] = {
     "target": "Target law", "part": "Part files", "lattice": "Sites and radius", "tools": "Choice of tools",
     "sites": "Given heights, empty sites", "limits": "Heights",
     "contact": "Contact law", "contact.cap": "Cap under adhesion",
-}  # fmt: skip
-
-# Labels of keys whose names do not explain themselves.
-LABELS: Mapping[str, str] = {
-    "lattice.shape": "rows, columns",
-    "lattice.radius": "radius of curvature",
-    "limits.max_height": "largest height",
-    "limits.min_height": "smallest height",
+    "lattice.shape": "rows, columns", "lattice.radius": "radius of curvature",
+    "limits.max_height": "largest height", "limits.min_height": "smallest height",
     "limits.height_sd": "error when made (SD)",
-    "model.kind": "model",
-    "material.composite_modulus": "composite modulus E*",
-    "material.poisson_ratio": "Poisson's ratio ν",
-    "friction.shear_strength": "shear strength σ",
-    "friction.area_ratio": "area ratio B",
-    "tools.radii": "radii of the tools",
-    "tools.caps": "their caps",
-    "tools.radius_range": "any radius within",
-    "tools.step": "step of these radii",
-    "tools.exponent_range": "any exponent within",
-    "tools.exponent_step": "step of these exponents",
-    "layout.seed": "random seed",
-    "layout.tilt": "against a tilt of",
-    "sites.empty": "empty sites",
-    "sites.pinned": "sites with given heights",
-    "sites.heights": "their heights",
-}
+    "material.composite_modulus": "composite modulus E*", "material.poisson_ratio": "Poisson's ratio ν",
+    "friction.shear_strength": "shear strength σ", "friction.area_ratio": "area ratio B",
+    "tools.radii": "radii of the tools", "tools.caps": "their caps",
+    "sites.pinned": "sites with given heights", "sites.heights": "their heights",
+    "model.kind": "model", "layout.seed": "random seed", "layout.tilt": "against a tilt of",
+}  # fmt: skip
 
 # A name in a message: a section in brackets, or a key with its section or with an underscore, and its entry.
 NAME = re.compile(r"\[([a-z]+(?:\.[a-z]+)?)\]|\b((?:[a-z]+\.){0,2}[a-z_]+)(?:\[(\d+)\])?(?![\w(])")
 
-# The place of an asperity, a list, and the example at the end of a message, in the notation of a file.
-PLACE = re.compile(r"(?<= at )\(([^,()]+), ([^()]+)\) mm")
-LIST = re.compile(r"(?<= = )\[[^=\n]*\]|\[[^\[\]\n]*,[^\[\]\n]*\]")
-EXAMPLE = re.compile(r"(write for example )(?:\w+ = )?(.+)$", re.MULTILINE)
 
-# Words about the notation of a specification, and those of a field.
-NOTATION = {
-    ", without quotes and unit": " without a unit",
-    ", without quotes": "",
-    " in square brackets": ", separated by commas",
-    " on a line of its own": "",
-}
-
-
-def title_of(section: str) -> str:
-    """Return the title of a section."""
-    return TITLES.get(section) or section.rpartition(".")[2].capitalize()
-
-
-def label_of(key: str) -> str:
-    """Return the label of the field of a key.
+def title_of(name: str) -> str:
+    """Return the title of a section, or the label of a key with its section.
 
     Examples
     --------
-    >>> label_of("limits.max_height"), label_of("lattice.pitch")
-    ('largest height', 'pitch')
+    >>> title_of("limits.max_height"), title_of("lattice.pitch"), title_of("block")
+    ('largest height', 'pitch', 'Block')
     """
-    return LABELS.get(key) or key.rpartition(".")[2].replace("_", " ")
+    words = name.rpartition(".")[2].replace("_", " ")
+    return TITLES.get(name) or (words.capitalize() if name in section_forms() else words)
 
 
 def on_page(message: str) -> str:
-    """Return a message with the page's names of sections and keys, without the notation of a specification.
+    """Return a message with the page's names of sections and keys.
 
     Examples
     --------
-    >>> on_page("the asperity at (1, 2) mm is too high; lower max_height or omit [block]")
-    'the asperity at x = 1 mm, y = 2 mm is too high; lower “largest height” or omit “Block”'
-    >>> on_page('lattice.shape[0] is missing; write for example shape = [8, 8]')
-    '“rows, columns”, entry 1 is missing; write for example 8, 8'
+    >>> on_page("the cap is too high; lower max_height or omit [block]")
+    'the cap is too high; lower “largest height” or omit “Block”'
+    >>> on_page("lattice.shape[0] is missing")
+    '“rows, columns”, entry 1 is missing'
     """
-    message = PLACE.sub(r"x = \1 mm, y = \2 mm", message)
-    for notation, words in NOTATION.items():
-        message = message.replace(notation, words)
-    message = LIST.sub(lambda found: _plain(found[0]), message)
-    message = EXAMPLE.sub(lambda found: found[1] + _plain(found[2]), message)
     return NAME.sub(_named, message)
-
-
-def _plain(value: str) -> str:
-    """Return a value as a field shows it, without brackets and quotes."""
-    return re.sub(r"[\[\]\"']", "", value)
 
 
 def _named(found: re.Match[str]) -> str:
     section, name, entry = found.groups()
-    known = _known()
-    if section is not None:
-        return f"“{title_of(section)}”" if section in known else found[0]
-    if name not in known or not (entry or re.search(r"[._]", name)):
+    place = places().get(section or name)
+    if place is None or not (section or entry or re.search(r"[._]", name)):
         return found[0]
-    return f"“{known[name]}”" + (f", entry {int(entry) + 1}" if entry else "")
+    return f"“{title_of(place)}”" + (f", entry {int(entry) + 1}" if entry else "")
 
 
 @cache
-def _known() -> Mapping[str, str]:
-    """Return the page's name of each section, of each key with its section, and of each key alone."""
-    found: dict[str, str] = {}
-    for form in section_forms().values():
-        found[form.name] = title_of(form.name)
-        for name in dict.fromkeys(key.name for key in form.every):
-            label = label_of(f"{form.name}.{name}")
-            found[f"{form.name}.{name}"] = label
-            found.setdefault(name, label)
-    return {**found, "height_sd": label_of("limits.height_sd")}
+def places() -> Mapping[str, str]:
+    """Return each section, and each key with its section, by its name and, where it is first, by its last."""
+    found = {name: name for name in section_forms()} | {"height_sd": "limits.height_sd"}
+    for section, form in section_forms().items():
+        names = [key["name"] for keys in form["keys"].values() for key in keys]
+        for name in [*names, *["kind"] * bool(form["kinds"])]:
+            found[f"{section}.{name}"] = f"{section}.{name}"
+            found.setdefault(name, f"{section}.{name}")
+    return found
 
 
-def form_of(section: str) -> SectionForm | None:
-    """Return the form of a section such as ``limits`` or ``contact.cap``; None for an unknown section.
+def value_of(table: Table, key: str) -> Any:
+    """Return the value of a dotted key, or of a section; None if the table does not have it."""
+    found: Any = table
+    for part in key.split("."):
+        found = found.get(part) if isinstance(found, Mapping) else None
+    return found
+
+
+def section_of(table: Table, name: str) -> dict[str, Any]:
+    """Return the keys and values of a section; none if the table does not have the section."""
+    found = value_of(table, name)
+    return found if isinstance(found, dict) else {}
+
+
+def keys_of(section: str, kind: object = None) -> list[Form]:
+    """Return the descriptions of the keys of a section of a kind; none if unknown."""
+    form = section_forms().get(section, {"kinds": {}, "keys": {}})
+    keys: list[Form] = form["keys"].get(str(kind) if form["kinds"] else "", [])
+    return keys
+
+
+def with_values(table: Table, values: Mapping[str, Any]) -> Table:
+    """Return the table with new values of dotted keys; the value None removes a key.
+
+    Missing sections are added, and optional sections without a key that is left are removed.
 
     Examples
     --------
-    >>> form_of("limits").optional
-    False
+    >>> with_values({"checks": {"hardness": "1 MPa"}}, {"checks.hardness": None, "limits.offset": "1 um"})
+    {'limits': {'offset': '1 um'}}
     """
-    return section_forms().get(section)
+    for key, value in values.items():
+        table = _with(table, key, value)
+    return table
 
 
-def keys_of(section: str, kind: object = None) -> tuple[KeyForm, ...]:
-    """Return the forms of the keys of a section of a kind, in the order of the manual; none if unknown."""
-    form = form_of(section)
-    return () if form is None else form.keys.get(str(kind) if form.kinds else "", ())
+def _with(table: Table, key: str, value: Any, outer: str = "") -> dict[str, Any]:
+    name, _, rest = key.partition(".")
+    if rest:
+        section, inner = f"{outer}{name}", table.get(name, {})
+        wrong = f"{section} is not a section in the text; write [{section}] on a line of its own"
+        refuse_if(not isinstance(inner, dict), wrong)
+        value = _with(inner, rest, value, f"{section}.")
+        required = not section_forms().get(section, {"optional": True})["optional"]
+        value = value if value or (name in table and required) else None
+    others = {each: other for each, other in table.items() if each != name or value is not None}
+    return others if value is None else {**others, name: value}
 
 
-def order_of(section: str, kind: object = None) -> tuple[str, ...]:
-    """Return the keys of a section of a kind in the order of the manual; for "", the outer sections.
+def with_only(table: Table, section: str, values: Mapping[str, Any]) -> Table:
+    """Return the table with these keys and values of a section alone."""
+    values = {**dict.fromkeys(section_of(table, section)), **values}
+    return with_values(table, {f"{section}.{name}": value for name, value in values.items()})
+
+
+def with_section(
+    table: Table,
+    section: str,
+    kind: str = "",
+    choice: int | None = None,
+    same: Mapping[str, Any] | None = None,
+) -> Table:
+    """Return the table with a section of a kind, default: the first, and of an alternative set of its keys.
+
+    It has the present values of the keys that the kind and the set have. The required keys that it lacks have
+    the values `same` or the examples of the manual; if another kind lacks a list, all its lists are examples.
 
     Examples
     --------
-    >>> order_of("contact", "kogut-etsion"), order_of("")[:2]
-    (('kind', 'hardness'), ('target', 'material'))
+    >>> with_section({"target": {"kind": "linear", "slope": 7.0}}, "target", "linear", 1)
+    {'target': {'kind': 'linear', 'friction_coefficient': 1.5}}
     """
-    if not section:
-        return tuple(name for name in section_forms() if "." not in name)
-    return ("kind", *(key.name for key in keys_of(section, kind)))
+    given, form = section_of(table, section), section_forms()[section]
+    kind = kind or next(iter(form["kinds"]), "")
+    keys = keys_of(section, kind)
+    if choice is None:
+        of_given = [key["choice"] for key in keys if key["name"] in given and key["choice"] is not None]
+        choice = of_given[0] if of_given else 0
+    fit = [key for key in keys if key["choice"] in (None, choice)]
+    for lists in (True, False):
+        kept = {key["name"]: given[key["name"]] for key in fit if key["name"] in given}
+        kept = {name: value for name, value in kept.items() if lists or not isinstance(value, list)}
+        lacks = [key for key in fit if not key["optional"] or key["choice"] == choice]
+        lacks = [key for key in lacks if key["name"] not in kept]
+        values = {key["name"]: (same or {}).get(key["name"], key["example"]) for key in lacks}
+        if kind == given.get("kind", kind) or not any(isinstance(each, list) for each in values.values()):
+            break
+    if not kept and not values and keys:
+        values = {keys[0]["name"]: keys[0]["example"]}
+    values = {**kept, **values, **({"kind": kind} if kind else {})}
+    return _with_radius(with_only(table, section, values), section)
 
 
-# A string or a comment in TOML; only a comment is captured.
-COMMENT = re.compile(
-    r"'''[\s\S]*?'''|\"\"\"(?:\\[\s\S]|[^\\])*?\"\"\"|'[^'\n]*'|\"(?:\\.|[^\"\\\n])*\"|(#.*)"
-)
+def without_section(table: Table, section: str) -> Table:
+    """Return the table without a section."""
+    return _with_radius(with_only(table, section, {}), section)
 
 
-# Number of texts whose values are stored: the newest ones of the open pages, which are few. Each part of a
-# page reads the text of an answer again.
-TEXTS = 8
+def with_field(table: Table, key: str, typed: str) -> Table:
+    """Return the table with the value that the user typed for a key; an empty value removes the key.
 
-_table_of = lru_cache(TEXTS)(toml_table)
-
-
-class Document:
-    """The values of a specification, and methods that return its text with other values.
-
-    A changed text is written from the values alone, in the order of the manual with the lists of a section
-    last; comments end. A change that sets what is given already returns the text as it is.
-
-    Parameters
-    ----------
-    text : str
-        A specification, or any other TOML text.
+    A number without a unit has the unit of the value before. Decimal commas become points; in a list of plain
+    numbers, only where semicolons separate the entries. An invalid value stays as typed, so that the reader
+    of the specification reports the error. If the key belongs to one of several choices, the keys of the
+    other choices are removed; if it is a kind, the keys that the new kind does not have.
 
     Raises
     ------
     InvalidInput
-        If the text is not valid TOML.
+        If the specification has no such key.
 
     Examples
     --------
-    >>> text = Document("[limits]  # of the workshop\\noffset = '1 um'").with_values(
-    ...     {"limits.max_height": "120 um"}
-    ... )
-    >>> print(text)
-    [limits]
-    max_height = "120 um"
-    offset = "1 um"
-    <BLANKLINE>
+    >>> with_field({"limits": {"max_height": "120 um"}}, "limits.max_height", "90,5")
+    {'limits': {'max_height': '90.5 um'}}
     """
-
-    def __init__(self, text: str) -> None:
-        self.text = text
-        self.table = _table_of(text)  # shared, and never changed
-
-    def value(self, key: str) -> Any:
-        """Return the value of a dotted key; None if the text does not have the key."""
-        found: Any = self.table
-        for part in key.split("."):
-            found = found.get(part) if isinstance(found, dict) else None
-        return found
-
-    def section(self, name: str) -> dict[str, Any]:
-        """Return the keys and values of a section; none if the text does not have the section."""
-        found = self.value(name)
-        return found if isinstance(found, dict) else {}
-
-    def keys(self, section: str) -> tuple[KeyForm, ...]:
-        """Return the forms of the keys that a section of the kind in the text can have."""
-        return keys_of(section, self.value(f"{section}.kind"))
-
-    def with_kind(self, section: str, kind: str, values: Mapping[str, Any] | None = None) -> str:
-        """Return the text with a section changed to another kind.
-
-        `values` are the keys and values of the new section. Default: the present values of the keys that the
-        new kind has, and the examples of the manual for missing required keys. If a list is missing, all
-        lists are those of the examples. All other keys are removed.
-        """
-        given, forms = self.section(section), keys_of(section, kind)
-        if values is None:
-            kept = {form.name: given[form.name] for form in forms if form.name in given}
-            if any(isinstance(value, list) for value in _examples(forms, kept).values()):
-                kept = {name: value for name, value in kept.items() if not isinstance(value, list)}
-            values = kept | _examples(forms, kept)
-        keys = dict.fromkeys(given) | dict(values) | {"kind": kind}
-        return self.with_values({f"{section}.{name}": value for name, value in keys.items()})
-
-    def with_values(self, values: Mapping[str, Any]) -> str:
-        """Return the text with new values of dotted keys; the value None removes a key.
-
-        Missing sections are added, and optional sections without a key that is left are removed.
-        """
-        table = copy.deepcopy(self.table)
-        for key, value in values.items():
-            _set(table, key, value)
-        # repr distinguishes 1, 1.0 and true, and nan equals nan
-        return self.text if repr(table) == repr(self.table) else rtoml.dumps(_ordered(table))
+    section, _, name = key.rpartition(".")
+    typed, old = typed.strip(), value_of(table, key)
+    forms = {form["name"]: form for form in keys_of(section, value_of(table, f"{section}.kind"))}
+    is_kind = name == "kind" and bool(section_forms().get(section, {}).get("kinds"))
+    refuse_if(not is_kind and name not in forms, f'a specification has no key "{key:.60}" here')
+    if typed == shown(old):
+        return table
+    if not typed:
+        return with_values(table, {key: None})
+    if is_kind:
+        return with_section(table, section, typed)
+    form = forms[name]
+    others = [each for each in forms.values() if None not in (form["choice"], each["choice"])]
+    values = {f"{section}.{each['name']}": None for each in others if each["choice"] != form["choice"]}
+    return with_values(table, {**values, key: typed_value(form, typed, unit_of(old))})
 
 
-def section_of(text: str, name: str) -> dict[str, Any]:
-    """Return the keys and values of a section; none if the text cannot be read or lacks the section."""
-    try:
-        return Document(text).section(name)
-    except InvalidInput:
-        return {}
+def _with_radius(table: Table, section: str) -> Table:
+    """Return a table with ``lattice.radius``, unless the changed section ``tools`` replaces it.
 
-
-def loses_comments(before: str, after: str) -> bool:
-    """Return whether a changed text has lost a comment that is not one of a demo.
-
-    Examples
-    --------
-    >>> loses_comments("a = '#' # of mine", "a = 2"), loses_comments("a = '#'", "a = 2")
-    (True, False)
+    Exponents of tools are those of caps with the radius of the lattice. A missing radius is the example of
+    the manual.
     """
-    known = {words.strip() for text in (after, *map(demo_text, DEMOS)) for words in COMMENT.findall(text)}
-    return any(words.strip() not in known | {""} for words in COMMENT.findall(before))
+    if section != "tools":
+        return table
+    example = next(key["example"] for key in keys_of("lattice") if key["name"] == "radius")
+    needed = value_of(table, "tools") is None or value_of(table, "tools.exponent_range") is not None
+    radius = (value_of(table, "lattice.radius") or example) if needed else None
+    return with_values(table, {"lattice.radius": radius})
 
 
-def _set(table: dict[str, Any], key: str, value: Any, outer: str = "") -> None:
-    """Set the value of a dotted key in a table, or remove the key and the optional section it empties."""
-    name, _, rest = key.partition(".")
-    if rest:
-        section, inner = f"{outer}{name}", table.get(name, {})
-        if not isinstance(inner, dict):
-            words = f"{section} is not a section in the text; write [{section}] on a line of its own"
-            raise InvalidInput(words)
-        _set(inner, rest, value, f"{section}.")
-        form = form_of(section)
-        stays = inner or (name in table and form is not None and not form.optional)
-        value = inner if stays else None
-    if value is None:
-        table.pop(name, None)
-    else:
-        table[name] = value
+def written(table: Table) -> str:
+    """Return the text of a table, in the order of the manual with the lists of a section last."""
+    return rtoml.dumps(_ordered(table))
 
 
 def _ordered(value: Any, section: str = "") -> Any:
-    """Return a table with its keys in the order of the manual, unknown keys last; other values unchanged."""
-    if not isinstance(value, dict):
+    if not isinstance(value, Mapping):
         return value
-    order = order_of(section, value.get("kind"))
+    order = ["kind", *(key["name"] for key in keys_of(section, value.get("kind")))]
+    order = order if section else [*section_forms()]
     names = sorted(value, key=lambda name: order.index(name) if name in order else len(order))
     return {name: _ordered(value[name], f"{section}.{name}".lstrip(".")) for name in names}
-
-
-def _examples(forms: Sequence[KeyForm], kept: Mapping[str, Any]) -> dict[str, Any]:
-    """Return example values for the required keys that are not in `kept`."""
-    choice = next((form.choice for form in forms if form.choice is not None and form.name in kept), 0)
-    return {
-        form.name: form.example
-        for form in forms
-        if form.name not in kept and (not form.optional or form.choice == choice)
-    }

@@ -2,11 +2,10 @@ from .calibrated import CalibratedParameters as CalibratedParameters
 from .calibrated import CalibrationData as CalibrationData
 from .calibrated import calibration_data as calibration_data
 from .calibrated import calibration_text as calibration_text
-from .calibrated import interval as interval
 from .calibrated import of_tables as of_tables
+from .calibrated import printed as printed
 from .calibrated import read_calibration as read_calibration
 from .calibrated import read_parameters as read_parameters
-from .calibrated import rounded as rounded
 from .contacts import contacts_table as contacts_table
 from .contacts import read_contacts as read_contacts
 from .disk import refuse_existing as refuse_existing
@@ -30,8 +29,7 @@ from .result import stored_studies as stored_studies
 from .result import study_data as study_data
 from .result import study_path as study_path
 from .result import write_study as write_study
-from .specification.forms import KeyForm as KeyForm
-from .specification.forms import SectionForm as SectionForm
+from .specification.forms import Form as Form
 from .specification.forms import all_keys as all_keys
 from .specification.forms import manual as manual
 from .specification.forms import schema_text as schema_text
@@ -43,6 +41,7 @@ from .specification.options import chosen_model as chosen_model
 from .specification.options import contact_named as contact_named
 from .specification.options import section_named as section_named
 from .specification.read import Specification as Specification
+from .specification.read import of_table as of_table
 from .specification.read import parsed as parsed
 from .specification.read import read_spec as read_spec
 from .specification.read import refuse_missing_block as refuse_missing_block

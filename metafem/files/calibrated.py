@@ -1,4 +1,4 @@
-"""Calibrations: reading of the tables of tests, and the file of a result with its covariance."""
+"""Calibrations: the points in tables of tests, and the file of a result with its covariance."""
 
 from __future__ import annotations
 
@@ -7,24 +7,19 @@ import math
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass, field, replace
-from itertools import chain
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from metafem import _validate as check
 from metafem._given import printable, unit_of
 from metafem._validate import FloatArray
-from metafem.calibration import (
-    ContactCalibration,
-    ShearCalibration,
-    at_peak,
-    joint_covariance,
-)
+from metafem.calibration import Calibration, at_peak, joint_covariance
 from metafem.calibration.contact_table import by_image, pressed_images, sheared_points
-from metafem.calibration.statistics import UNITS, Estimate, Line, checked_covariance
+from metafem.calibration.statistics import UNITS, checked_covariance
+from metafem.contact import Hertz
 from metafem.errors import InvalidInput, refuse_if
 from metafem.files.contacts import contacts_of
 from metafem.files.disk import TABLE, file_label, read_bytes
@@ -38,7 +33,10 @@ from metafem.files.tables import (
     read_table,
     row_of,
 )
-from metafem.notes import Note, information
+from metafem.notes import Note
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 COLUMNS = Columns(
     "test,load_mN,area_mm2,area_1_mm2,area_before_mm2,area_sheared_mm2,friction_force_mN,displacement_um",
@@ -48,41 +46,32 @@ COLUMNS = Columns(
     "test, or displacement_um,friction_force_mN,area_mm2 of the record of one pull (or in other units)",
 )
 
+# Measured quantities of a shear test.
+SHEARED = ["area_before", "area_sheared", "friction_force"]
+
 # First line of the file of a calibration.
 FIRST = """# Calibration by metafem: sections of a specification, with 68 % intervals. [covariance] is for
 # metafem study uncertainty --calibration and metafem compare --calibration."""
 
-# mJ/m^2 in N/mm.
-ENERGY = 1e-6
+# Unit in which a quantity is printed, and its size in the package's unit, where this is not the package's.
+PRINTED = {"adhesion_energy": ("mJ/m^2", 1e-6), "radius": ("um", 1e-3)}
 
 
 @dataclass(frozen=True, eq=False)
-class Points:
-    """Measured quantities of points, with the label of the test and the location in a file of each point.
-
-    The quantities are loads (k,) [N] and areas (k,) or (k, n) [mm^2] of compression tests, or areas before
-    and under shear [mm^2] and friction forces [N], (k,), nan if not measured.
-    """
-
-    values: tuple[FloatArray, ...]
-    test: tuple[str, ...]
-    place: tuple[str, ...]
-
-
-@dataclass(eq=False)
 class CalibrationData:
     """Points of several tables, pooled by their kind; None without a table of a kind.
 
-    `contacts` is the number of contacts, if a table has their areas one by one. If all tables are those of
-    contacts in images with errors, `boundary` is the rms error of the contacts' boundary [mm], otherwise
-    None. `notes` state what is left out.
+    The columns of `compression` are ``load`` [N] and ``area`` (the total) or ``area_1``, ``area_2`` ...
+    [mm^2], those of `shear` ``area_before`` and ``area_sheared`` [mm^2] and ``friction_force`` [N], nan if
+    not measured. Both have the columns ``test``, the label of the test, and ``place``, the location of the
+    point in a file. If all tables are those of contacts in images with errors, `boundary` is the rms error of
+    the contacts' boundary [mm], otherwise None. `notes` state what is left out.
     """
 
-    compression: Points | None = None
-    shear: Points | None = None
-    contacts: int | None = None
-    boundary: float | None = None
-    notes: list[Note] = field(default_factory=list)
+    compression: DataFrame | None
+    shear: DataFrame | None
+    boundary: float | None
+    notes: list[Note]
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,8 +104,12 @@ def read_calibration(paths: Iterable[str | Path], *, columns: Mapping[str, str] 
     columns : mapping of str to str
         Titles in the files by the names that they stand for; see `read_table`.
     """
-    data, pressed, sheared = CalibrationData(), list[Points](), list[Points]()
-    boundaries = list[float | None]()
+    import pandas as pd
+
+    notes: list[Note] = []
+    pressed: list[DataFrame] = []
+    sheared: list[DataFrame] = []
+    boundaries: list[float | None] = []
     files = [Path(path) for path in paths]
     stems = [path.stem for path in files]
     for path in files:
@@ -125,115 +118,93 @@ def read_calibration(paths: Iterable[str | Path], *, columns: Mapping[str, str] 
         # files of the same name in different folders are different tests
         label = path.stem if stems.count(path.stem) == 1 else str(path.with_suffix(""))
         if is_of_contacts(table):
-            boundaries.append(_of_contacts(table, label, pressed, sheared, data.notes))
-            continue
-        boundaries.append(None)
-        entries = COLUMNS.read(table)
-        if "displacement" in entries.columns:
-            sheared.append(_pull(entries))
+            one, other, boundary, left_out = _of_contacts(table, label)
+            boundaries.append(boundary)
+            notes += left_out
         else:
-            _points(entries, label, pressed, sheared)
-    numbers = {part.values[1].shape[1]: part.place[0] for part in pressed if part.values[1].ndim == 2}
-    found = " and ".join(f"{number} ({place})" for number, place in numbers.items())
+            one, other = _of_tests(COLUMNS.read(table), label)
+            boundaries.append(None)
+        pressed += [one] * (len(one) > 0)
+        sheared += [other] * (len(other) > 0)
+    # 0 contacts stand for their total area
+    counts = {sum("area_" in name for name in each): each["place"].iloc[0] for each in pressed}
+    found = " and ".join(f"{count or 'a total'} ({place})" for count, place in counts.items())
     same = "tests that are pooled have the same contacts, so calibrate them one by one"
-    refuse_if(len(numbers) > 1, f"the tables hold the areas of {found} contacts; {same}")
-    if numbers and any(part.values[1].ndim == 1 for part in pressed):
-        words = "some tables hold the areas of single contacts and others their total; the totals are used"
-        data.notes.append(information(words))
-        pressed = [replace(part, values=(part.values[0], _total(part.values[1]))) for part in pressed]
-    data.compression, data.shear = _pooled(pressed), _pooled(sheared)
-    data.contacts = next(iter(numbers), None)
+    refuse_if(len(counts) > 1, f"the tables hold the areas of {found} contacts; {same}")
     known = [each for each in boundaries if each is not None]
-    if known and len(known) == len(boundaries):
-        data.boundary = float(np.sqrt(np.mean(np.square(known))))
-    return data
+    rms = float(np.sqrt(np.mean(np.square(known)))) if len(known) == len(files) else None
+    pressing, shear = (pd.concat(parts, ignore_index=True) if parts else None for parts in (pressed, sheared))
+    return CalibrationData(pressing, shear, rms, notes)
 
 
-def _pooled(parts: Sequence[Points]) -> Points | None:
-    """Return all points of one kind of test, or None if there are no such tests."""
-    if not parts:
-        return None
-    values = tuple(np.concatenate(each) for each in zip(*(part.values for part in parts), strict=True))
-    test, place = (tuple(chain(*(getattr(part, name) for part in parts))) for name in ("test", "place"))
-    return Points(values, test, place)
+def _total(points: DataFrame) -> FloatArray:
+    """Return the total area of all contacts at each point, (k,); nan without areas."""
+    names = [name for name in points if SINGLE.fullmatch(name) or name in ("area", "area_before")]
+    return np.asarray(points[names].sum(axis=1, skipna=False) if names else np.full(len(points), np.nan))
 
 
-def _total(area: FloatArray) -> FloatArray:
-    """Return the total area of all contacts at each point, (k,)."""
-    return area if area.ndim == 1 else np.asarray(area.sum(axis=1))
+def _of_tests(entries: Entries, label: str) -> tuple[DataFrame, DataFrame]:
+    """Return the points of compression and of shear tests in a table, which may be empty."""
+    import pandas as pd
 
-
-def _points(entries: Entries, label: str, pressed: list[Points], sheared: list[Points]) -> None:
-    """Append the points of a compression test, of a shear test, or of both."""
-    file, columns = entries.table.name, entries.columns.keys() - {"test"}
-    of_shear = "area_sheared" in columns  # entries of a shear test may be empty
-    values = {name: entries.numbers(name, empty=of_shear) for name in columns}
-    single = sorted((name for name in values if SINGLE.fullmatch(name)), key=lambda name: int(name[5:]))
-    areas = [*single[:1], *({"area", "area_before"} & values.keys())]
+    names, file = entries.columns.keys() - {"test"}, entries.table.name
+    of_shear, record = "area_sheared" in names, "displacement" in names
+    single = sorted((name for name in names if SINGLE.fullmatch(name)), key=lambda name: int(name[5:]))
+    areas = [*single[:1], *sorted({"area", "area_before"} & names)]
     refuse_if(len(areas) > 1, f"{file} has the columns {' and '.join(sorted(areas))}; keep one")
-    area = values.get(areas[0]) if areas else None
-    if single:
-        area = np.stack([values[name] for name in single], axis=1)
-    place, test = entries.places(), _tests(entries, label)
-    if "load" in values and area is not None:
-        known = np.flatnonzero(np.isfinite(values["load"]) & np.isfinite(_total(area)))
-        own = (tuple(each[i] for i in known) for each in (test, place))
-        pressed.append(Points((values["load"][known], area[known]), *own))
-    if of_shear and (area is not None or "friction_force" in values):
-        missing = np.full(len(place), np.nan)
-        before, force = missing if area is None else _total(area), values.get("friction_force", missing)
-        sheared.append(Points((before, values["area_sheared"], force), tuple(test), tuple(place)))
-    elif "load" not in values or area is None:
-        raise COLUMNS.lacking(entries)
+    needed = {"friction_force", "area"} if record else set[str]()
+    enough = (areas and "load" in names) or (of_shear and (areas or "friction_force" in names))
+    if needed - names or not (record or enough):
+        raise COLUMNS.lacking(entries, *sorted(needed - names, reverse=True))
+    area = single or areas
+    # entries of a shear test may be empty, and those of the area in the record of a pull
+    read = {name: entries.numbers(name, empty=of_shear or (record and name in area)) for name in names}
+    points = pd.DataFrame({name: read[name] for name in ["load", *area, *SHEARED[1:]] if name in names})
+    tests = [printable(text, 60) for text in entries.texts("test")]
+    points["test"] = tests if "test" in entries.columns else label
+    points["place"] = entries.places()
+    if record:
+        with entries.located():
+            peak = [at_peak(read["displacement"], read["friction_force"], of) for of in (read["area"], None)]
+        # the first frame shows the contacts before shear
+        test = tests[0] if "test" in entries.columns else "records"
+        values = [[read["area"][np.isfinite(read["area"])][0], *peak, test, file]]
+        return points[:0], pd.DataFrame(values, columns=[*SHEARED, "test", "place"])
+    sheared = points.assign(area_before=_total(points)).reindex(columns=[*SHEARED, "test", "place"])
+    if "load" not in names or not area:
+        return points[:0], sheared
+    return points[["load", *area, "test", "place"]].dropna(), sheared if of_shear else sheared[:0]
 
 
-def _tests(entries: Entries, default: str) -> list[str]:
-    """Return the label of the test of each line."""
-    if "test" not in entries.columns:
-        return [default] * len(entries.table.rows)
-    return [printable(text, 60) for text in entries.texts("test")]
+def _of_contacts(table: Table, label: str) -> tuple[DataFrame, DataFrame, float | None, list[Note]]:
+    """Return the points of a table of contacts, and notes on images that are left out.
 
-
-def _pull(entries: Entries) -> Points:
-    """Return the single point of static friction that the record of one pull yields."""
-    missing = [name for name in ("friction_force", "area") if name not in entries.columns]
-    if missing:
-        raise COLUMNS.lacking(entries, *missing)
-    displacement, force = entries.numbers("displacement"), entries.numbers("friction_force")
-    area = entries.numbers("area", empty=True)
-    with entries.located():
-        sheared, friction = at_peak(displacement, force, area), at_peak(displacement, force)
-    before = area[np.isfinite(area)][:1]  # the first frame shows the contacts before shear
-    values = before, np.array([sheared]), np.array([friction])
-    return Points(values, (_tests(entries, "records")[0],), (entries.table.name,))
-
-
-def _of_contacts(
-    table: Table, label: str, pressed: list[Points], sheared: list[Points], notes: list[Note]
-) -> float | None:
-    """Append the points of a table of contacts, and notes on images that are left out.
-
-    Return the rms error of the contacts' boundary [mm] that explains the errors of the areas, or None.
+    The third value is the rms error of the contacts' boundary [mm] that explains the errors of the areas, or
+    None.
     """
-    contacts, name = contacts_of(table), table.name
+    import pandas as pd
+
+    contacts = contacts_of(table)
     images, areas = by_image(contacts)
-    place = [f"{name}, image {image}" for image in images["image"]]
-    test = [each or label for each in images["test"]]
+    known = pd.DataFrame({"test": images["test"].replace("", label)})
+    known["place"] = [f"{table.name}, image {image}" for image in images["image"]]
     used, left_out = pressed_images(contacts)
     points, image, without = sheared_points(contacts)
-    for parts, values, rows in (
-        (pressed, (images["load"].to_numpy()[used], areas["area"][used]), used),
-        (sheared, tuple(points), image),
-    ):
-        if rows.size:
-            parts.append(Points(values, *(tuple(each[i] for i in rows) for each in (test, place))))
+    pressed = pd.DataFrame(areas["area"][used]).rename(columns=lambda i: f"area_{i + 1}")
+    pressed.insert(0, "load", images["load"].to_numpy()[used])
+    sheared = pd.DataFrame(points.T, columns=SHEARED)
     why = "; ".join(map(str, left_out)) or "no image has a load and an area"
     must = f"holds neither images with a load and the areas of all contacts, nor sheared areas: {why}"
-    refuse_if(not used.size and not image.size, f"{name} {must}")
-    notes += [replace(note, text=f"{name}: {note}") for note in (*left_out, *without)]
-    known = contacts[contacts["area"] > 0.0]
-    errors = known["area_error"] / (2.0 * np.sqrt(np.pi * known["area"]))
-    return float(np.sqrt(np.mean(errors**2))) or None if errors.size else None
+    refuse_if(not used.size and not image.size, f"{table.name} {must}")
+    closed = contacts[contacts["area"] > 0.0]
+    errors = closed["area_error"] / (2.0 * np.sqrt(np.pi * closed["area"]))
+    boundary = float(np.sqrt(np.mean(errors**2))) or None if errors.size else None
+    notes = [Note(f"{table.name}: {note}", note.level) for note in (*left_out, *without)]
+    both = (
+        pd.concat([values, known.iloc[rows].reset_index(drop=True)], axis=1)
+        for values, rows in ((pressed, used), (sheared, image))
+    )
+    return *both, boundary, notes
 
 
 @contextmanager
@@ -254,67 +225,51 @@ def of_tables(files: Sequence[str], places: Sequence[str] = ()) -> Iterator[None
         raise InvalidInput(f"{', '.join(files)}: {text}") from None
 
 
-def calibration_data(contact: ContactCalibration | None, shear: ShearCalibration | None) -> dict[str, Any]:
+def calibration_data(contact: Calibration | None, shear: Calibration | None) -> dict[str, Any]:
     """Return the results for JSON; ``covariance`` has the values and the covariance of the parameters."""
-    kinds = {"compression": contact, "shear": shear}
-    found = {kind: each for kind, each in kinds.items() if each is not None}
+    found = {kind: each for kind, each in (("compression", contact), ("shear", shear)) if each is not None}
     names, matrix = joint_covariance(*found.values())
-    values = {} if contact is None else {"radius": contact.radius}
-    for each in found.values():
-        values |= {name: estimate.value for name, estimate in each.estimates.items()}
+    values = {name: each.value for one in found.values() for name, each in one.estimates.items()}
     covariance = {
         "parameters": list(names),
         "units": [UNITS[name] for name in names],
-        "values": [float(values[name]) for name in names],
+        "values": [values[name] for name in names],
         "matrix": matrix.tolist(),
     }
     return {kind: each.to_dict() for kind, each in found.items()} | {"covariance": covariance}
 
 
 def calibration_text(
-    contact: ContactCalibration | None,
-    shear: ShearCalibration | None,
+    contact: Calibration | None,
+    shear: Calibration | None,
     *,
     sources: Sequence[str] = (),
-    cap: Mapping[str, Any] | None = None,
 ) -> str:
-    """Return the results as TOML: sections of a specification, and the section ``[covariance]``.
-
-    `cap` is the section of the contact law of the caps; default: that of Hertz.
-    """
+    """Return the results as TOML: sections of a specification, and the section ``[covariance]``."""
     lines = [FIRST, *(f"# Measured: {source}" for source in sources)]
     if contact is not None:
-        modulus, energy = contact.estimates.values()
-        lines += ["", "[material]", _stated("composite_modulus", modulus, contact.lines[0])]
-        cap = cap or {"kind": "hertz"}
-        low, high = (end / ENERGY for end in energy.interval)
-        energy = Estimate(energy.value / ENERGY, 0.5 * (high - low), (low, high))
-        lines += ["", "[contact]"]
-        if contact.adhesive and cap["kind"] != "tabulated":
-            lines += ['kind = "jkr"', _stated("adhesion_energy", energy, contact.lines[0], "mJ/m^2")]
-            lines += ["", "[contact.cap]", *_keys(cap)] if cap["kind"] != "hertz" else []
+        lines += ["", "[material]", _stated("composite_modulus", contact), "", "[contact]"]
+        if contact.contact_law == Hertz():
+            _, interval, unit, _ = printed("adhesion_energy", contact)
+            lines += ['kind = "hertz"', f"# The adhesion energy is {interval} {unit}."]
         else:
-            lines += [*_keys(cap), f"# The adhesion energy is {interval(energy, 'mJ/m^2')}."]
+            lines += ['kind = "jkr"', _stated("adhesion_energy", contact)]
     if shear is not None:
-        ratio = shear.estimates["area_ratio"]._replace(value=shear.friction.area_ratio)
-        lines += ["", "[friction]"]
-        lines.append(_stated("shear_strength", shear.estimates["shear_strength"], shear.lines[1]))
-        lines.append(_stated("area_ratio", ratio, shear.lines[0]))
-    lines += ["", "[covariance]", *_keys(calibration_data(contact, shear)["covariance"])]
+        lines += ["", "[friction]", _stated("shear_strength", shear), _stated("area_ratio", shear)]
+    covariance = calibration_data(contact, shear)["covariance"]
+    # JSON strings, numbers and lists are valid in TOML
+    lines += ["", "[covariance]", *(f"{name} = {json.dumps(value)}" for name, value in covariance.items())]
     return "\n".join(lines) + "\n"
 
 
-def _stated(name: str, estimate: Estimate, line: Line, unit: str = "") -> str:
+def _stated(name: str, found: Calibration) -> str:
     """Return the line of a quantity with its interval."""
-    unit = (unit or UNITS[name]).replace("1", "")
-    value = f"{rounded(estimate.value, estimate.sd, 3)} {unit}".rstrip()
-    fits = "" if line.verdict.fits else "; the law does not fit"
-    return f"{name} = {json.dumps(value) if unit else value}  # {interval(estimate, unit)}{fits}"
-
-
-def _keys(section: Mapping[str, Any]) -> list[str]:
-    """Return the lines of a section's keys; JSON strings, numbers and lists are valid in TOML."""
-    return [f"{name} = {json.dumps(value, ensure_ascii=False)}" for name, value in section.items()]
+    value, interval, unit, _ = printed(name, found, digits=3)
+    if name == "area_ratio":
+        value = f"{min(float(value), 1.0):g}"  # errors may make the estimate larger
+    fits = "" if found.verdict.fits else "; the law does not fit"
+    text = json.dumps(f"{value} {unit}") if unit else value
+    return f"{name} = {text}  # {interval} {unit}".rstrip() + fits
 
 
 def read_parameters(path: str | Path) -> CalibratedParameters:
@@ -335,27 +290,25 @@ def read_parameters(path: str | Path) -> CalibratedParameters:
         raise InvalidInput(f"{label} is damaged: its [covariance] cannot be used: {error}") from None
 
 
-def rounded(value: float, sd: float, digits: int = 2) -> str:
-    """Return a value as text, with the decimals that show `digits` digits of its standard deviation.
+def printed(name: str, found: Calibration, digits: int = 2) -> tuple[str, str, str, str]:
+    """Return value, 68 % interval, unit and standard deviation of a quantity as texts.
+
+    The value has the decimals that show `digits` digits of its standard deviation, and the others two.
 
     Examples
     --------
-    >>> rounded(1.35987, 0.0193), rounded(0.37, 0.0)
-    ('1.360', '0.37')
+    >>> from metafem.calibration import shear
+    >>> found = shear([0.05, 0.1, 0.2], [0.0425, 0.085, 0.17], [0.0157, 0.0315, 0.0629])
+    >>> printed("area_ratio", found), printed("shear_strength", found)[2]
+    (('0.850', '0.840 to 0.860', '', '0.011'), 'MPa')
     """
-    if not (sd > 0.0 and math.isfinite(sd)):
-        return f"{value:.6g}"
-    places = digits - 1 - math.floor(math.log10(float(f"{sd:.{digits - 1}e}")))
-    return f"{value:.{max(places, 0)}f}"
+    unit, size = PRINTED.get(name, (UNITS[name].replace("1", ""), 1.0))
+    value, sd, (low, high) = found.estimates[name]
 
+    def text(number: float, digits: int = 2) -> str:
+        if not (sd > 0.0 and math.isfinite(sd)):
+            return f"{number / size:.6g}"
+        places = digits - 1 - math.floor(math.log10(float(f"{sd / size:.{digits - 1}e}")))
+        return f"{number / size:.{max(places, 0)}f}"
 
-def interval(estimate: Estimate, unit: str = "") -> str:
-    """Return an interval as text, with the decimals that show two digits of the standard deviation.
-
-    Examples
-    --------
-    >>> interval(Estimate(1.36, 0.0193, (1.3406, 1.3794)), "MPa")
-    '1.341 to 1.379 MPa'
-    """
-    low, high = (rounded(end, estimate.sd) for end in estimate.interval)
-    return f"{low} to {high} {unit}".rstrip()
+    return text(value, digits), f"{text(low)} to {text(high)}", unit, text(sd)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -52,7 +51,6 @@ def read_measured_law(
     friction: Friction | None = None,
     *,
     errors: MeasurementErrors | None = None,
-    label: str = "static",
     sites: IntArray | None = None,
 ) -> MeasuredLaw:
     """Return the measured friction law in a table.
@@ -69,8 +67,6 @@ def read_measured_law(
         Needed if the table has friction forces but no areas.
     errors : MeasurementErrors, optional
         Standard deviations for a table without such columns; default: those of the source paper.
-    label : str
-        Name of the law; default: "static".
     sites : ndarray of int, (n,), optional
         Site of each asperity of the design, ``Design.sites``, for a table of contacts. Default: the sites in
         the table are the numbers of the asperities.
@@ -102,7 +98,7 @@ def read_measured_law(
     if is_of_contacts(table):
         try:
             contacts = contacts_of(table)
-            return measured_law(contacts, material, friction, label=label, sites=sites, **options)
+            return measured_law(contacts, material, friction, sites=sites, **options)
         except InvalidInput as error:
             raise InvalidInput(f"{table.name}: {error}") from None
     entries = LAW.read(table)
@@ -114,7 +110,7 @@ def read_measured_law(
         "column area_mm2",
     )
     with entries.located():
-        return MeasuredLaw(**values, material=material, friction=friction, label=label, **options)
+        return MeasuredLaw(**values, material=material, friction=friction, **options)
 
 
 def read_law(
@@ -195,15 +191,30 @@ def samples_of(source: str | Path | Table) -> Keys:
     for name in values.keys() - TARGET.plain:
         hint = "" if name.endswith("_sd") else "; omit the origin"
         _refuse(entries, name, values[name] <= 0.0, f"must be greater than 0{hint}")
-    load = next(key for key in LOADS if key in values)
-    friction = next(key for key in FRICTIONS if key in values)
-    error = _relative_error(table.name, values, load, friction)
-    if error is not None:
-        values["relative_error"] = error
-    values = {key: values[key] for key in (load, friction, *TARGET.plain) if key in values}
-    if (np.diff(values[load]) <= 0.0).any():
-        values = _averaged(values, load)
-    return {"rescaled_friction" if key == "area" else key: column for key, column in values.items()}
+    load, friction = (next(key for key in keys if key in values) for keys in (LOADS, FRICTIONS))
+    x, y = values[load], values[friction]
+    stated = [key for key in (f"{load}_sd", f"{friction}_sd") if key in values]
+    if stated:
+        words = f"{table.name}: relative_error and {stated[0]} both give the errors; keep one"
+        refuse_if("relative_error" in values, words)
+        # the relative error of a load counts by the exponent of the power law that fits the samples
+        exponent = float(np.polyfit(np.log(x), np.log(y), 1)[0]) if len(np.unique(x)) > 1 else 1.0
+        by_load, by_friction = (values.get(f"{key}_sd", 0.0 * x) for key in (load, friction))
+        error = values["relative_error"] = np.hypot(exponent * by_load / x, by_friction / y)
+        words = f"the error of sample {error.argmax() + 1} is as large as its friction; leave the sample out"
+        refuse_if(error.max() >= 1.0, f"{table.name}: {words}")
+    names = [key for key in (load, friction, "weight", "relative_error") if key in values]
+    loads, group, counts = np.unique(x, return_inverse=True, return_counts=True)
+    if len(loads) < len(x) and len(names) == 2:
+        names.append("weight")
+        values["weight"] = np.ones(len(x))
+    found = {name: np.bincount(group, values[name]) / counts for name in names}
+    found[load] = loads  # exact: a computed mean would be rounded
+    if "weight" in names:
+        found["weight"] = np.bincount(group, values["weight"]).astype(np.float64)
+    if "relative_error" in names:  # repeated samples have independent errors
+        found["relative_error"] = np.sqrt(np.bincount(group, values["relative_error"] ** 2)) / counts
+    return {"rescaled_friction" if key == "area" else key: column for key, column in found.items()}
 
 
 def read_sites(path: str | Path | Table) -> tuple[FloatArray, IntArray]:
@@ -231,42 +242,3 @@ def _refuse(entries: Entries, name: str, wrong: Any, must: str) -> None:
     """Raise InvalidInput for the first row of a column for which `wrong`, (k,), is true."""
     for row in np.flatnonzero(wrong)[:1]:
         raise InvalidInput(f"{entries.cell(row, name)} = {entries.texts(name)[row]} {must}")
-
-
-def _relative_error(
-    name: str, values: Mapping[str, FloatArray], load: str, friction: str
-) -> FloatArray | None:
-    """Return relative errors of the friction, (k,), or None if the table has no errors.
-
-    The relative error of a load is multiplied by the exponent of the power law that fits the samples.
-    """
-    stated = [key for key in (f"{load}_sd", f"{friction}_sd") if key in values]
-    if not stated:
-        return values.get("relative_error")
-    words = f"{name}: relative_error and {stated[0]} both give the errors; keep one"
-    refuse_if("relative_error" in values, words)
-    x, y = values[load], values[friction]
-    exponent = float(np.polyfit(np.log(x), np.log(y), 1)[0]) if len(np.unique(x)) > 1 else 1.0
-    zero = np.zeros(len(x))
-    by_load = exponent * values.get(f"{load}_sd", zero) / x
-    error = np.hypot(by_load, values.get(f"{friction}_sd", zero) / y)
-    words = f"the error of sample {error.argmax() + 1} is as large as its friction; leave the sample out"
-    refuse_if(error.max() >= 1.0, f"{name}: {words}")
-    return error
-
-
-def _averaged(values: Mapping[str, FloatArray], load: str) -> Keys:
-    """Return the columns sorted by load, with one sample for each load."""
-    loads, group, counts = np.unique(values[load], return_inverse=True, return_counts=True)
-    found: Keys = {load: loads}  # exact: a computed mean would be rounded
-    for key in values.keys() - {load}:
-        column = values[key]
-        if key == "weight":
-            found[key] = np.bincount(group, column).astype(np.float64)
-        elif key == "relative_error":  # repeated samples have independent errors
-            found[key] = np.sqrt(np.bincount(group, column**2)) / counts
-        else:
-            found[key] = np.bincount(group, column) / counts
-    if len(loads) < len(group) and values.keys().isdisjoint(TARGET.plain):
-        found["weight"] = counts.astype(np.float64)
-    return found

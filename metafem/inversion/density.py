@@ -47,9 +47,9 @@ SEPARATIONS = 61
 # stated with six digits by this one.
 INSIDE, STATED = 1e-6, 1e-5
 
-# Number of crossover loads that are tried for a pair of slopes that is refused, evenly spaced, and of depths
-# of a crossover height, evenly spaced in logarithms.
-TRIED, DEPTHS = 100, 1000
+# Crossover loads that are tried for a pair of slopes that is refused, over the load at the foot, and number
+# of depths of a crossover height, evenly spaced in logarithms.
+TRIED, DEPTHS = np.arange(1, 100) / 100, 1000
 
 # Finest scale of a density over the standard deviation of the heights: below it their density is no longer
 # exponential. This is a rule of thumb of Aymard et al., doi:10.1126/science.adk4234.
@@ -250,74 +250,43 @@ def level_counts(density: ExponentialDensity, count: int, step: float) -> tuple[
     return levels, counts
 
 
-@dataclass(frozen=True)
-class Crossing:
-    """Densities with the first slope of `plain` up to a crossover load [mm^2] (eq. S8).
+def crossing(
+    plain: ExponentialDensity, load: float, depth: float, count: int, radius: float
+) -> ExponentialDensity:
+    """Return the density with the first slope of `plain` up to a crossover load [mm^2] (eq. S8).
 
-    The densities differ in the depth of the crossover height below the top [mm]. P_c is proportional to the
-    weight u, so the crossover load determines u for each depth. The second slope then determines the depth.
+    Its crossover height is at a depth [mm] below the top. P_c is proportional to the weight u, so the load
+    determines u for each depth.
     """
+    middle = plain.max_height - depth
+    weight = load / float(plain.rescaled_load(middle, count, radius))  # eq. S8, P_c/E*
+    return ExponentialDensity(plain.scale, plain.max_height, middle, weight)
 
-    plain: ExponentialDensity
-    load: float
-    count: int
-    radius: float
 
-    @property
-    def full_load(self) -> float:
-        """Load [mm^2] at which the plane reaches the foot of the density `plain`."""
-        return float(self.plain.rescaled_load(0.0, self.count, self.radius))
+def crossing_ends(
+    plain: ExponentialDensity, load: float, count: int, radius: float
+) -> list[tuple[float, float]] | None:
+    """Return the least and largest depth [mm] of a crossover, each with m_2 [-]; None if there are none.
 
-    @property
-    def depths(self) -> tuple[float, float] | None:
-        """Smallest and largest depth [mm] at which each branch has at least half an asperity, or None.
-
-        Equal asperities of the maximum height carry the crossover load at the least depth that is tried.
-        """
-        least = float((0.75 * self.load / self.count / math.sqrt(self.radius)) ** (2.0 / 3.0))
-        if least >= self.plain.max_height:
-            return None
-        depth = np.geomspace(least, self.plain.max_height * (1.0 - 1e-6), DEPTHS)
-        if not self._load_of(least):  # double precision does not resolve the load
-            return None
-        share = self._upper_mass(depth)
-        some = depth[(share >= 0.5 / self.count) & (share <= 1.0 - 0.5 / self.count)]
-        return (float(some[0]), float(some[-1])) if len(some) > 1 else None
-
-    @property
-    def second_slopes(self) -> tuple[float, float] | None:
-        """Smallest and largest slope [-] of the second branch; None if none is possible."""
-        if self.depths is None or self.load >= self.full_load:
-            return None
-        low, high = (self._second_slope(depth) for depth in self.depths)
-        return (low, high) if low < high else None
-
-    def density(self, depth: float) -> ExponentialDensity:
-        """Return the density with the crossover height at a depth [mm] below the top."""
-        top = self.plain.max_height
-        return ExponentialDensity(self.plain.scale, top, top - depth, float(self._weight(depth)))
-
-    def density_of(self, second: float) -> ExponentialDensity | None:
-        """Return the density with a second slope, by solving eq. S8 for h_c; None if there is none."""
-        slopes, top = self.second_slopes, self.plain.max_height
-        if slopes is None or self.depths is None or not slopes[0] <= second <= slopes[1]:
-            return None
-        given = {"xtol": TIGHTEST * top, "rtol": TIGHTEST}
-        return self.density(brentq(lambda depth: self._second_slope(depth) - second, *self.depths, **given))
-
-    def _second_slope(self, depth: float) -> float:
-        """Return the slope of the second branch [-] (eq. S8, m_2)."""
-        return self.density(depth).asymptotic_slopes(self.radius)[1]
-
-    def _load_of(self, depth: Any) -> FloatArray:
-        return self.plain.rescaled_load(self.plain.max_height - depth, self.count, self.radius)
-
-    def _weight(self, depth: Any) -> FloatArray:
-        return self.load / self._load_of(depth)  # eq. S8, P_c/E*
-
-    def _upper_mass(self, depth: FloatArray) -> FloatArray:
-        top = self.plain.max_height
-        return np.asarray(self._weight(depth) * self.plain.mass(top - depth, top))
+    Each branch has at least half an asperity. Equal asperities of the maximum height carry the crossover load
+    at the least depth that is tried.
+    """
+    least, top = float((0.75 * load / count / math.sqrt(radius)) ** (2.0 / 3.0)), plain.max_height
+    if least >= top or load >= plain.rescaled_load(0.0, count, radius):
+        return None
+    depth = np.geomspace(least, top * (1.0 - 1e-6), DEPTHS)
+    carried = plain.rescaled_load(top - depth, count, radius)
+    if not carried[0]:  # double precision does not resolve the load
+        return None
+    share = load / carried * plain.mass(top - depth, top)
+    some = depth[(share >= 0.5 / count) & (share <= 1.0 - 0.5 / count)].tolist()
+    if len(some) < 2:
+        return None
+    ends = [
+        (end, crossing(plain, load, end, count, radius).asymptotic_slopes(radius)[1])
+        for end in (some[0], some[-1])
+    ]
+    return ends if ends[0][1] < ends[1][1] else None
 
 
 def _mass(low: ArrayLike, high: ArrayLike, scale: float) -> FloatArray:
@@ -394,44 +363,34 @@ def from_density(problem: Problem, rng: np.random.Generator) -> Candidate:
     """Return heights that follow a density of one or two branches whose law has the target slopes.
 
     The density is that of Hertz contacts; under another law the heights are then refined. Of several tools,
-    the one is used whose heights have the nearest law and need no warning.
+    the one is used whose heights have the nearest law.
     """
-    found: list[Candidate] = []
-    reasons: list[Infeasible] = []
-    for i in problem.tools.tried.tolist():
-        tool, (law, _) = problem.tools.all[i], problem.tools.laws[i]
+    found, reasons = list[Candidate](), list[Infeasible]()
+    for tool in problem.tools.tried.tolist():
         try:
-            radius = float(tool.cap.summit_radius(np.array([tool.radius]))[0])
-            wrong = f"{law!r} has no curvature" if law.without_adhesion.power not in (None, 2.0) else ""
-        except InvalidInput as error:
-            radius, wrong = math.nan, f"a summit {error}"
-        words = "without load_range the heights follow the density of Hertz contacts"
-        try:
-            if wrong:
-                raise Infeasible(f"{problem.target.title}: {words}, and {wrong}; give load_range")
-            found.append(_of_radius(problem, radius, i, rng))
+            found.append(_of_tool(problem, tool, rng))
         except Infeasible as reason:
             reasons.append(reason)
-    if len(found) == 1:
-        return found[0]
-    if found:
-        apart = [misfit(problem, one.asperities, one.law, problem.uncoupled) for one in found]
-        warned = [any(note.warns for note in one.notes) for one in found]
-        return found[min(range(len(found)), key=lambda i: (warned[i], apart[i]))]
-    if len(reasons) == 1:
+    if not found:
         raise reasons[0]
-    words = f"no tool reaches the target; the first: {reasons[0]}; the last: {reasons[-1]}"
-    raise Infeasible(words, reasons[0].nearest)
+    return min(found, key=lambda one: misfit(problem, one.asperities, one.law, problem.uncoupled))
 
 
-def _of_radius(problem: Problem, radius: float, tool: int, rng: np.random.Generator) -> Candidate:
+def _of_tool(problem: Problem, index: int, rng: np.random.Generator) -> Candidate:
+    """Return heights of asperities made by one tool, or raise Infeasible."""
     lines, limits, count = problem.target.lines, problem.limits, problem.count
+    tool, (law, _) = problem.tools.all[index], problem.tools.laws[index]
+    try:
+        radius = float(tool.cap.summit_radius(np.array([tool.radius]))[0])
+        refuse_if(law.without_adhesion.power not in (None, 2.0), f"{law!r} has no curvature")
+    except InvalidInput as error:
+        words = "without load_range the heights follow the density of Hertz contacts"
+        raise Infeasible(f"{problem.target.title}: {words}, and {error}; give load_range") from None
     plain = ExponentialDensity(_scale(problem, radius), limits.span)
     found: dict[str, Parameter] = {"scale": plain.scale}
-    intercept, stepped, top = None, False, limits.span
+    density, intercept, stepped, top = plain, None, False, limits.span
     if len(lines) == 1:
-        density, intercept = plain, plain.intercept(count, radius)
-        found["intercept"] = intercept
+        found["intercept"] = intercept = plain.intercept(count, radius)
         height = middles(plain, 0.0, top, count)
         if limits.height_step is not None:
             levels, numbers = level_counts(plain, count, limits.height_step)
@@ -444,14 +403,14 @@ def _of_radius(problem: Problem, radius: float, tool: int, rng: np.random.Genera
         height = np.append(middles(density, middle, top, upper), middles(density, 0.0, middle, count - upper))
         found |= {"weight": density.weight, "crossover_height": limits.foot + middle}
         found |= {"counts": np.array([upper, count - upper])}
-    end = float(density.rescaled_load(0.0, count, radius))
+    found["foot_load"] = end = float(density.rescaled_load(0.0, count, radius))
     branches = tuple(
         Branch(slope, (start + BRANCH_START * (stop - start), stop), intercept)
         for (slope, start), stop in zip(lines, [*(start for _, start in lines[1:]), end], strict=True)
     )
-    at = problem.placed(height - height[0], np.full(count, tool), rng, top=limits.foot + height[0])
+    at = problem.placed(height - height[0], np.full(count, index), rng, top=limits.foot + height[0])
     return Candidate(
-        at, law_of(density, branches, count, radius), found={**found, "foot_load": end}, branches=branches,
+        at, law_of(density, branches, count, radius), found=found, branches=branches,
         density=density, notes=_notes(problem, plain.scale, radius), stepped=stepped,
     )  # fmt: skip
 
@@ -505,34 +464,34 @@ def _notes(problem: Problem, scale: float, radius: float) -> tuple[Note, ...]:
 def _two_branches(problem: Problem, plain: ExponentialDensity, radius: float) -> ExponentialDensity:
     """Return the density with the slopes and crossover load of a target, or raise Infeasible.
 
-    `plain` is the truncated exponential density with the first slope.
+    `plain` is the truncated exponential density with the first slope. Eq. S8 is solved for h_c.
     """
     target, count, wording = cast(BilinearLaw, problem.target), problem.count, problem.target.wording
-    first, second = target.slopes
-    crossing = Crossing(plain, target.crossover_load, count, radius)
-    density, slopes = crossing.density_of(second), crossing.second_slopes
-    if density is not None:
-        return density
+    (first, second), load = target.slopes, target.crossover_load
+
+    def missing(depth: float) -> float:
+        return crossing(plain, load, depth, count, radius).asymptotic_slopes(radius)[1] - second
+
+    ends = crossing_ends(plain, load, count, radius)
+    if ends is not None and ends[0][1] <= second <= ends[1][1]:
+        given = {"xtol": TIGHTEST * plain.max_height, "rtol": TIGHTEST}
+        return crossing(plain, load, brentq(missing, ends[0][0], ends[1][0], **given), count, radius)
     # ends that are stated with six digits are inside by more than their rounding
-    inwards = np.array([1.0 + STATED, 1.0 - STATED])
-    loads = crossing.full_load * np.arange(1, TRIED) / TRIED
-    within = [load for load in loads.tolist() if replace(crossing, load=load).density_of(second)]
+    inwards, full = np.array([1.0 + STATED, 1.0 - STATED]), float(plain.rescaled_load(0.0, count, radius))
+    tried = [(each, crossing_ends(plain, each, count, radius)) for each in full * TRIED]
+    within = [each for each, other in tried if other is not None and other[0][1] <= second <= other[1][1]]
     words, nearest = "; use more asperities", None
     if len(within) > 1:
         low, high = np.array([within[0], within[-1]]) * inwards
         words = f"; with these slopes crossover_load can be from {wording.loads(low, high)}"
-        nearest = replace(target, crossover_load=float(np.clip(crossing.load, low, high)))
-    given, end = wording.loads(crossing.load), wording.loads(crossing.full_load)
-    if slopes is not None:
-        low, high = np.array(slopes) * inwards
+        nearest = replace(target, crossover_load=float(np.clip(load, low, high)))
+    reason = f"leaves a branch less than one of {count} asperities: the law ends at {wording.loads(full)}"
+    if ends is not None:
+        low, high = np.array([slope for _, slope in ends]) * inwards
         nearest = replace(target, slopes=(first, float(np.clip(second, low, high))))
-        ends = " to ".join(f"{wording.coefficient(end):.6g}" for end in (low, high))
+        stated = " to ".join(f"{wording.coefficient(end):.6g}" for end in (low, high))
+        words = f"; the second {wording.name()} can be from {stated}{words}"
         key = wording.name(2).replace(" ", "_")
-        words = f"; the second {wording.name()} can be from {ends}{words}"
-        reason = f"{key}[1] = {wording.coefficient(second):g} cannot follow"
-    elif crossing.load >= crossing.full_load:
-        reason = f"the law ends at {end}, where the plane reaches the lowest asperity"
-    else:
-        reason = f"a branch has fewer than 1 of {count} asperities, or a load below double precision"
-    start = f"after {wording.slopes(first)} with crossover_load = {given} and {count} asperities"
+        reason = f"does not allow {key}[1] = {wording.coefficient(second):g}"
+    start = f"crossover_load = {wording.loads(load)} after {wording.slopes(first)}"
     raise Infeasible(f"{start} {reason}{words}", nearest)

@@ -154,7 +154,7 @@ def assessed(problem: Problem, candidate: Candidate) -> Design:
     # the range of a density ends where the plane reaches its foot
     touching = last is not None and (curve.approach[at_target] > surface.height.max()).any()
     if not size <= REACHED + law.noise and candidate.density is None:
-        refuse_missed(problem, area[at_target], size)
+        refuse_missed(problem, area[at_target])
     result = Design(
         surface=surface, law=found, misfit=size, status=_status(candidate, size, touching),
         parameters=_parameters(problem, candidate, area[at_target]), sites=candidate.asperities.sites,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
+from bisect import bisect_left
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
@@ -39,12 +40,9 @@ INDEX = "plasticity index"
 # A nearest law is inside its bounds by this part of its distance from the target.
 INSIDE = 1e-3
 
-# A hint is looked for up to this factor of the radius or of the number of sites. It is beyond the bound by
-# these factors, of which the first is stated with which a design meets the target.
-FURTHEST, BEYOND = 30.0, (1.02, 1.1, 1.3, 1.7)
-
-# Number of bisections in the search for a hint.
-BISECTIONS = 12
+# Factors of the number of sites, and of the radius and its inverse, among which a hint is looked for; and
+# largest number of those within the bounds of which the first is stated with which a design meets the target.
+FACTORS, TRIED = np.geomspace(1.02, 30.0, 31).tolist(), 4
 
 # A range of loads is sought between these loads over the largest one, of this number, by this number of
 # bisections on a logarithmic scale. Between the loads of the first contacts, a law differs from the line by
@@ -79,17 +77,20 @@ def prove(problem: Problem) -> None:
         return
     extra = f" (the model's interaction leaves a margin of {percent(margin)})" if margin else ""
     inside = friction if law.is_open else friction + INSIDE * (friction - law.law(friction))
-    words = f"{_broken(problem, friction)}, for any surface of at most {count} asperities of {problem.tools}"
-    raise _refused(problem, words + extra, inside)
+    raise _refused(problem, f"{_broken(problem, friction)}, for {_scope(problem)}{extra}", inside)
+
+
+def _scope(problem: Problem) -> str:
+    return f"any surface of at most {problem.count} asperities of {problem.tools}"
 
 
 def _broken(problem: Problem, friction: FloatArray) -> str:
     """Return which bound a target breaks, at the load of the largest difference from the nearest law."""
     law, wording, bounds = problem.law, problem.target.wording, problem.bounds
-    i = int(np.abs(law.difference(friction)).argmax())
-    load, nearest = wording.loads(law.load[i]), wording.frictions(friction[i])
+    difference = np.abs(law.difference(friction))
+    i = int(difference.argmax())
+    load, far = wording.loads(law.load[i]), percent(float(difference[i]), ".3g")
     if law.is_open:
-        far = percent(abs(float(law.difference(friction)[i])), ".3g")
         return (
             f"no free parameter brings the law within the bounds: the nearest law differs by {far} at {load}"
         )
@@ -100,37 +101,42 @@ def _broken(problem: Problem, friction: FloatArray) -> str:
         words = "below that of a single asperity"
     elif end > high[0]:
         words = f"above that of {bounds.count} equal asperities"
-    return f"at load {load} the friction {wording.frictions(end)} is {words}, {nearest}"
+    return (
+        f"at load {load} the friction {wording.frictions(end)} is {words}, {wording.frictions(friction[i])}"
+    )
 
 
-def refuse_missed(problem: Problem, area: FloatArray, misfit: float) -> None:
-    """Raise Infeasible for points, a band, or samples outside the bounds, that the nearest law found misses.
+def refuse_missed(problem: Problem, area: FloatArray) -> None:
+    """Raise Infeasible if the nearest law found misses a target, (k,) [mm^2].
 
-    Heights on steps, and other heights beside given ones, are only missed.
+    Samples within the bounds are only missed, and a power law for whose exponent a bound is proven. So are
+    heights on steps, and other heights beside given ones.
     """
     target, law, limits = problem.target, problem.law, problem.limits
-    if not target.refused or limits.height_step is not None or problem.held:
+    distance, friction = nearest_law(law, problem.bounds)
+    samples = target.refused and not target.exact and not law.is_band
+    within = distance <= problem.margin + GOAL if samples else not target.refused
+    if target.free_name == "prefactor" and not problem.bounds.least_exponent:
+        within = False
+    if within or limits.height_step is not None or problem.held:
         return
-    near = target.near(law.load, area) or SampledLaw(law.load, area, wording=target.wording)
-    far = percent(misfit, ".3g")
-    if not (target.exact or law.is_band):
-        distance, friction = nearest_law(law, problem.bounds)
-        if distance > problem.margin + GOAL:
-            most, scope = REACHED + law.noise, f"{problem.count} asperities of {problem.tools}"
-            raise Infeasible(
-                f"the samples lie outside the bounds of {scope} by up to {percent(distance, '.3g')}; the "
-                f"nearest law found misses them by {far} rms, and {percent(most, '.3g')} is allowed",
-                near, by_search=law.misfit(friction) <= most,
-            )  # fmt: skip
-        return
-    i = int(np.abs(law.difference(area)).argmax())
+    difference = np.abs(law.difference(area))
+    i = int(difference.argmax())
+    load, far = target.wording.loads(law.load[i]), percent(float(difference[i]), ".3g")
+    words = (
+        f"no heights that meet the target were found: at load {load} the nearest law found differs by {far}"
+    )
+    if samples:
+        words += (
+            f"; the samples lie outside the bounds of {_scope(problem)} by up to {percent(distance, '.3g')}"
+        )
     path = levels_through(problem.alone(0), law.load, law.lower) if target.exact else None
-    short = 0.0 if path is None else missing_height(problem, path)
-    heights = f"max_height = {limits.max_height:g}, min_height = {limits.min_height:g} mm and the offset"
-    more = f"; {heights} leave {short:.3g} mm too little: raise max_height" if short > 0.0 else ""
-    found = "no heights that meet the points were" if target.exact else "no law within the band was"
-    at = f"point {i + 1}, load {target.wording.loads(law.load[i])},"
-    raise Infeasible(f"{found} found: at {at} the nearest law found differs by {far}{more}", near, True)
+    if path is not None and (short := missing_height(problem, path)) > 0.0:
+        heights = f"max_height = {limits.max_height:g}, min_height = {limits.min_height:g} mm and the offset"
+        words += f"; {heights} leave {short:.3g} mm too little: raise max_height"
+    known = law.is_open or law.misfit(friction) <= REACHED + law.noise
+    near = _near(problem, area) if target.refused else SampledLaw(law.load, area, wording=target.wording)
+    raise Infeasible(words, near, by_search=known)
 
 
 def _refused(problem: Problem, words: str, friction: FloatArray | None = None) -> Infeasible:
@@ -150,54 +156,55 @@ def _refused(problem: Problem, words: str, friction: FloatArray | None = None) -
         stated = target.wording.loads(ends[0] * (1.0 + STATED), ends[1] * (1.0 - STATED))
         line: Any = target
         return Infeasible(f"{words}; the line is reached from {stated}", replace(line, load_range=ends))
-    if friction is None:
-        return Infeasible(words)
-    load = problem.law.load
-    nearest = target.near(load, friction)
-    if nearest is None or not _meets(replace(problem, target=nearest)):
-        surface = problem.surface(inverted(problem, np.random.default_rng(0)).asperities)
-        area = problem.uncoupled.curve(surface, load).area
-        nearest = target.near(load, area)
-        if nearest is None or not _meets(replace(problem, target=nearest)):
-            nearest = SampledLaw(load, area, wording=target.wording)
-    return Infeasible(words, nearest)
+    return Infeasible(words, None if friction is None else _nearest(problem, friction))
+
+
+def _near(problem: Problem, friction: FloatArray) -> Target:
+    """Return the target of the same kind, or the samples, with a friction at the loads, (k,) [mm^2]."""
+    load, target = problem.law.load, problem.target
+    return target.near(load, friction) or SampledLaw(load, friction, wording=target.wording)
+
+
+def _nearest(problem: Problem, friction: FloatArray) -> Target:
+    """Return a target near a friction (k,) [mm^2] that a design meets, or the samples of the law found."""
+    near = _near(problem, friction)
+    if _meets(replace(problem, target=near)):
+        return near
+    surface = problem.surface(inverted(problem, np.random.default_rng(0)).asperities)
+    area = problem.uncoupled.curve(surface, problem.law.load).area
+    near = _near(problem, area)
+    samples = SampledLaw(problem.law.load, area, wording=problem.target.wording)
+    return near if _meets(replace(problem, target=near)) else samples
 
 
 def _meets(problem: Problem) -> bool:
     """Return whether independent asperities meet the target of a problem that was changed by a hint."""
-    if nearest_law(problem.law, problem.bounds)[0] > ROUNDING:
+    if not _possible(problem):
         return False
     found = inverted(problem, np.random.default_rng(0), PEAK * REACHED)
     size = misfit(problem, found.asperities, problem.law, problem.uncoupled)
     return size <= (EXACT if problem.target.exact else REACHED)
 
 
+def _possible(problem: Problem) -> bool:
+    """Return whether no bound excludes the target of a problem."""
+    within = float(problem.law.load[-1]) <= problem.bounds.largest_load(problem.limits)
+    return within and nearest_law(problem.law, problem.bounds)[0] <= ROUNDING
+
+
 def _remedies(problem: Problem) -> str:
     """Return how many sites, and which radius, reach a target that a bound excludes; "" if none was found."""
-    more = _first(partial(_with_count, problem))
-    words = [f"{more.count} sites in all"] if more else []
-    for sign in (1.0, -1.0) if len(problem.tools) == 1 else ():
-        other = _first(partial(_with_radius, problem, sign))
-        words += [f"a radius of {other.tools.all[0].radius:.4g} mm"] if other else []
+    words = list[str]()
+    ways: list[Callable[[Problem, float], Problem]]
+    ways = [_with_count, partial(_with_radius, 1.0), partial(_with_radius, -1.0)]
+    for way in ways if len(problem.tools) == 1 else ways[:1]:
+        first = bisect_left(FACTORS, True, key=lambda factor: _possible(way(problem, factor)))
+        tried = (way(problem, factor) for factor in FACTORS[first : first + TRIED])
+        met = next((each for each in tried if _meets(each)), None)
+        if met is not None:
+            radius = f"a radius of {met.tools.all[0].radius:.4g} mm"
+            words.append(radius if met.count == problem.count else f"{met.count} sites in all")
     return f"; use {' or '.join(words)}" if words else ""
-
-
-def _first(change: Callable[[float], Problem]) -> Problem | None:
-    """Return the problem changed by the least factor with which a design meets the target, or None."""
-
-    def possible(factor: float) -> bool:
-        other = change(factor)
-        within = float(other.law.load[-1]) <= other.bounds.largest_load(other.limits)
-        return within and nearest_law(other.law, other.bounds)[0] <= ROUNDING
-
-    if not possible(FURTHEST):
-        return None
-    low, high = 0.0, math.log(FURTHEST)
-    for _ in range(BISECTIONS):
-        middle = 0.5 * (low + high)
-        low, high = (low, middle) if possible(math.exp(middle)) else (middle, high)
-    tried = (change(math.exp(high) * beyond) for beyond in BEYOND)
-    return next((other for other in tried if _meets(other)), None)
 
 
 def _with_count(problem: Problem, factor: float) -> Problem:
@@ -208,10 +215,10 @@ def _with_count(problem: Problem, factor: float) -> Problem:
     return replace(problem, template=template, model=problem.uncoupled, pinned={})
 
 
-def _with_radius(problem: Problem, sign: float, factor: float) -> Problem:
+def _with_radius(power: float, problem: Problem, factor: float) -> Problem:
     """Return the problem of independent asperities with another radius, rounded to four digits."""
     tool = problem.tools.all[0]
-    changed = Tool(float(f"{tool.radius * factor**sign:.4g}"), tool.cap)
+    changed = Tool(float(f"{tool.radius * factor**power:.4g}"), tool.cap)
     tools = Tools.of([changed], problem.template, problem.uncoupled.contact)
     return replace(problem, tools=tools, model=problem.uncoupled)
 
@@ -352,11 +359,6 @@ def feasible_region(
     return low, high
 
 
-def roughness(surface: Surface) -> float:
-    """Return sqrt(s/R) [-]: s is the standard deviation of the heights, R the mean radius of curvature."""
-    return math.sqrt(float(surface.height.std()) / float(surface.cap.summit_radius(surface.radius).mean()))
-
-
 def plasticity_index(surface: Surface, hardness: float) -> float:
     """Return the plasticity index of a surface, ``psi = E*/H sqrt(s/R)``.
 
@@ -387,7 +389,8 @@ def plasticity_index(surface: Surface, hardness: float) -> float:
     """
     check.instance("surface", surface, Surface, "a metafem.Surface")
     h = check.number("hardness", hardness, above=0.0)
-    psi = surface.material.composite_modulus / h * roughness(surface)
+    radius = float(surface.cap.summit_radius(surface.radius).mean())
+    psi = surface.material.composite_modulus / h * math.sqrt(float(surface.height.std()) / radius)
     if psi >= ELASTIC_LIMIT:
         warnings.warn(
             f"plasticity index {psi:.3g} is not below {ELASTIC_LIMIT}: the contacts will deform "

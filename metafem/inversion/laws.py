@@ -55,14 +55,6 @@ class OperatingPoints(Target):
             "rescaled_friction": check.increasing("rescaled_friction", friction),
         }
 
-    @classmethod
-    def from_forces(
-        cls, load: ArrayLike, friction_force: ArrayLike, material: Material, friction: Friction
-    ) -> Self:
-        """Return the target for loads P_i and friction forces F_i, both (k,) [N], of a material pair."""
-        wording = Wording.of(material, friction)
-        return cls(*wording.rescaled(load, friction_force), wording=wording)
-
     @property
     def title(self) -> str:
         """Description of the target in one line."""
@@ -115,6 +107,7 @@ class SampledLaw(Target):
     """
 
     refused: ClassVar[bool] = True
+    rising: ClassVar[bool] = False
 
     rescaled_load: Any
     rescaled_friction: Any
@@ -134,21 +127,6 @@ class SampledLaw(Target):
         error = members.get("relative_error", 0.0 * load)
         check.refuse_entries("relative_error", error, error >= 1.0, "must be below 1; 3 % is 0.03")
         return members
-
-    @classmethod
-    def from_forces(
-        cls,
-        load: ArrayLike,
-        friction_force: ArrayLike,
-        material: Material,
-        friction: Friction,
-        weight: ArrayLike | None = None,
-        relative_error: ArrayLike | None = None,
-    ) -> Self:
-        """Return the target for loads P and friction forces F, both (k,) [N], of a material pair."""
-        wording = Wording.of(material, friction)
-        points = wording.rescaled(load, friction_force, rising=False)
-        return cls(*points, weight, relative_error, wording=wording)
 
     @property
     def title(self) -> str:
@@ -187,6 +165,7 @@ class PowerLaw(Target):
     """
 
     free_name: ClassVar[str] = "prefactor"
+    fewest: ClassVar[int] = 2
 
     exponent: float
     load_range: LoadRange
@@ -198,25 +177,15 @@ class PowerLaw(Target):
         return {"load_range": check.interval("load_range", self.load_range)}
 
     @classmethod
-    def from_forces(
-        cls, load: ArrayLike, friction_force: ArrayLike, material: Material, friction: Friction
-    ) -> Self:
-        """Return the power law fitted by least squares to points P, F, (k >= 2,) [N], in logarithms."""
-        wording = Wording.of(material, friction)
-        x, y = wording.rescaled(load, friction_force, least=2)
-        exponent, height = np.polyfit(np.log(x), np.log(y), 1)
-        return cls(float(exponent), (x[0], x[-1]), float(np.exp(height)), wording=wording)
+    def _through(cls, load: FloatArray, friction: FloatArray) -> tuple[Any, ...]:
+        exponent, height = np.polyfit(np.log(load), np.log(friction), 1)
+        return float(exponent), (load[0], load[-1]), float(np.exp(height))
 
     @property
     def title(self) -> str:
         """Description of the target in one line."""
         loads = self.wording.title_loads(*self.load_range)
         return f"Power law of exponent {self.exponent:.4g} from {loads}"
-
-    @property
-    def marked_loads(self) -> dict[str, tuple[tuple[float, ...], ...]]:
-        """The load range by name [mm^2]."""
-        return {"load range": (self.load_range,)}
 
     def curve(self) -> TargetLaw:
         """Return the power law at logarithmically spaced loads."""
@@ -228,8 +197,7 @@ class PowerLaw(Target):
 
     def near(self, load: FloatArray, friction: FloatArray) -> Target | None:
         """Return the power law with a free prefactor that is fitted to a law in logarithms."""
-        exponent = float(np.polyfit(np.log(load), np.log(friction), 1)[0])
-        return PowerLaw(exponent, self.load_range, wording=self.wording)
+        return PowerLaw(self._through(load, friction)[0], self.load_range, wording=self.wording)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -278,7 +246,7 @@ class Band(Target):
         return {"rescaled_load": load, "lowest": low, "highest": high}
 
     @classmethod
-    def from_forces(
+    def from_forces(  # type: ignore[override]
         cls, load: ArrayLike, lowest: ArrayLike, highest: ArrayLike, material: Material, friction: Friction
     ) -> Self:
         """Return the target for loads P and ends of the friction force, (k,) each [N], of a material pair."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, ClassVar, Self
@@ -30,12 +29,15 @@ POINTS, FEWEST_POINTS = 30, 4
 class StraightLaw(Target):
     """A law of consecutive straight branches, each from one corner of the law to the next."""
 
+    fewest: ClassVar[int] = 2
+
     load_range: LoadRange | None
 
     @property
     def _slopes(self) -> tuple[float, ...]:
         """Slope of each branch [-]."""
-        raise NotImplementedError
+        target: Any = self
+        return tuple(target.slopes)
 
     @property
     def _corners(self) -> tuple[LoadRange, ...]:
@@ -60,19 +62,6 @@ class StraightLaw(Target):
         low, high = self.load_range
         path = iter([low, *(load for pair in self._corners for load in pair), high])
         return tuple(zip(self._slopes, zip(path, path, strict=True), strict=True))
-
-    @property
-    def friction_coefficients(self) -> tuple[float, ...] | None:
-        """Friction coefficients dF/dP [-]; None unless the law was defined by them or by forces."""
-        return self.wording.coefficients(self._slopes)
-
-    @property
-    def marked_loads(self) -> dict[str, tuple[tuple[float, ...], ...]]:
-        """Crossovers and load range by name [mm^2]."""
-        crossovers = tuple(pair if pair[0] < pair[1] else pair[:1] for pair in self._corners)
-        ends = () if self.load_range is None else (self.load_range,)
-        found = {"crossover": crossovers, "load range": ends}
-        return {name: loads for name, loads in found.items() if loads}
 
     def line(self, rescaled_load: FloatArray) -> FloatArray:
         """Return the friction of the lines through the origin at rescaled loads, (k,) [mm^2]."""
@@ -105,8 +94,8 @@ class LinearLaw(StraightLaw):
     Examples
     --------
     >>> law = LinearLaw.from_friction_coefficient(1.5, Material(1.36), Friction(0.358, 0.85))
-    >>> round(law.slope, 3), law.friction_coefficient
-    (6.704, 1.5)
+    >>> round(law.slope, 3)
+    6.704
     >>> LinearLaw(7.0, load_range=(0.05, 0.2)).title
     'Friction proportional to load: slope 7 from 0.05 to 0.2 mm²'
     """
@@ -133,22 +122,15 @@ class LinearLaw(StraightLaw):
         """
         wording = Wording.of(material, friction)
         mu = check.number("friction_coefficient", friction_coefficient, above=0.0)
-        ends = _optional_range(load_range_N, material)
+        ends = None
+        if load_range_N is not None:
+            low, high = check.interval("load_range_N", load_range_N)
+            ends = low / material.composite_modulus, high / material.composite_modulus
         return cls(wording.given_slopes([mu], 1)[0], ends, wording=wording)
 
     @classmethod
-    def from_forces(
-        cls, load: ArrayLike, friction_force: ArrayLike, material: Material, friction: Friction
-    ) -> Self:
-        """Return the target with the slope of the line fitted to points P_i, F_i, (k >= 2,) [N]."""
-        wording = Wording.of(material, friction)
-        x, y = wording.rescaled(load, friction_force, least=2)
-        return cls(float(np.polyfit(x, y, 1)[0]), wording=wording)
-
-    @property
-    def friction_coefficient(self) -> float | None:
-        """Friction coefficient mu [-]; None unless the law was defined by it or by forces."""
-        return None if self.wording.per_slope is None else self.wording.coefficient(self.slope)
+    def _through(cls, load: FloatArray, friction: FloatArray) -> tuple[Any, ...]:
+        return (float(np.polyfit(load, friction, 1)[0]),)
 
     @property
     def title(self) -> str:
@@ -203,33 +185,9 @@ class BilinearLaw(StraightLaw):
         return {"slopes": tuple(slopes.tolist()), "crossover_load": load, "load_range": found}
 
     @classmethod
-    def from_friction_coefficients(
-        cls,
-        friction_coefficients: ArrayLike,
-        crossover_load_N: float,
-        material: Material,
-        friction: Friction,
-        load_range_N: ArrayLike | None = None,
-    ) -> Self:
-        """Return the target with friction coefficients dF/dP [-] below and above the crossover.
-
-        They are those of a material pair. The crossover load and the range are loads P [N], not P/E* [mm^2].
-        Titles and messages state friction coefficients and loads in N.
-        """
-        wording = Wording.of(material, friction)
-        low, high = wording.given_slopes(friction_coefficients, 2)
-        crossover = check.number("crossover_load_N", crossover_load_N, above=0.0) / material.composite_modulus
-        return cls((low, high), crossover, _optional_range(load_range_N, material), wording=wording)
-
-    @classmethod
-    def from_forces(
-        cls, load: ArrayLike, friction_force: ArrayLike, material: Material, friction: Friction
-    ) -> Self:
-        """Return the target for three points P_i, F_i, (3,) [N]; the second point is the crossover."""
-        wording = Wording.of(material, friction)
-        x, y = wording.rescaled(check.array("load", load, shape=(3,)), friction_force)
-        first, second = (np.diff(y) / np.diff(x)).tolist()
-        return cls((first, second), float(x[1]), wording=wording)
+    def _through(cls, load: FloatArray, friction: FloatArray) -> tuple[Any, ...]:
+        check.array("load", load, shape=(3,))  # the second point is the crossover
+        return (np.diff(friction) / np.diff(load)).tolist(), float(load[1])
 
     @property
     def title(self) -> str:
@@ -238,10 +196,6 @@ class BilinearLaw(StraightLaw):
         if self.load_range is None:
             return words
         return f"{words} through the origin from {self.wording.title_loads(*self.load_range)}"
-
-    @property
-    def _slopes(self) -> tuple[float, ...]:
-        return self.slopes
 
     @property
     def _corners(self) -> tuple[LoadRange, ...]:
@@ -278,7 +232,7 @@ class MultilinearLaw(StraightLaw):
 
     def _checked(self) -> dict[str, Any]:
         slopes = check.array("slopes", self.slopes, shape=(None,), positive=True)
-        pairs = _crossovers("crossover_loads", self.crossover_loads)
+        pairs = _crossovers(self.crossover_loads)
         words = f"must hold {len(slopes) - 1} loads or pairs of loads for {len(slopes)} branches"
         given = f"{self.crossover_loads!r:.60}"
         refuse_if(len(pairs) != len(slopes) - 1, words, key="crossover_loads", value=given)
@@ -290,43 +244,13 @@ class MultilinearLaw(StraightLaw):
         return {"slopes": tuple(slopes.tolist()), "crossover_loads": pairs, "load_range": (low, high)}
 
     @classmethod
-    def from_friction_coefficients(
-        cls,
-        friction_coefficients: ArrayLike,
-        crossover_loads_N: Sequence[object],
-        load_range_N: ArrayLike,
-        material: Material,
-        friction: Friction,
-    ) -> Self:
-        """Return the target whose branches have friction coefficients dF/dP [-] of a material pair.
-
-        The crossovers and the range are loads P [N], not P/E* [mm^2]. Titles and messages state friction
-        coefficients and loads in N.
-        """
-        wording, modulus = Wording.of(material, friction), material.composite_modulus
-        slopes = tuple(wording.given_slopes(friction_coefficients, None))
-        pairs = [(a / modulus, b / modulus) for a, b in _crossovers("crossover_loads_N", crossover_loads_N)]
-        low, high = check.interval("load_range_N", load_range_N)
-        return cls(slopes, pairs, (low / modulus, high / modulus), wording=wording)
-
-    @classmethod
-    def from_forces(
-        cls, load: ArrayLike, friction_force: ArrayLike, material: Material, friction: Friction
-    ) -> Self:
-        """Return the target with the slopes of the straight lines between points P, F, (b + 1,) [N]."""
-        wording = Wording.of(material, friction)
-        x, y = wording.rescaled(load, friction_force, least=2)
-        slopes = tuple((np.diff(y) / np.diff(x)).tolist())
-        return cls(slopes, x[1:-1].tolist(), (x[0], x[-1]), wording=wording)
+    def _through(cls, load: FloatArray, friction: FloatArray) -> tuple[Any, ...]:
+        return np.diff(friction) / np.diff(load), load[1:-1].tolist(), (load[0], load[-1])
 
     @property
     def title(self) -> str:
         """Description of the target in one line."""
         return f"Friction law of {self.wording.slopes(*self.slopes)}"
-
-    @property
-    def _slopes(self) -> tuple[float, ...]:
-        return tuple(self.slopes)
 
     @property
     def _corners(self) -> tuple[LoadRange, ...]:
@@ -341,18 +265,19 @@ class MultilinearLaw(StraightLaw):
         return TargetLaw.of(load, self.line(load), free=np.eye(len(gaps) + 1)[group])
 
 
-def _optional_range(load_range: ArrayLike | None, material: Material | None = None) -> LoadRange | None:
-    """Return a checked range of rescaled loads [mm^2], from loads [N] if a material is given."""
-    if load_range is None or material is None:
-        return None if load_range is None else check.interval("load_range", load_range)
-    low, high = check.interval("load_range_N", load_range)
-    return low / material.composite_modulus, high / material.composite_modulus
+def _optional_range(load_range: ArrayLike | None) -> LoadRange | None:
+    """Return a checked range of rescaled loads [mm^2], or None."""
+    return None if load_range is None else check.interval("load_range", load_range)
 
 
-def _crossovers(name: str, given: Any) -> tuple[LoadRange, ...]:
+def _crossovers(given: Any) -> tuple[LoadRange, ...]:
     """Return the two checked loads of each crossover; a single load is returned twice."""
-    pairs = []
+    pairs = list[LoadRange]()
     for i, each in enumerate(given if isinstance(given, (list, tuple, np.ndarray)) else ()):
-        low, high = check.array(f"{name}[{i}]", [each, each] if check.scalar(each) else each, shape=(2,))
-        pairs.append((low, high) if low == high > 0.0 else check.interval(f"{name}[{i}]", each))
-    return tuple((float(low), float(high)) for low, high in pairs)
+        name = f"crossover_loads[{i}]"
+        if check.scalar(each):
+            pairs.append((check.number(name, each, above=0.0),) * 2)
+        else:
+            low, high = check.array(name, each, shape=(2,), positive=True).tolist()
+            pairs.append((low, high) if low == high else check.interval(name, each))
+    return tuple(pairs)

@@ -159,14 +159,10 @@ class Design(Value):
 
     def _facts(self) -> dict[str, str]:
         """Return the quantities for the printed summary."""
-        surface, law, wording = self.surface, self.law, self.target.wording
+        surface, law = self.surface, self.law
         empty = sum(height is None for height in self.pinned.values())
         pinned = {"pinned": f"{len(self.pinned) - empty} with a given height, {empty} empty"}
         return {
-            **{
-                name: ", ".join(wording.loads(*each) for each in loads)
-                for name, loads in self.target.marked_loads.items()
-            },
             "status": self.verdict,
             "misfit": f"{misfit_text(self.misfit)}, {self.misfit_meaning}",
             "asperities": f"{surface.count:,} on {self.template.count:,} sites{empty_sites_words(self)}",

@@ -82,18 +82,18 @@ def arrange(design: Design, tilt: float, rng: Any = 0) -> Design:
     held = np.array([site for site, height in design.pinned.items() if height is not None])
     free = np.flatnonzero(~np.isin(design.sites, held))
     search = _Search(design.surface, free, design.law.model.gradient_model, load[some], angle)
-    first = search.measured(np.arange(design.surface.count))
+    first = np.arange(design.surface.count)
     found = search.best(first, generator)
-    surface = found.surface
-    rms = {"tilt_before": first.misfit, "tilt_after": found.misfit}
+    before, after = (search.rms(search.change(order)) for order in (first, found))
     problem = Problem.checked(
         design.target, design.template, design.law.model, design.limits, tools=design.tools
     )
-    candidate = _candidate(design, surface, problem, rms)
+    rms = {"tilt_before": before, "tilt_after": after}
+    candidate = _candidate(design, search.placed(found), problem, rms)
     if not held.size and refinable(problem, candidate):
         candidate = refined(problem, candidate, generator)
-    words = f"a tilt of {math.degrees(angle):.3g} deg changes A0 by {percent(found.misfit)} (rms)"
-    note = information(f"{words}; before heights were exchanged between sites it was {percent(first.misfit)}")
+    words = f"a tilt of {math.degrees(angle):.3g} deg changes A0 by {percent(after)} (rms)"
+    note = information(f"{words}; before heights were exchanged between sites it was {percent(before)}")
     kept = tuple(each for each in design.notes if each not in design.law.notes and each.quantity != DOUBT)
     new = tuple(each for each in candidate.notes if each not in kept)
     return assessed(problem, replace(candidate, notes=(*kept, *new, note)))
@@ -114,22 +114,11 @@ def _candidate(design: Design, surface: Surface, problem: Problem, rms: dict[str
 
 
 @dataclass(frozen=True, eq=False)
-class _Measured:
-    """An assignment: the asperity at each site, (n,), the surface and its changes (q,) by the tilts [-]."""
-
-    order: IntArray
-    surface: Surface
-    change: FloatArray
-
-    @property
-    def misfit(self) -> float:
-        """Root mean square of the changes [-]."""
-        return float(np.sqrt((self.change**2).mean()))
-
-
-@dataclass(frozen=True, eq=False)
 class _Search:
-    """The surface, its sites that may be exchanged, the model, the loads [mm^2] and the tilt [rad]."""
+    """The surface, its sites that may be exchanged, the model, the loads [mm^2] and the tilt [rad].
+
+    An assignment is the asperity at each site, (n,).
+    """
 
     surface: Surface
     free: IntArray
@@ -137,41 +126,51 @@ class _Search:
     load: FloatArray
     angle: float
 
-    def measured(self, order: IntArray) -> _Measured:
-        """Return an assignment with its relative changes of A0 under the model, over tilts and loads."""
-        surface = self.surface.only(order, position=self.surface.position)
+    def placed(self, order: IntArray) -> Surface:
+        """Return the surface of an assignment."""
+        return self.surface.only(order, position=self.surface.position)
+
+    def change(self, order: IntArray) -> FloatArray:
+        """Return the relative changes of A0 of an assignment under the model, over tilts and loads, (q,)."""
+        surface = self.placed(order)
         heights = surface.height + np.vstack([np.zeros(surface.count), self._lifts])
         level, *tilted = self.model.areas(surface, self.load, heights)
-        return _Measured(order, surface, np.ravel(tilted / level - 1.0))
+        return np.ravel(tilted / level - 1.0)
 
-    def best(self, first: _Measured, rng: np.random.Generator) -> _Measured:
+    def rms(self, change: FloatArray) -> float:
+        """Return the root mean square of changes [-]."""
+        return float(np.sqrt((change**2).mean()))
+
+    def best(self, first: IntArray, rng: np.random.Generator) -> IntArray:
         """Return the best assignment of searches from the first and from random exchanges of the best."""
-        best = self._descended(first, rng)
+        best, least = self._descended(first, rng)
         for _ in each("round", range(1, ROUNDS if self.surface.count <= FEW else 1)):
-            order = best.order.copy()
+            order = best.copy()
             for _ in range(max(2, len(self.free) // 10)):
                 pair = rng.choice(self.free, 2)
                 order[pair] = order[pair[::-1]]
-            best = min(best, self._descended(self.measured(order), rng), key=lambda one: one.misfit)
+            best, least = min((best, least), self._descended(order, rng), key=lambda found: found[1])
         return best
 
-    def _descended(self, best: _Measured, rng: np.random.Generator) -> _Measured:
-        """Return the assignment after exchanges, of which fewer are made at a time after a failed step."""
-        most = max(EXCHANGES, len(self.free) // 4)
+    def _descended(self, order: IntArray, rng: np.random.Generator) -> tuple[IntArray, float]:
+        """Return an assignment after exchanges, fewer at a time after a failed step, and its rms change."""
+        most, change = max(EXCHANGES, len(self.free) // 4), self.change(order)
         for _ in range(EVALUATIONS):
-            found = self.measured(self._exchanged(best, most, rng))
-            if found.misfit < best.misfit:
-                best = found
+            trial = self._exchanged(order, change, most, rng)
+            if self.rms(found := self.change(trial)) < self.rms(change):
+                order, change = trial, found
             elif most == 1:
                 break
             else:
                 most = max(1, most // 3)
-        return best
+        return order, self.rms(change)
 
-    def _exchanged(self, start: _Measured, most: int, rng: np.random.Generator) -> IntArray:
+    def _exchanged(
+        self, start: IntArray, change: FloatArray, most: int, rng: np.random.Generator
+    ) -> IntArray:
         """Return the assignment (n,) after at most `most` exchanges, each with the least predicted change."""
         sites = self.free if len(self.free) <= SITES else rng.choice(self.free, SITES, replace=False)
-        values, change, at = self._values(start.surface, sites), start.change, np.arange(len(sites))
+        values, at = self._values(self.placed(start), sites), np.arange(len(sites))
         for _ in range(most):
             moved = values[:, at]
             own = np.diagonal(moved, axis1=1, axis2=2)
@@ -182,8 +181,8 @@ class _Search:
             if a == b:
                 break
             change, at[[a, b]] = trial[:, a, b], at[[b, a]]
-        order = start.order.copy()
-        order[sites] = start.order[sites[at]]
+        order = start.copy()
+        order[sites] = start[sites[at]]
         return order
 
     def _values(self, surface: Surface, sites: IntArray) -> FloatArray:

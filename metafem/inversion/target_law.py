@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import Any, ClassVar
+from functools import cached_property
+from typing import Any, ClassVar, Self
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.linalg.lapack import dgels
 
 from metafem import _validate as check
-from metafem._validate import FloatArray, IntArray
+from metafem._validate import FloatArray
 from metafem._values import Value
 from metafem.inversion.wording import RESCALED, LoadRange, Wording
+from metafem.surface import Friction, Material
 
 # Relative differences (k,) [-] from a law, and a function that returns their Jacobian (k, n) [1/mm]. The
 # Jacobian takes longer to compute than the differences, and many steps do not need it.
@@ -43,6 +46,9 @@ class Target(Value):
     refused: ClassVar[bool] = False
     # name of the free parameters of the law; "" if there are none
     free_name: ClassVar[str] = ""
+    # smallest number of points by which the law is defined, and whether their friction must increase
+    fewest: ClassVar[int] = 1
+    rising: ClassVar[bool] = True
 
     wording: Wording = field(default=RESCALED, kw_only=True, compare=False, repr=False)
 
@@ -54,6 +60,24 @@ class Target(Value):
     def _checked(self) -> dict[str, Any]:
         """Return the checked members."""
         raise NotImplementedError
+
+    @classmethod
+    def from_forces(
+        cls, load: ArrayLike, friction_force: ArrayLike, material: Material, friction: Friction, **rest: Any
+    ) -> Self:
+        """Return the target for loads P and friction forces F, both (k,) [N], of a material pair.
+
+        A line, a power or consecutive branches are fitted to the points. `rest` are other arguments of the
+        target, such as `weight` and `relative_error` of samples.
+        """
+        wording = Wording.of(material, friction)
+        points = wording.rescaled(load, friction_force, cls.fewest, cls.rising)
+        return cls(*cls._through(*points), **rest, wording=wording)
+
+    @classmethod
+    def _through(cls, load: FloatArray, friction: FloatArray) -> tuple[Any, ...]:
+        """Return the arguments of the target through, or nearest to, points (k,) [mm^2]."""
+        return load, friction
 
     @property
     def title(self) -> str:
@@ -75,11 +99,6 @@ class Target(Value):
     def branches(self) -> tuple[tuple[float, LoadRange], ...]:
         """Slope [-] and range of rescaled loads [mm^2] of each straight branch."""
         return ()
-
-    @property
-    def marked_loads(self) -> dict[str, tuple[tuple[float, ...], ...]]:
-        """Crossovers and load ranges of the target by name, as single loads or pairs of loads [mm^2]."""
-        return {}
 
     def curve(self) -> TargetLaw | None:
         """Return the law at the loads at which it is compared; None if a height density determines it."""
@@ -133,15 +152,15 @@ class TargetLaw:
         """Whether the target has free parameters."""
         return bool(self.free.shape[1])
 
-    @property
+    @cached_property
     def is_band(self) -> bool:
         """Whether the target is a band."""
-        return self.lower is not self.upper
+        return bool((self.lower < self.upper).any())
 
     @property
     def middle(self) -> FloatArray:
         """Middle of the band, or the law without its free part, (k,) [mm^2]."""
-        return np.asarray(0.5 * (self.lower + self.upper)) if self.is_band else self.lower
+        return np.asarray(0.5 * (self.lower + self.upper))
 
     @property
     def aim(self) -> TargetLaw:
@@ -151,27 +170,23 @@ class TargetLaw:
         low, high = (self.middle + INNER * (end - self.middle) for end in (self.lower, self.upper))
         return replace(self, lower=low, upper=high)
 
-    def part(self, rows: IntArray) -> TargetLaw:
-        """Return the law at some of its loads."""
-        low, high = self.lower[rows], self.upper[rows]
-        given = low, high if self.is_band else low, self.free[rows], self.weight[rows]
-        return replace(TargetLaw(self.load[rows], *given), pointwise=self.pointwise, noise=self.noise)
-
     def thinned(self, most: int) -> TargetLaw:
         """Return the law at no more than `most` of its loads, evenly spaced by index and with both ends."""
         if len(self.load) <= most:
             return self
-        part = self.part(np.unique(np.linspace(0, len(self.load) - 1, most).round().astype(np.int64)))
-        return replace(part, weight=part.weight / part.weight.mean())
+        rows = np.unique(np.linspace(0, len(self.load) - 1, most).round().astype(np.int64))
+        names = ("load", "lower", "upper", "free")
+        part = {name: getattr(self, name)[rows] for name in names}
+        return replace(self, **part, weight=self.weight[rows] / self.weight[rows].mean())
 
     def divided(self, ratio: FloatArray) -> TargetLaw:
         """Return the law divided by a ratio (k,) [-]."""
         low, high = self.lower / ratio, self.upper / ratio
-        return replace(self, lower=low, upper=high if self.is_band else low, free=self.free / ratio[:, None])
+        return replace(self, lower=low, upper=high, free=self.free / ratio[:, None])
 
     def open_parameters(self, area: FloatArray) -> FloatArray:
         """Return the free parameters for which the law is nearest to an area curve (k,) [mm^2], (q,)."""
-        return np.asarray(np.linalg.lstsq(self.free, self.law(area) - self.lower, rcond=None)[0])
+        return _nearest(self.free, self.law(area) - self.lower)
 
     def law(self, area: FloatArray) -> FloatArray:
         """Return the law of the target that is nearest to an area curve, (k,) [mm^2]."""

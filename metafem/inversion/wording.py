@@ -61,10 +61,6 @@ class Wording:
         """Return a slope as a friction coefficient [-], to 15 digits, if the target states slopes so."""
         return float(f"{slope * (self.per_slope or 1.0):.15g}")
 
-    def coefficients(self, slopes: tuple[float, ...]) -> tuple[float, ...] | None:
-        """Return slopes as friction coefficients [-]; None if slopes are not converted."""
-        return None if self.per_slope is None else tuple(map(self.coefficient, slopes))
-
     def given_slopes(self, friction_coefficients: ArrayLike, count: int | None) -> list[float]:
         """Return the slopes [-] of friction coefficients [-] after a check, (count,)."""
         values = check.array("friction_coefficients", friction_coefficients, shape=(count,), positive=True)

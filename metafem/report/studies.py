@@ -9,12 +9,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from metafem._values import MICROMETRES
-from metafem.drawing import ACHIEVED, MEASURED, MEASURED_BESIDE, QUIET, TARGET, finished, new_figure
+from metafem.drawing import ACHIEVED, MEASURED, QUIET, TARGET, finished, new_figure
 from metafem.drawing.calibration import measured, residuals
 from metafem.drawing.inline import drawn
 from metafem.inversion import Design
 from metafem.report.figures import BESIDE_TEXT, beside_text
-from metafem.studies.measured import features
 from metafem.studies.summary import in_words, main_quantity, shares, summary
 
 if TYPE_CHECKING:
@@ -133,8 +132,7 @@ def measured_section(design: Design, study: Dataset) -> dict[str, Any]:
     names = {"composite_modulus": "E*", "shear_strength": "σ", "area_ratio": "B"}
     return {
         "summary": summary(study),
-        "features": features(study),
-        "differs": not study["fits"].values.all(),
+        "differs": not int(study["fits"]),
         "figure": drawn(measured_figure(design, study), "Measured and designed friction law"),
         # the parameters whose errors the standard deviations include
         "included": " and ".join(names[name] for name in str(study.attrs["parameters"]).split()),
@@ -146,12 +144,10 @@ def measured_figure(design: Design, study: Dataset) -> Figure:
     figure = new_figure(6.2, 4.9, ABOVE)
     ax, below = figure.subplots(2, 1, sharex=True, height_ratios=[3, 1], gridspec_kw={"hspace": 0.08})
     design.law.plot(ax, label="design")
-    for label, colour in zip(map(str, study["law"].values), (MEASURED, MEASURED_BESIDE), strict=False):
-        one = study.isel(point=np.flatnonzero(study["of_law"].values == label))
-        x, x_sd = one["rescaled_load"].values, one["rescaled_load_sd"].values
-        y, y_sd = one["rescaled_friction"].values, one["rescaled_friction_sd"].values
-        measured(ax, x, y, x_sd, y_sd, f"measured: {label}", colour)
-        residuals(below, x, (one["deviation"] / one["deviation_sd"]).values, colour)
+    x, x_sd = study["rescaled_load"].values, study["rescaled_load_sd"].values
+    y, y_sd = study["rescaled_friction"].values, study["rescaled_friction_sd"].values
+    measured(ax, x, y, x_sd, y_sd, "measured", MEASURED)
+    residuals(below, x, (study["deviation"] / study["deviation_sd"]).values, MEASURED)
     for branch, _ in design.fits:
         for each in (ax, below):
             each.axvspan(*branch.load_range, color=QUIET, alpha=0.08, lw=0)

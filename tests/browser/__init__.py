@@ -28,6 +28,25 @@ def hold(visit, handle):
     return x, y
 
 
+# Whether legend and refusal are read without scrolling.
+WHOLE = """() => [...document.querySelectorAll('.law-refusal, .law-legend')]
+  .every(each => each.scrollHeight <= each.clientHeight + 2)"""
+
+
+# Where a site of the map is on the screen.
+PLACE = """number => {
+  const { placeOf, $refs: { svg } } = getElement(document.querySelector('.surface-view')).$refs.map;
+  svg.scrollIntoView({ block: 'nearest' });
+  const [x, y] = placeOf(number), box = svg.getBoundingClientRect();
+  return [box.x + x, box.y + y];
+}"""
+
+
+def site(visit, number):
+    """Return where a site of the map is on the screen [pixels]."""
+    return visit.page.evaluate(PLACE, number)
+
+
 def take(page, step, path):
     """Do a step that downloads a file, and return where it is saved."""
     with page.expect_download() as download:

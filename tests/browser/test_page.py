@@ -12,9 +12,9 @@ import metafem as mf
 from metafem.errors import Infeasible, InvalidInput
 from metafem.explorer.history import State, to_link
 from metafem.explorer.surface_data import asked_sites
-from metafem.explorer.table import Document
+from metafem.explorer.table import with_values, written
 from metafem.files import demo_text, parsed, result_tables
-from tests.browser import after, drop, hold
+from tests.browser import WHOLE, after, drop, hold, site
 from validation.page import write_report
 from validation.results import evaluated
 from validation.scenes.browser import problems
@@ -130,7 +130,7 @@ def test_a_page_outlives_its_server(browser):
 def test_a_message_can_be_read_and_goes_with_the_next_success(visit):
     page = visit.page
     page.get_by_role("button", name="Menu").click()
-    page.get_by_role("menuitemradio", name="Dark").click()
+    page.get_by_role("button", name="Dark").click()
     page.keyboard.press("Escape")
     page.evaluate("() => { location.hash = 'm1.damaged'; }")
     message = page.locator(".q-notification")
@@ -179,10 +179,10 @@ def test_nothing_moves_under_the_hand(visit, width):
     page.mouse.move(x, y - 0.2 * page.locator(".law-svg").bounding_box()["height"], steps=4)
     page.locator(".handle.refused").wait_for()
     still("refusal under the hand")
+    assert page.evaluate(WHOLE)
     after(visit, page.mouse.up)
     still("release")
-    page.evaluate("() => document.querySelector('.load-knob').focus({ preventScroll: true })")
-    after(visit, page.keyboard.press, "Shift+ArrowLeft")
+    after(visit, page.get_by_label("Load", exact=True).press, "ArrowLeft")
     still("load")
     for model in ("layer", "independent"):
         after(visit, page.get_by_label("Model", exact=True).select_option, model)
@@ -236,13 +236,14 @@ def test_the_first_computation_of_a_page_can_be_stopped(browser, tmp_path):
 
 def test_a_drawn_law_is_never_stuck(visit):
     page, said = visit.page, []
-    curve = "() => getElement(document.querySelector('.law-plot')).plot"
+    curve = "() => getElement(document.querySelector('.law-plot'))"
     for share in (0.2, 0.35, 0.62, 0.75, 0.9):
         x, y = page.evaluate(
             f"""share => {{
-              const {{ data, view, svg }} = ({curve})(), i = Math.round(share * (data.achieved.x.length - 1));
-              const box = svg.getBoundingClientRect();
-              return [box.x + view.px(data.achieved.x[i]), box.y + view.py(data.achieved.y[i]) + 3];
+              const {{ answer: {{ achieved }}, x, y, $refs }} = ({curve})();
+              const box = $refs.svg.getBoundingClientRect();
+              const i = Math.round(share * (achieved.x.length - 1));
+              return [box.x + x.px(achieved.x[i]), box.y + y.px(achieved.y[i]) + 3];
             }}""",
             share,
         )
@@ -250,14 +251,14 @@ def test_a_drawn_law_is_never_stuck(visit):
         page.mouse.dblclick(x, y)
         page.wait_for_function("count => document.querySelectorAll('.handle').length > count", arg=count)
         visit.at_rest()
-        assert page.evaluate(f"() => ({curve})().data.refusal") == ""
+        assert page.evaluate(f"() => ({curve})().answer.refusal") == ""
         said.append(page.locator(".law-live span").inner_text())
     assert len(visit.handles()) == 8
     assert sum("now a curve that is approximated" in words for words in said) == 1
     visit.entered("limits.max_height", "20 um")
     page.locator(".law-refusal span").first.wait_for()
     visit.drag("point-7", 2, -6)
-    page.wait_for_function(f"() => ({curve})().data.refusal === ''")
+    page.wait_for_function(f"() => ({curve})().answer.refusal === ''")
 
 
 TABS = ("Specification", "How sure", "Take it", "Workshop")
@@ -330,9 +331,9 @@ def test_points_are_moved_added_and_removed_and_sites_kept(hand):
         touch("touchStart", (moved["x"] - plot["x"], moved["y"] - plot["y"]))
         touch("touchEnd")
     page.wait_for_function("() => document.querySelectorAll('.handle').length === 3")
-    page.locator('[data-site="20"]').tap()
+    page.touchscreen.tap(*site(hand, 20))
     after(hand, page.get_by_role("button", name="Keep this height").tap)
-    assert set(asked_sites(hand.text).pinned) == {20}
+    assert set(asked_sites(State(hand.text).table).pinned) == {20}
 
 
 def test_the_page_is_scrolled_and_enlarged_over_the_pictures(hand):
@@ -353,10 +354,9 @@ def test_nothing_is_too_small_or_cut_off(hand):
     page = hand.page
     page.emulate_media(reduced_motion="reduce")
     page.get_by_role("button", name="Menu").tap()
-    page.get_by_role("menuitemradio", name="Dark").tap()
+    page.get_by_role("button", name="Dark").tap()
     assert page.evaluate(SHAPE, SMALL) == {"small": [], "wide": 0, "cut": []}
     page.locator(".bar h1").tap()
-    page.get_by_role("menu").wait_for(state="hidden")
     page.locator(".law-legend .tolerance").wait_for(state="attached")
     for tab in TABS:
         page.get_by_role("tab", name=tab).tap()
@@ -388,9 +388,8 @@ def test_no_text_is_taken_for_html(visit):
     page.locator(".law-legend li", has_text="onerror").wait_for()
     drop(visit, ".explorer", name.replace(".csv", ".png"), bytes([137, 80, 78, 71]))
     page.get_by_text("onerror").last.wait_for()
-    text = Document(demo_text("operating-points")).with_values(
-        {"target.kind": HTML, "sites.empty": [HTML], HTML.replace(".", "-"): {"a": 1}}
-    )
+    wrong = {"target.kind": HTML, "sites.empty": [HTML], HTML.replace(".", "-"): {"a": 1}}
+    text = written(with_values(State(demo_text("operating-points")).table, wrong))
     link = to_link(State(text + f"\n# {HTML}\n", {HTML: HTML}, table.decode(), HTML, False))
     page.evaluate("link => { location.hash = link; }", link)
     page.locator(".chip", has_text="problems in the specification").wait_for()
@@ -484,7 +483,7 @@ class Hand:
 def compared(visit):
     """Compare the tables of the page with those of its specification; return whether there are any."""
     visit.page.get_by_role("tab", name="Take it").click()
-    refused = visit.page.evaluate("() => getElement(document.querySelector('.law-plot')).plot.data.refusal")
+    refused = visit.page.evaluate("() => getElement(document.querySelector('.law-plot')).answer.refusal")
     try:
         specification = parsed(visit.text, {})
         tables = result_tables(specification.design(), specification.part)

@@ -9,11 +9,11 @@ from nicegui import Client
 from nicegui.page import page as page_of
 
 from metafem.explorer.control import Control
-from metafem.explorer.fields import with_field
 from metafem.explorer.handles import moved, scene_of
 from metafem.explorer.history import State
-from metafem.explorer.kinds import with_choice, with_kind, with_section
+from metafem.explorer.kinds import with_kind_near, with_units
 from metafem.explorer.surface_data import edited
+from metafem.explorer.table import with_field, with_section
 from metafem.files import demo_text
 from metafem.progress import doing
 
@@ -65,6 +65,18 @@ def text_of(target):
     return f"[target]\n{TARGETS.get(target, target)}\n[material]{rest}"
 
 
+def files(**texts):
+    """Return loaded files by their names, of which the last underscore is the point."""
+    named = {".".join(name.rsplit("_", 1)): text for name, text in texts.items()}
+    return [{"name": name, "text": text} for name, text in named.items()]
+
+
+def changed(text, change, *given):
+    """Return a text after a change of its table."""
+    state = State(text)
+    return state.edited(change(state.table, *given)).text
+
+
 def on_page(scene, *panels, state=None):
     """Return what a scene returns on a page whose browser does not answer, with some panels."""
 
@@ -112,7 +124,7 @@ def calls_of(widget):
 
 def dragged(state, answer):
     """Move the last handle."""
-    scene = scene_of(state.text, answer.specification, answer.design)
+    scene = scene_of(state, answer.specification, answer.design)
     handle = scene.handles()[-1]
     return moved(scene, handle.id, 1.01 * handle.load, 0.99 * handle.friction)
 
@@ -120,7 +132,7 @@ def dragged(state, answer):
 def kept(state, answer):
     """Keep the height of the first asperity."""
     site = int(answer.design.sites[0])
-    return edited(state.text, answer.design, {"action": "pin", "sites": [site], "height": ""})
+    return edited(state.table, answer.design, {"action": "pin", "sites": [site], "height": ""})
 
 
 def with_height(answer, asperity, height):
@@ -134,8 +146,8 @@ def with_height(answer, asperity, height):
 EDITS = {
     "drag": (dragged, "target"),
     "height": (kept, "sites"),
-    "field": (lambda state, _: with_field(state.text, "limits.max_height", "0,13 mm"), "limits"),
-    "section": (lambda state, _: with_section(state.text, "checks"), "checks"),
-    "kind": (lambda state, answer: with_kind(state, answer.design, "sampled"), "target"),
-    "units": (lambda state, answer: with_choice(state.text, "target", 1, answer.specification), "target"),
+    "field": (lambda state, _: with_field(state.table, "limits.max_height", "0,13 mm"), "limits"),
+    "section": (lambda state, _: with_section(state.table, "checks"), "checks"),
+    "kind": (lambda state, answer: with_kind_near(state, answer.design, "sampled"), "target"),
+    "units": (lambda state, answer: with_units(state, "target", 1, answer.specification), "target"),
 }

@@ -20,20 +20,20 @@ class Drawing:
 
     def __init__(self, text, seed):
         self.rng = np.random.default_rng(seed)
-        self.states = [text]
-        self.shown = answered(State(text), 0)
+        self.states = [State(text)]
+        self.shown = answered(self.states[0], 0)
 
     @property
     def base(self):
         return self.states[-1], self.shown.specification, self.shown.design
 
-    def show(self, text):
-        self.shown = answered(State(text), self.shown.number + 1, self.shown)
+    def show(self, state):
+        self.shown = answered(state, self.shown.number + 1, self.shown)
         assert not self.shown.problems, self.shown.problems
 
-    def commit(self, text):
-        self.states.append(text)
-        self.show(text)
+    def commit(self, table):
+        self.states.append(self.states[-1].edited(table))
+        self.show(self.states[-1])
 
     def place(self):
         return float(self.rng.uniform(0.01, 0.9)), float(self.rng.uniform(0.05, 6.0))
@@ -55,22 +55,24 @@ class Drawing:
         good, last = None, self.shown
         for share in (0.5, 1.0):
             by = 1.0 + share * reach * self.rng.uniform(-1.0, 1.0, 2)
-            text = moved(scene_of(*base), mark.id, mark.load * by[0], mark.friction * by[1])
-            last = answered(State(text), last.number + 1, last, draft=True)
-            good = text if last.current else good
+            table = moved(scene_of(*base), mark.id, mark.load * by[0], mark.friction * by[1])
+            last = answered(base[0].edited(table), last.number + 1, last, draft=True)
+            good = table if last.current else good
         if last.current:
-            self.commit(text)
+            self.commit(table)
         elif good is not None:
             self.commit(good)
         else:
-            self.commit(reachable(last) if stuck and last.refusal else base[0])
+            self.commit(reachable(last) if stuck and last.refusal else base[0].table)
         return design
 
     def remove(self):
-        text, specification, _ = self.base
+        state, specification, _ = self.base
         marks = scene_of(*self.base).handles()
         if len(marks) > 1:
-            self.commit(removed(scene_of(text, specification, None), marks[self.rng.integers(len(marks))].id))
+            self.commit(
+                removed(scene_of(state, specification, None), marks[self.rng.integers(len(marks))].id)
+            )
 
     def undo(self):
         if len(self.states) > 1:
@@ -99,8 +101,8 @@ def test_every_state_is_left_by_the_next_drag():
 @pytest.mark.parametrize("seed", range(4))
 def test_a_refused_law_is_left_by_a_drag(seed):
     drawing = Drawing(demo_text("operating-points"), seed)
-    text, specification, _ = drawing.base
-    drawing.commit(added(scene_of(text, specification, None), 0.5, 0.5))
+    state, specification, _ = drawing.base
+    drawing.commit(added(scene_of(state, specification, None), 0.5, 0.5))
     assert drawing.shown.refusal
     drawing.drag(0.2)
     assert drawing.shown.current

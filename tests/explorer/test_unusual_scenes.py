@@ -11,10 +11,10 @@ from metafem.explorer.contact_data import contact_data, press_data
 from metafem.explorer.history import State
 from metafem.explorer.law_data import law_data
 from metafem.explorer.surface_data import layout_data, site_data
-from metafem.explorer.table import Document
+from metafem.explorer.table import with_values
 from metafem.files import demo_text
 
-LINEAR = Document(demo_text("linear")).with_values({"lattice.shape": [4, 4], "limits.height_step": None})
+LINEAR = with_values(State(demo_text("linear")).table, {"lattice.shape": [4, 4], "limits.height_step": None})
 PINS = {"sites.pinned": [5], "sites.heights": ["150 um"], "sites.empty": [9]}
 TOOLS = {"lattice.radius": None, "tools.radii": ["300 um", "526 um"]}
 POINTS = {"target.kind": "sampled", "target.slope": None}
@@ -48,10 +48,8 @@ SCENES = {
 
 @pytest.mark.parametrize("scene", SCENES)
 def test_a_scene_is_shown_or_refused_in_words(scene):
-    text = LINEAR
-    for key, value in SCENES[scene].items():
-        text = Document(text).with_values({key: value})
-    answer = answered(State(text, {"contact.csv": TABULATED}), 1, None, True)
+    state = State("", {"contact.csv": TABULATED}).edited(with_values(LINEAR, SCENES[scene]))
+    answer = answered(state, 1, None, True)
     design = answer.design
     assert answer.current or answer.refused
     law = law_data(answer)

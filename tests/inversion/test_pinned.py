@@ -73,5 +73,5 @@ def test_the_files_of_a_part_leave_the_sites_out(tmp_path):
     assert mf.load(tmp_path / "result") == result
     lines = (tmp_path / "result" / "mould.csv").read_text().splitlines()
     rows = [line for line in lines if not line.startswith("#")][1:]
-    assert {int(row.split(",")[2]) for row in rows} == set(result.sites.tolist())
+    assert {int(row.split(",")[2]) for row in rows} == set((result.sites + 1).tolist())
     assert result.template is TEMPLATE

@@ -53,7 +53,10 @@ def results(contacts: int, energy: float) -> tuple[Fit, dict[str, Errors]]:
     load, area = compression_tests(TRIALS, contacts, energy, np.random.default_rng(0))
     fit, line = fitted(load, area, contacts), straight_line(load / contacts, area / contacts)
     value, covariance = of_root(fit)
-    true, sd = np.array([MODULUS, math.sqrt(energy)]), np.sqrt(np.diagonal(covariance, axis1=1, axis2=2))
+    true, sd = (
+        np.array([MODULUS, math.sqrt(energy)]),
+        np.sqrt(np.diagonal(covariance, axis1=1, axis2=2)),
+    )
     by_line = np.stack([line.composite_modulus, line.adhesion_root], axis=-1)
     errors = {
         f"{name}, {quantity}": Errors((estimate - true)[:, i], sd[:, i])

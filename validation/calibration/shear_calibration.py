@@ -9,7 +9,7 @@ from functools import cache
 import numpy as np
 
 from metafem._validate import FloatArray
-from metafem.calibration.sheared import parameters
+from metafem.calibration.sheared import proportional
 from validation.check import Claim, Picture, Row, near, reported
 from validation.figures import panels
 from validation.scenes.repeated_estimates import Errors, histograms, judged
@@ -34,7 +34,9 @@ def measured(contacts: int) -> FloatArray:
 @cache
 def results(contacts: int) -> tuple[dict[str, Errors], FloatArray, FloatArray]:
     """Return the errors of B, sigma and sigma B, B and sigma (trials, 2), and their covariance."""
-    found, covariance, _ = parameters(measured(contacts), ERRORS)
+    of = ERRORS.of_area, ERRORS.of_area, ERRORS.of_friction_force
+    fit = proportional(measured(contacts), of)
+    found, covariance = fit.parameter, fit.covariance
     ratio, strength = found.T
     product = np.stack([strength, ratio], axis=-1)
     square = np.einsum("ni,nij,nj->n", product, covariance, product)

@@ -20,14 +20,16 @@ measured_load = load + rng.normal(0.0, errors.of_load(load))
 measured_area = area + rng.normal(0.0, errors.of_area(area))
 
 found = mf.calibration.fit_compression(measured_load, measured_area, radius, errors=errors)
-low, high = found.estimates["adhesion_energy"].interval
-sd = found.estimates["composite_modulus"].sd, 0.5 * (high - low)
-print(f"E*: true {modulus:.2f} MPa, found {found.composite_modulus:.3f} ± {sd[0]:.3f} MPa")
-print(
-    f"w: true {1e6 * adhesion:.1f} mJ/m², found {1e6 * found.adhesion_energy:.1f} ± {1e6 * sd[1]:.1f} mJ/m²"
-)
-assert abs(found.composite_modulus - modulus) < 2 * sd[0]
-assert abs(found.adhesion_energy - adhesion) < 2 * sd[1]
+stiffness, energy = found.estimates["composite_modulus"], found.estimates["adhesion_energy"]
+print(f"E*: true {modulus:.2f} MPa, found {stiffness.value:.3f} ± {stiffness.sd:.3f} MPa")
+print(f"w: true {1e6 * adhesion:.1f} mJ/m², found {1e6 * energy.value:.1f} ± {1e6 * energy.sd:.1f} mJ/m²")
+assert abs(stiffness.value - modulus) < 2 * stiffness.sd
+assert abs(energy.value - adhesion) < 2 * energy.sd
+
+cap = asperity.replaced(material=found.material)
+ax = mf.friction_law(cap, mf.Independent(contact=found.contact_law), load=load).plot(label="fitted law")
+given = {"material": found.material, "errors": errors}
+mf.calibration.MeasuredLaw(measured_load, area=measured_area, **given).plot(ax, label="measured")
 
 # The measured areas with their errors, and the fitted law.
-figure = found.plot().figure
+figure = ax.figure

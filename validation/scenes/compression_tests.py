@@ -10,7 +10,7 @@ import numpy as np
 import metafem as mf
 from metafem._validate import FloatArray
 from metafem.calibration import MeasurementErrors
-from metafem.calibration.compression import AreaLaw, fit_areas
+from metafem.calibration.compression import fit_areas
 from metafem.calibration.errors_in_variables import Fit
 
 RADIUS, MODULUS, ENERGY = 0.526, 1.36, 9e-6  # mm, MPa, N/mm: batch 1
@@ -38,9 +38,7 @@ def compression_tests(
 
 def fitted(load: FloatArray, area: FloatArray, contacts: int) -> Fit:
     """Return the fits to many sets of loads and total areas, (trials, k)."""
-    law, alike = AreaLaw(mf.Hertz(), RADIUS, contacts), math.sqrt(contacts)
-    single = area[..., None] / contacts
-    return fit_areas(law, load, single, np.array(ERRORS.load), lambda of: ERRORS.of_area(of) / alike)
+    return fit_areas(load, area[..., None] / contacts, RADIUS, contacts, ERRORS)
 
 
 class Line(NamedTuple):

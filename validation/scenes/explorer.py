@@ -131,7 +131,7 @@ class Visit:
 
     def middle(self, handle: str) -> tuple[float, float]:
         """Return the middle of a handle on the screen [pixels]."""
-        box = self.page.locator(f'.handle[data-id="{handle}"]').bounding_box()
+        box = self.page.locator(f'.handle[data-id="{handle}"] .touch').bounding_box()
         if box is None:
             raise RuntimeError(f"the handle {handle} is not shown")
         return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2

@@ -1,21 +1,18 @@
 // The contacts between the loads at which they are computed, and what is said of them and of a site.
-import { valueAt } from "./view.js";
+import { digits, valueAt } from "./plot.js";
 
 // Radius of the summit at a site [mm]; most surfaces have one for all.
 export const radiusOf = (surface, i) => (typeof surface.radius === "number" ? surface.radius : surface.radius[i]);
 
-// The shape of a cap of a kind: distances from the axis and depths below the summit, both over `scale` [mm].
-export function shapeOf(surface, kind, radius) {
-  const shape = surface.caps[kind] ?? surface.caps[0]; // a draft may have fewer kinds than the mould before it
-  return { ...shape, kind, scale: shape.scaled ? radius : 1 };
+// The cap of a site: its kind, and distances from the axis and depths below the summit, both over `scale` [mm].
+export function capOf(surface, i) {
+  const kind = surface.cap?.[i] ?? 0;
+  return { ...surface.caps[kind], kind, scale: surface.caps[kind].scaled ? radiusOf(surface, i) : 1 };
 }
-
-export const capOf = (surface, i) => shapeOf(surface, surface.cap?.[i] ?? 0, radiusOf(surface, i));
 
 // Distance from the axis at which a cap is so far below its summit [mm].
 export const widthAt = ({ across, depth, scale }, below) => (below <= 0 ? 0 : scale * (valueAt({ x: depth, y: across }, below / scale) ?? across.at(-1)));
 
-export const digits = (value, count = 3) => Number(value.toPrecision(count)).toLocaleString("en", { maximumSignificantDigits: count, useGrouping: false }).replace("-", "−");
 
 export const range = (values) => values.reduce(([low, high], each) => [Math.min(low, each), Math.max(high, each)], [Infinity, -Infinity]);
 
@@ -43,12 +40,6 @@ export function words(i, surface, contacts, press) {
   const sensitivity = contacts?.sensitivity?.[i];
   if (sensitivity !== undefined && sensitivity !== null) lines.push(`sensitivity ${sensitivity > 0 ? "+" : ""}${digits(sensitivity)} % of friction per µm`);
   return lines;
-}
-
-// What is known of the hole of a site in the mould, whose open face shows x mirrored, as mould.csv does.
-export function hole(i, layout, surface) {
-  const depth = surface.height[i] === null ? [] : [`hole ${surface.height[i].toFixed(1)} µm deep`, `radius of the tool ${digits(1e3 * radiusOf(surface, i), 4)} µm`];
-  return [`site ${i + 1}`, `x ${digits(-layout.x[i], 5)} mm, y ${digits(layout.y[i], 5)} mm`, ...depth];
 }
 
 export class Press {
@@ -113,7 +104,7 @@ export function colouring(surface, contacts, { what, dark }) {
   const signed = low < 0 && what !== "height";
   const most = Math.max(high, -low);
   const scale = what === "height" ? surface.limits : [signed ? -most : 0, most];
-  return { name, unit, values, present, shown, scale: scaleOf(...scale, signed, dark) };
+  return { name, unit, values, shown, scale: scaleOf(...scale, signed, dark) };
 }
 
 // Scales of colour whose lightness rises in equal steps, in the colour space Oklab; along blue and yellow, and blue and

@@ -16,7 +16,7 @@ export default {
         <button type="button" class="act" @click="$refs.files.click()">Load…</button>
         <input ref="files" type="file" hidden multiple accept=".toml,.csv,.txt,.tsv" aria-label="Specification and tables" @change="chosen">
         <span v-if="tables.length" class="quiet small">with {{ tables.join(", ") }}</span>
-        <span class="quiet small">A specification, its tables or a result folder can be dropped onto the page.</span>
+        <span class="quiet small">A specification and its tables can be dropped onto the page.</span>
       </div>
       <div class="both">
         <div ref="frame" class="frame"></div>
@@ -43,18 +43,12 @@ export default {
   methods: {
     extensions() {
       const CM = this.CM;
-      this.mark = CM.StateEffect.define();
-      const wrong = CM.StateField.define({
-        create: () => CM.Decoration.none,
-        update: (set, change) => change.effects.reduce((marked, effect) => (effect.is(this.mark) ? effect.value : marked), set.map(change.changes)),
-        provide: (field) => CM.EditorView.decorations.from(field),
-      });
       const styles = CM.defaultHighlightStyle.specs.flatMap(({ tag }) => [tag].flat()).flatMap((tag) =>
         COLOURS.filter(([names]) => names.includes(String(tag))).map(([, style]) => ({ tag, ...style })));
       const language = new CM.Compartment();
       CM.languages.find(({ name }) => name === "TOML").load().then((toml) => this.editor?.dispatch({ effects: language.reconfigure(toml) }));
       return [
-        CM.Prec.high(CM.syntaxHighlighting(CM.HighlightStyle.define(styles))), CM.basicSetup, wrong, language.of([]),
+        CM.Prec.high(CM.syntaxHighlighting(CM.HighlightStyle.define(styles))), CM.basicSetup, language.of([]),
         CM.EditorView.contentAttributes.of({ "aria-label": "Specification" }),
         CM.EditorView.updateListener.of((update) => { if (update.docChanged && !this.showing) this.typed(); }),
         CM.EditorView.domEventHandlers({ blur: () => this.use() }),
@@ -75,17 +69,12 @@ export default {
       }
       this.dirty = false;
       this.count += 1;
-      this.$emit("changed", { text: this.crlf ? text.replaceAll("\n", "\r\n") : text, count: this.count });
+      this.$emit("changed", { text, count: this.count });
     },
     show({ text, problems, tables, taken }) {
       if (!this.editor || this.dirty || taken < this.count) return;  // what is typed, or sent but not yet taken, stays
       Object.assign(this, { problems, tables });
-      this.crlf = text.includes("\r\n");
       this.replace(text.replaceAll("\r\n", "\n"));
-      const doc = this.editor.state.doc;
-      const lines = [...new Set(problems.map(({ line }) => line))].filter((line) => line > 0 && line <= doc.lines).sort((a, b) => a - b);
-      const marked = lines.map((line) => this.CM.Decoration.line({ class: "cm-wrong" }).range(doc.line(line).from));
-      this.editor.dispatch({ effects: this.mark.of(this.CM.Decoration.set(marked)) });
     },
     replace(text) {  // only what differs, so that the cursor and the scrolled place stay
       const old = this.editor.state.doc.toString();

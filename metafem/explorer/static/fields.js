@@ -19,9 +19,6 @@ function stepped(text, caret, steps, whole) {
 // The unit behind a number.
 const UNIT = /[^\d\s.,+-].*$/;
 
-// Most characters of a value: a list of some thousand points.
-const LONGEST = 100_000;
-
 export default {
   template: `
     <form class="fields" @submit.prevent @focusin="told = $event.target.dataset.key ?? told" :aria-busy="busy">
@@ -61,7 +58,7 @@ export default {
                       :aria-invalid="!!problem(field)" :value="values[field.key] ?? ''" @change="use(field, $event.target.value)">
                 <option v-if="!field.options.some(([value]) => value === (values[field.key] ?? ''))" :value="values[field.key]">{{ values[field.key] }}</option>
                 <option v-for="[value, words] in field.options" :key="value" :value="value">{{ words }}</option></select>
-              <input v-else class="text" type="text" autocomplete="off" spellcheck="false" :id="id(field.key)" :data-key="field.key" :disabled="!!broken"
+              <input v-else class="text" type="text" maxlength="100000" autocomplete="off" spellcheck="false" :id="id(field.key)" :data-key="field.key" :disabled="!!broken"
                      :value="drafts[field.key] ?? values[field.key] ?? ''" :placeholder="field.placeholder" :data-clean="field.key in drafts ? null : ''" :aria-invalid="!!problem(field)"
                      :aria-describedby="id(field.key) + '-help ' + id(field.key) + '-wrong'" @input="drafts[field.key] = $event.target.value"
                      @change="leave(field)" @blur="leave(field)" @keydown="key($event, field)" @keyup="release($event, field)">
@@ -105,24 +102,7 @@ export default {
       return this.fields.find(({ key }) => key === this.told)?.help ?? "Each value is used with Enter or on leaving its field. Arrow keys up and down change numbers.";
     },
   },
-  mounted() { document.addEventListener("focusin", this.reveal); },
-  unmounted() { document.removeEventListener("focusin", this.reveal); },
-  beforeUpdate() { this.place = this.seen(); },
-  updated() {  // words that come and go leave the field in use where it is
-    const { scroller, node, top } = this.place ?? {};
-    if (node?.isConnected) scroller.scrollTop += node.getBoundingClientRect().top - top;
-  },
   methods: {
-    // The field in use, or the first one that is seen, and where it is.
-    seen() {
-      const scroller = this.$el.closest(".q-panel");
-      if (!scroller || scroller.scrollHeight <= scroller.clientHeight) return null;
-      const above = scroller.getBoundingClientRect().top;
-      const inside = (each) => each.getBoundingClientRect().top >= above;
-      const active = document.activeElement;
-      const node = this.$el.contains(active) ? active : [...this.$el.querySelectorAll("[data-key]")].find(inside);
-      return node ? { scroller, node, top: node.getBoundingClientRect().top } : null;
-    },
     show(data) {
       const named = (each) => Object.keys({ ...each.problems, ...each.offers });
       for (const key of named(data).filter((each) => !named(this).includes(each))) { // a new one is seen
@@ -136,12 +116,6 @@ export default {
       const tab = [...document.querySelectorAll("[role=tab]")].find((each) => each.textContent.trim() === "Specification");
       tab?.click();
       tab?.focus(); // this button is gone
-    },
-    // A handle of the law that is in use shows the fields of the target.
-    reveal(event) {
-      if (!event.target.closest?.(".handle")) return;
-      this.opened.target = true;
-      this.$el.closest(".q-panel").scrollTop = 0; // the target is the first section; the page itself stays
     },
     refuse({ key, words }) { this.refused[key] = words; },
     id(key) { return `field-${key.replaceAll(".", "-")}`; },
@@ -166,10 +140,6 @@ export default {
       return bare ? `${Number(given)} ${unit}` : this.offers[field.key];
     },
     use(field, text) {
-      if (text.length > LONGEST) {
-        this.refused[field.key] = `This has ${text.length.toLocaleString("en")} characters; a value may have ${LONGEST.toLocaleString("en")}. Esc restores the value before.`;
-        return;
-      }
       delete this.drafts[field.key];
       delete this.refused[field.key];
       this.values = { ...this.values, [field.key]: text };

@@ -1,12 +1,10 @@
 // The head of the page: the target in words, the status, the model, undo and redo, and the menu.
-// It also takes the files that are dropped, and hands those on the plot of the law to it.
-import { ARROWS, remember, tell, textsIn, textsOf } from "metafem/linked.js";
+// It also takes the files that are dropped, and hands a table to the plot of the law.
+import { remember, shared, textsOf } from "metafem/linked.js";
 
 const THEMES = { light: "Light", auto: "Auto", dark: "Dark" };
 const CALM = 700;  // milliseconds without a new status, after which screen readers are told
 const THEME = "metafem-theme";
-const MAC = navigator.platform.startsWith("Mac");
-const CTRL = MAC ? "⌘" : "Ctrl+";
 
 // Whether keys that are typed belong to an element. A field in which nothing has been typed leaves undo to the page.
 const TEXTS = "input:not([type=checkbox], [type=radio], [type=range], [data-clean]), textarea, [contenteditable='true'], .cm-editor";
@@ -16,7 +14,6 @@ const writing = (element) => typing(element) || element?.matches?.("[data-clean]
 export default {
   template: `
     <header class="bar">
-      <a class="skip act" href="#law" @click.prevent="skip">Skip to the law</a>
       <h1>metafem</h1>
       <p class="title" :title="title">{{ title }}</p>
       <span class="status">
@@ -34,22 +31,22 @@ export default {
           </select>
         </label>
         <span class="row pair">
-          <button class="act icon" :aria-disabled="!undo" title="Undo (${CTRL}Z)" aria-label="Undo" @click="undo && $emit('undo')">↶</button>
-          <button class="act icon" :aria-disabled="!redo" title="Redo (${CTRL}${MAC ? "⇧" : "Shift+"}Z)" aria-label="Redo" @click="redo && $emit('redo')">↷</button>
+          <button class="act icon" :aria-disabled="!undo" title="Undo (Ctrl+Z)" aria-label="Undo" @click="undo && $emit('undo')">↶</button>
+          <button class="act icon" :aria-disabled="!redo" title="Redo (Ctrl+Shift+Z)" aria-label="Redo" @click="redo && $emit('redo')">↷</button>
         </span>
         <button class="act" title="A part of your own from a few values; undo brings back what was" @click="$emit('part')">New part</button>
-        <button class="act" aria-haspopup="menu" :aria-expanded="opened" @click="$refs.menu.toggle()">Menu
-          <q-menu ref="menu" v-model="opened" no-parent-event class="bar-menu" aria-label="Menu" anchor="bottom right" self="top right" transition-duration="0" @show="step(0)" @keydown="walk">
+        <button class="act" aria-haspopup="true" :aria-expanded="opened">Menu
+          <q-menu v-model="opened" class="bar-menu" anchor="bottom right" self="top right" transition-duration="0">
             <div role="group" aria-labelledby="menu-starts"><h3 id="menu-starts">Start over</h3>
-              <button v-for="name in starts" :key="name" role="menuitem" title="Undo brings back what was" @click="begin(name)">{{ name }}</button></div>
+              <button v-for="name in starts" :key="name" v-close-popup title="Undo brings back what was" @click="$emit('begin', name)">{{ name }}</button></div>
             <div role="group" aria-labelledby="menu-colours"><h3 id="menu-colours">Colours of the page</h3>
-              <button v-for="(word, name) in themes" :key="name" role="menuitemradio" :aria-checked="theme === name" @click="choose(name)">{{ word }}</button></div>
+              <button v-for="(word, name) in themes" :key="name" v-close-popup :aria-pressed="theme === name" @click="choose(name)">{{ word }}</button></div>
             <div role="group" aria-labelledby="menu-help"><h3 id="menu-help">How to use it</h3>
-              <button role="menuitem" @click="open">Help: mouse, touch and keys (?)</button></div></q-menu></button>
+              <button v-close-popup @click="open">Help: mouse, touch and keys (?)</button></div></q-menu></button>
       </span>
       <dialog ref="dialog" aria-labelledby="help-title" closedby="any">
         <div class="head"><h2 id="help-title">Mouse, touch and keys</h2><button class="act" autofocus @click="$refs.dialog.close()">Close</button></div>
-        <div v-html="keys"></div>
+        <div v-html="help"></div>
       </dialog>
     </header>`,
   props: { models: Array, starts: Array, help: String },
@@ -62,19 +59,12 @@ export default {
   computed: {
     words() { return this.part ? `${this.status}; no part can be made` : this.status; },
     details() { return [this.meaning, this.part].filter(Boolean).join(" "); },
-    keys() { return MAC ? this.help.replaceAll("Ctrl+Shift+", "⌘⇧").replaceAll("Ctrl+", "⌘") : this.help; },
   },
   mounted() {
     this.choose(this.theme in THEMES ? this.theme : "auto");
-    this.closed = new AbortController();
-    const { signal } = this.closed;
-    document.addEventListener("keydown", this.key, { signal });
-    document.addEventListener("dragover", this.over, { signal });
-    document.addEventListener("drop", this.drop, { signal, capture: true });
-  },
-  unmounted() {
-    this.closed.abort();
-    clearTimeout(this.timer);
+    document.addEventListener("keydown", this.key);
+    document.addEventListener("dragover", this.over);
+    document.addEventListener("drop", this.drop, { capture: true });
   },
   watch: {
     words() {  // once for a drag or some keys
@@ -84,19 +74,6 @@ export default {
   },
   methods: {
     show(data) { Object.assign(this, data); },
-    // Puts the focus on an entry of the menu: so many after the one in focus, or the first.
-    step(steps) {
-      const entries = [...document.querySelectorAll(".bar-menu button:not(:disabled)")];
-      const at = steps && entries.indexOf(document.activeElement) + steps;
-      entries.at(at % entries.length).focus();
-    },
-    walk(event) {
-      const up = ARROWS[event.key]?.[1];
-      if (event.key === "Tab") this.$refs.menu.hide();
-      else if (up) this.step(-up);
-      else return;
-      event.preventDefault();
-    },
     choose(theme) {
       this.theme = theme;
       remember(THEME, theme);
@@ -111,31 +88,17 @@ export default {
       else return;
       event.preventDefault();
     },
-    begin(name) {
-      this.$refs.menu.hide();
-      this.$emit("begin", name);
-    },
-    open() {
-      this.$refs.menu.hide();
-      if (!this.$refs.dialog.open) this.$refs.dialog.showModal();
-    },
+    open() { if (!this.$refs.dialog.open) this.$refs.dialog.showModal(); },
     over(event) {
       if (event.dataTransfer?.types.includes("Files")) event.preventDefault();
     },
     async drop(event) {  // the browser would leave the page and open the file
       if (!event.dataTransfer?.types.includes("Files")) return;
-      // taken before the first wait: the browser empties the transfer afterwards
       const files = [...event.dataTransfer.files];
-      const folder = [...event.dataTransfer.items ?? []].map((item) => item.webkitGetAsEntry?.()).find((entry) => entry?.isDirectory);
       event.preventDefault();
       event.stopPropagation();
-      event.target.closest?.(".dropping")?.dispatchEvent(new Event("dragleave"));
-      const given = folder || files.some((file) => /\.toml$/i.test(file.name));
-      if (event.target.closest?.(".law-plot") && !given) return tell("table", files);
-      this.$emit("load", { files: await (folder ? textsIn(folder) : textsOf(files)) });
-    },
-    skip() {  // not by the fragment of the address, which holds the state
-      document.querySelector(".explorer > .law")?.focus();
+      if (files.some((file) => /\.toml$/i.test(file.name))) this.$emit("load", { files: await textsOf(files) });
+      else shared.files = files;
     },
   },
 };

@@ -1,344 +1,418 @@
-// The law: draws answers, and turns what hands and keys do into events.
-import { Cursor } from "metafem/cursor.js";
-import { Handles, Requests } from "metafem/handles.js";
-import { Chosen, hear, remember, textsOf } from "metafem/linked.js";
-import { MARGIN, entries, made, Picture, told, View } from "metafem/view.js";
+// The law: shows answers, and turns what hands and keys do into events. NiceGUI calls its methods.
+import { Drags } from "metafem/drags.js";
+import { ARROWS, Chosen, remember, shared, textsOf } from "metafem/linked.js";
+import { area, Axis, digits, path, placeIn, ticks, told, valueAt } from "metafem/plot.js";
 
-// Pixels that a pointer may move during a click.
-const STILL = 4;
-// A point that is added so near to the achieved law [pixels] is on it.
-const SNAP = 8;
-// Two taps are one double tap within these milliseconds and pixels, the width of a finger.
-const TWICE = { time: 500, far: 40 };
-// Keys that zoom: the part of the axes that is then shown, 0 for all. The wheel does the same in steps of so many units.
-const ZOOMS = { "+": 0.8, "=": 0.8, "-": 1.25, 0: 0 };
-const WHEEL = 400;
-// Where fingers are the first pointer, a pinch enlarges the page.
+// What is free around the axes, the room for a label of an axis, and the length of the marks below it [pixels].
+const MARGIN = { left: 62, right: 16, top: 12, bottom: 46 };
+const [BETWEEN, MARK] = [{ x: 85, y: 48 }, { entry: 7, marked: 12, near: 4 }];
+// Radius of what takes a pointer at a handle: 44 px wide for a finger. Where fingers are the first pointer, a pinch
+// enlarges the page.
+const TOUCH = matchMedia("(any-pointer: coarse)").matches ? 22 : 18;
 const FINGERS = matchMedia("(pointer: coarse)").matches;
-
-export class Plot {
-  view = new View();
-  data = null;
-  beside = { tolerance: null };
-  requests = new Requests((request) => this.emit("drag", { ...request, part: this.view.part }));
-  closed = new AbortController();
-
-  // The element has the words around the plot.
-  constructor(element) {
-    this.element = element;
-    this.emit = (name, data) => element.$emit(name, data);
-    [this.root, this.stage, this.svg] = [element.$el, element.$refs.stage, element.$refs.svg];
-    this.picture = new Picture(this.svg);
-    this.handles = new Handles(this, made("g", {}, this.svg));
-    this.cursor = new Cursor(this, made("g", {}, this.svg), element.$refs.readout, this.closed.signal); // after the points in the order of Tab
-    this.listen();
-    this.resize();
-  }
-
-  listen() {
-    const { svg, view } = this;
-    svg.addEventListener("pointerdown", (event) => { this.pressed = this.pointOf(event); });
-    svg.addEventListener("pointermove", (event) => {
-      this.cursor.over = this.pointOf(event);
-      if (!this.handles.follow(event) && !this.cursor.follow(event)) this.cursor.draw();
-    });
-    svg.addEventListener("pointerleave", () => {
-      this.cursor.over = null;
-      this.cursor.draw();
-    });
-    for (const end of ["pointerup", "pointercancel"]) {
-      svg.addEventListener(end, (event) => {
-        this.handles.release(event);
-        this.cursor.release();
-      });
-    }
-    svg.addEventListener("wheel", (event) => { // a touch pad sends a pinch as this
-      if (!event.ctrlKey || FINGERS) return;
-      event.preventDefault();
-      this.zoom(Math.exp(event.deltaY / WHEEL), this.pointOf(event));
-    }, { passive: false });
-    svg.addEventListener("click", (event) => {
-      const at = this.pointOf(event);
-      const still = this.pressed && Math.hypot(at.x - this.pressed.x, at.y - this.pressed.y) < STILL;
-      this.pressed = null;
-      if (event.target.closest(".handle, .load-knob")) return;
-      if (event.pointerType !== "touch") this.tapped = null;
-      if (event.pointerType === "touch" && this.tappedTwice(at, event.timeStamp)) this.add(at);
-      else if (still && event.detail === 1) this.cursor.choose(view.x.at(at.x));
-    });
-    svg.addEventListener("dblclick", (event) => {
-      if (!event.target.closest(".handle") && !this.tapped) this.add(this.pointOf(event));
-    });
-    svg.addEventListener("keydown", (event) => {
-      const free = !event.ctrlKey && !event.metaKey && !event.altKey;
-      if (free && event.key in ZOOMS) this.zoom(ZOOMS[event.key], this.cursor.over);
-      else if (free && event.key === "a") this.add(this.cursor.over ?? this.between(event.target));
-      else this.cursor.over = null; // a hand at the keys does not add a point where a mouse was left
-    });
-  }
-
-  // Shows another part of the axes, around the pointer, the handle in focus or the middle; 0 shows all.
-  zoom(factor, over) {
-    const { view } = this;
-    const { x, y } = this.handles.focused ?? {};
-    const middle = { x: (MARGIN.left + view.right) / 2, y: (MARGIN.top + view.bottom) / 2 };
-    if (factor) view.zoom(factor, over ?? (x === undefined ? middle : { x: view.px(x), y: view.py(y) }));
-    else this.fit(true);
-    this.paint();
-  }
-
-  // Shows a handle that has the focus, which can lie beyond zoomed axes.
-  visit(handle) {
-    if (!this.view.has(handle)) {
-      this.view.show(handle);
-      this.paint();
-    }
-    this.point(handle);
-  }
-
-  pointOf(event) {
-    const box = this.svg.getBoundingClientRect();
-    return { x: event.clientX - box.left, y: event.clientY - box.top };
-  }
-
-  // Whether a tap follows another one closely; some browsers make no double click of two taps.
-  tappedTwice(at, time) {
-    const before = this.tapped;
-    const twice = before && time - before.time < TWICE.time && Math.hypot(at.x - before.at.x, at.y - before.at.y) < TWICE.far;
-    this.tapped = { at, time: twice ? -Infinity : time };
-    return twice;
-  }
-
-  // Where a new point goes without a pointer: halfway from the handle in focus to the next.
-  between(node) {
-    const handles = this.handles.all;
-    const i = Math.max(0, handles.findIndex((each) => each.id === node.dataset?.id));
-    const [from, to] = handles.length < 2 ? [{ x: 0, y: 0 }, handles[0]] : i + 1 < handles.length ? [handles[i], handles[i + 1]] : [handles[i - 1], handles[i]];
-    return from && to ? { x: this.view.px((from.x + to.x) / 2), y: this.view.py((from.y + to.y) / 2) } : null;
-  }
-
-  add(at) {
-    const { view } = this;
-    if (!at || at.x <= MARGIN.left || at.x > view.right || at.y >= view.bottom) return;
-    this.changing = { count: this.handles.all.length, at, marked: this.data.marked };
-    this.emit("add", { x: view.x.rounded(view.x.at(at.x)), y: view.y.rounded(view.y.at(at.y)), near: SNAP * view.y.pixel });
-  }
-
-  remove(id) {
-    const handles = this.handles.all;
-    this.changing = { count: handles.length, row: handles.findIndex((each) => each.id === id) };
-    this.emit("remove", { id });
-  }
-
-  // The focus goes to a point that was added, or to the one in the place of the removed one.
-  changed() {
-    const { handles, changing } = this;
-    const more = changing ? handles.all.length - changing.count : 0;
-    if (!more) return;
-    this.changing = null;
-    if ((more > 0) !== ("at" in changing)) return; // an undo came first
-    const next = more > 0 ? handles.nearest(changing.at) : handles.all[Math.min(changing.row, handles.all.length - 1)];
-    handles.focus(next);
-    const curve = changing.marked && !this.data.marked ? " The law is now a curve that is approximated." : "";
-    if (more > 0) this.say(`Added ${handles.words(next)}.${curve}`, false, next.id);
-    else this.say("Point removed.");
-  }
-
-  // Takes an answer to the requests of drags up to a number; returns the drag that it closes, or null.
-  take(number, { refusal, handles, undecided }) {
-    this.requests.take(number, !undecided);
-    const closed = this.handles.answered(number, refusal, handles);
-    this.requests.move();
-    return closed;
-  }
-
-  // Draws an answer.
-  draw(data) {
-    const { handles } = this;
-    if (data.state !== this.data?.state) this.cursor.chosen = new Chosen();
-    const unknown = data.handles === null; // the text has problems: the last target law stays
-    const last = this.data?.x.unit === data.x.unit ? this.data : { ...data, handles: [] };
-    const { wanted, marked, handles: own } = unknown ? last : data;
-    // the tolerance band stays until that of this answer comes
-    this.data = { ...data, ...this.beside, wanted, marked, handles: own };
-    const closed = data.request < this.requests.received ? null : this.take(data.request, data);
-    // a problem may be one of a step that is held; else a move would change a text that is not understood
-    handles.inactive = unknown && !handles.drag;
-    if (!unknown || !handles.drag) handles.take(own);
-    if (closed) handles.tell(closed); // a slope is known with its answer
-    else if (!handles.drag && this.said !== undefined && this.said !== data.state) this.point(handles.focused); // what was said belongs to an earlier text
-    if (handles.drag) this.offer = data.offer !== "";
-    else this.fit();
-    if (this.cursor.chosen.isShownBy(data.cursor / data.load_scale)) this.cursor.x = data.cursor;
-    this.element.tools = data.tools;
-    this.show();
-    this.changed();
-    this.root.dataset.answered = data.number;
-  }
-
-  // Draws what comes a moment after an answer: the tolerance band.
-  more({ number, tolerance }) {
-    if (number !== this.data?.number) return;
-    this.data.tolerance = tolerance;
-    this.beside = { tolerance };
-    this.show();
-    this.root.dataset.beside = number;
-  }
-
-  // Takes the refusal of a request that changed nothing.
-  refuse(number, words) {
-    this.take(number, { refusal: words, handles: null, undecided: false });
-    this.say(words, true);
-    this.paint();
-  }
-
-  // Fits the axes to the target and the laws, also zoomed ones if `anew`.
-  fit(anew = false) {
-    const { data, view, handles } = this;
-    const curves = [data.achieved, data.wanted, data.nearest, data.measured, data.pinned].filter(Boolean);
-    if (anew) view.unit = null;
-    view.fit(
-      [...curves.flatMap((each) => each.x), ...handles.all.map((each) => each.x)],
-      [...curves.flatMap((each) => each.y), ...handles.all.map((each) => each.y)],
-      data.x.unit,
-    );
-  }
-
-  paint() {
-    const { data, view, handles } = this;
-    if (!data) return;
-    this.picture.draw(view, data, entries(data));
-    handles.draw(view, data.refusal !== "" || Boolean(handles.drag?.refusal));
-    this.cursor.draw();
-    this.drawRefusal();
-  }
-
-  // Draws all. A legend of other lines would change the height of the plot, and so the scale under the hand.
-  show() {
-    if (!this.handles.drag) this.element.legend = entries(this.data).map((each) => each.slice(0, 3));
-    this.paint();
-  }
-
-  drawRefusal() {
-    const { element, data: { refusal, offer, nearest } } = this;
-    const held = Boolean(this.handles.drag);
-    if (refusal !== element.refusal || held) element.away = false; // another reason has not been read
-    if (refusal && offer) element.offer = offer; // after a drag the target is back, and the last offer stays
-    if (refusal && !held) element.offered = false; // the box has it
-    Object.assign(element, { held, refusal, nearest: nearest !== null, usable: offer !== "" });
-  }
-
-  // A place in words; without the friction where it is null.
-  words({ x, y }) {
-    const { data, view } = this;
-    const load = `${data.x.name} ${told(x, view.x.pixel)} ${data.x.unit}`;
-    return y === null ? load : `${load}, ${data.y.name} ${told(y, view.y.pixel)} ${data.y.unit}`;
-  }
-
-  // Shows below the plot where a handle is, which it tells screen readers itself, and a button for hands without keys.
-  point(handle) {
-    this.say(handle ? `${this.handles.words(handle)}.` : "", false, handle?.id, "off");
-  }
-
-  // Says something below the plot, also to screen readers.
-  say(words, wrong = false, id = "", live = "polite") {
-    this.said = this.data?.state;
-    const removable = id.startsWith("point") && this.handles.all.length > 1 && !this.handles.inactive;
-    const offered = wrong && Boolean(this.offer);
-    Object.assign(this.element, { words, wrong, live, offered, pointed: removable ? id : "" });
-  }
-
-  resize() {
-    const { width, height } = this.stage.getBoundingClientRect();
-    if (!width || !height) return; // hidden
-    this.view.resize(width, height);
-    this.paint();
-  }
-
-  close() { this.closed.abort(); }
-}
-
-// The element of the law: the choices above the plot and the words below it. NiceGUI calls its methods with answers, and
-// receives its events.
-
+// Pixels that a pointer may move during a click; and from the achieved law to a point that is added on it. Two clicks are
+// one double click within these milliseconds and pixels, the width of a finger.
+const [STILL, SNAP, TWICE] = [4, 8, { time: 500, far: 40 }];
+// Steps of the arrow keys along an axis; with Shift they are ten times as long.
+const [STEPS, LONG] = [400, 10];
+// The part of the axes that a key shows, 0 for all; the units of the wheel for a step; and what a zoom shows at least and
+// at most of the fitted axes. `law.py` has the least, too.
+const [ZOOMS, WHEEL, LEAST, MOST] = [{ "+": 0.8, "=": 0.8, "-": 1.25, 0: 0 }, 400, 1e-3, 10];
+// Buttons in the legend: their words, and the event that they emit.
+const ACTS = { achieved: ["Pin", "pin", { on: true }], pinned: ["Unpin", "pin", { on: false }], measured: ["Remove", "measured", {}] };
 // What the line below the plot says at the first visit.
 const [HINT, WELCOME] = ["metafem-hint", "Drag the points of the target law: the heights follow. “Take it” has the mould table, and “Menu” the help."];
-// Buttons in the legend: their words, and the event that they emit.
-const ACTS = {
-  achieved: [["Pin", "pin", { on: true }]],
-  pinned: [["Unpin", "pin", { on: false }]],
-  measured: [["Remove", "measured", {}]],
-};
 
 export default {
   template: `
-    <div :class="['law-plot', { dropping }]" data-answered="0" @dragover="dropping = $event.dataTransfer?.types.includes('Files')" @dragleave="dropping = false">
+    <div class="law-plot" :data-answered="answer?.number ?? 0" :data-beside="beside">
       <div class="law-tools head"><h2>Law</h2>
         <span class="choice law-axes" role="group" aria-label="Axes">
-          <button type="button" title="Load P and friction F in newtons" :aria-pressed="newtons" :aria-disabled="tools.no_forces !== ''" @click="forces">N</button>
+          <button type="button" :title="tools.no_forces || 'Load P and friction F in newtons'" :aria-pressed="newtons" :disabled="tools.no_forces !== ''" @click="$emit('axes', { newtons: true })">N</button>
           <button type="button" title="Load P/E* and friction F/(σB), rescaled" :aria-pressed="!newtons" @click="$emit('axes', { newtons: false })">mm²</button>
         </span>
         <span class="choice" role="group" aria-label="Zoom">
-          <button type="button" aria-label="Zoom out" title="Show more of the axes (−)" @click="plot.zoom(1.25)">−</button>
-          <button type="button" aria-label="Zoom in" title="Show less of the axes (+); also Ctrl and the wheel" @click="plot.zoom(0.8)">+</button>
-          <button type="button" title="Fit the axes to target and law (0)" @click="plot.zoom(0)">Fit</button>
+          <button type="button" aria-label="Zoom out" title="Show more of the axes (−)" @click="zoom(1.25)">−</button>
+          <button type="button" aria-label="Zoom in" title="Show less of the axes (+); also Ctrl and the wheel" @click="zoom(0.8)">+</button>
+          <button type="button" title="Fit the axes to target and law (0)" @click="zoom(0)">Fit</button>
         </span>
         <button type="button" class="act law-choose" title="Show a CSV table of a measured law; it can also be dropped onto the plot. Its first line names the columns with their units: load_N,friction_force_N or load_mN,area_mm2." @click="$refs.file.click()">Measured points…</button>
         <input ref="file" type="file" accept=".csv,.tsv,.txt,text/csv" hidden @change="choose">
       </div>
       <div class="law-stage" ref="stage">
-        <svg class="law-svg" ref="svg" role="group" aria-label="Target law and achieved law. Points can be dragged, or moved with the arrow keys; the key a adds one, Delete removes one; + and - zoom, 0 shows all."></svg>
-        <q-resize-observer debounce="0" @resize="plot?.resize()"></q-resize-observer>
-        <output class="law-readout" ref="readout" aria-hidden="true"></output>
+        <svg class="law-svg" ref="svg" role="group" aria-label="Target law and achieved law. Points can be dragged, or moved with the arrow keys; the key a adds one, Delete removes one; + and - zoom, 0 shows all."
+             @pointerdown="pressed = placeOf($event)" @pointermove="follow" @pointerup="release($event.pointerId)" @pointercancel="release($event.pointerId)" @pointerleave="over = null; markTicks()" @wheel.ctrl="wheel" @click="click" @keydown="key">
+          <template v-if="answer">
+            <defs><clipPath :id="clip"><rect :x="box.left" :y="box.top" :width="box.right - box.left" :height="box.bottom - box.top"/></clipPath></defs>
+            <g class="axes" aria-hidden="true">
+              <path class="grid" :d="grid"/><path :d="'M' + box.left + ' ' + box.top + 'V' + box.bottom + 'H' + box.right"/>
+              <text v-for="each in marks.x" :x="x.px(each.value)" :y="box.bottom + 20" text-anchor="middle">{{ each.words }}</text>
+              <text v-for="each in marks.y" :x="box.left - 7" :y="y.px(each.value) + 4" text-anchor="end">{{ each.words }}</text>
+              <text v-for="({ label, unit, meaning }, i) in [answer.x, answer.y]" class="title" text-anchor="middle" :transform="titles[i]">{{ label }} [{{ unit }}]<title v-if="meaning">{{ meaning }}</title></text>
+            </g>
+            <g class="law-curves" :clip-path="'url(#' + clip + ')'" aria-hidden="true"><path v-for="{ kind, d } in curves" :key="kind" :class="kind" :d="d"/></g>
+            <g v-for="handle in handles" :key="handle.id" :class="classesOf(handle)" :data-id="handle.id" :transform="'translate(' + x.px(handle.x).toFixed(2) + ' ' + y.px(handle.y).toFixed(2) + ')'"
+               tabindex="0" role="slider" :aria-disabled="inactive" :aria-label="wordsOf(handle)" :aria-valuetext="wordsOf(handle)" :aria-valuenow="handle.moves === 'x' ? handle.x : handle.y" aria-valuemin="0"
+               @pointerdown="grab" @focus="visit(handle)" @keydown="press($event, handle)" @keyup="$event.key in arrows && release('keys')" @blur="release('keys')">
+              <circle class="touch" :r="touch"/><circle class="mark" r="6.5"/>
+              <path v-if="handle.moves !== 'xy'" class="way" :d="handle.moves === 'x' ? 'M-13 0H13' : 'M0 -13V13'"/>
+              <text class="carried" x="12" y="20">{{ handle.carried }}</text>
+            </g>
+            <path class="rug" :d="rug(entry, ${MARK.entry})" aria-hidden="true"/><path class="rug-mark" :d="rug(marked, ${MARK.marked})" aria-hidden="true"/>
+            <g v-for="[name, at] in [['hair', hover], ['load', load]]" :key="name" aria-hidden="true"><template v-if="x.has(at)">
+              <line :class="name" :x1="x.px(at)" :x2="x.px(at)" :y1="box.top" :y2="box.bottom"/>
+              <circle v-if="y.has(lawAt(at))" :class="name + '-dot'" :cx="x.px(at)" :cy="y.px(lawAt(at))" :r="name === 'load' ? 5 : 4"/></template></g>
+            <path v-if="x.has(load)" class="load-mark" :d="'M' + x.px(load) + ' ' + box.bottom + 'l6 9h-12z'" aria-hidden="true"/>
+          </template>
+        </svg>
+        <q-resize-observer debounce="0" @resize="resize"></q-resize-observer>
+        <output class="law-readout" aria-hidden="true">{{ readout }}</output>
       </div>
       <div class="law-dock">
         <ul :key="legend.join()" class="law-legend" aria-label="Legend"><li v-for="[kind, words, more] in legend" :key="words" :title="more || null"><span :class="['key', kind]"></span>{{ words }}
-          <button v-for="[act, name, event] in acts[kind]" :key="act" type="button" @click="$emit(name, event)">{{ act }}</button></li></ul>
+          <button v-if="acts[kind]" type="button" @click="$emit(acts[kind][1], acts[kind][2])">{{ acts[kind][0] }}</button></li></ul>
         <div :class="['law-refusal', { away }]" :hidden="!refusal">
           <button type="button" class="law-away" :hidden="held" :aria-label="away ? 'Show the reason of the refusal' : 'Put the reason away'" @click="away = !away">{{ away ? "Why?" : "✕" }}</button>
-          <em class="law-nearest" :hidden="!nearest"><i></i>nearest law that can be designed</em><span>{{ refusal }}</span>
-          <button type="button" class="law-use" :hidden="!usable || held" @click="use">{{ offer }}</button></div>
+          <em class="law-nearest" :hidden="!answer?.nearest"><i></i>nearest law that can be designed</em><span>{{ refusal }}</span>
+          <button type="button" class="law-use" :hidden="!answer?.offer || held" @click="use">{{ offer }}</button></div>
       </div>
       <div :class="['law-live', { wrong }]"><span :aria-live="live">{{ words }}</span>
-        <button type="button" class="law-drop" :hidden="!pointed" title="Remove this point (Delete)" @click="plot.remove(pointed)">Remove the point</button>
-        <button type="button" class="law-use" :hidden="!offered" @click="use">{{ offer }}</button></div>
+        <button type="button" class="law-drop" :hidden="!pointed" title="Remove this point (Delete)" @click="remove(pointed)">Remove the point</button>
+        <button type="button" :hidden="!reason" title="The reason of the refusal" @click="say(reason, true)">Why?</button>
+        <button type="button" class="law-use" :hidden="!(wrong && offered)" @click="use">{{ offer }}</button></div>
     </div>`,
   data() {
     return {
-      tools: { no_forces: "" }, dropping: false, legend: [], acts: ACTS,
-      refusal: "", away: false, held: false, nearest: false, usable: false, offer: "Use the nearest law", // the words of the button
-      words: "", wrong: false, live: "polite", pointed: "", offered: false,
+      answer: null, tolerance: null, beside: null, tools: { no_forces: "" }, // the answers are frozen: Vue does not follow thousands of numbers
+      x: new Axis(), y: new Axis(), unit: null, zoomed: false, box: { ...MARGIN }, clip: `law-clip-${Math.random().toString(36).slice(2)}`,
+      handles: [], inactive: false, drags: new Drags((request) => this.$emit("drag", { ...request, part: this.part }), this.ended), // inactive while the text has problems
+      over: null, chosen: null, shared, // where the pointer is [px], and the load that was chosen
+      away: false, offer: "Use the nearest law", offered: false, words: "", reason: "", wrong: false, live: "polite", pointed: "",
+      acts: ACTS, arrows: ARROWS, touch: TOUCH,
     };
   },
   computed: {
     newtons() { return Boolean(this.tools.newtons && !this.tools.no_forces); },
+    refusal() { return this.answer?.refusal ?? ""; },
+    held() { return this.drags.now !== null; },
+    // The part of the fitted axes that is shown.
+    part() { return Math.min(this.x.span / this.x.fitted, this.y.span / this.y.fitted); },
+    marks() {
+      const { box } = this;
+      const room = { x: box.right - box.left, y: box.bottom - box.top };
+      return Object.fromEntries(["x", "y"].map((axis) => [axis, ticks(this[axis].low, this[axis].high, room[axis] / BETWEEN[axis])]));
+    },
+    grid() {
+      const [{ box, marks }, across, up] = [this, this.x.px, this.y.px];
+      const lines = [...marks.x.map(({ value }) => `M${across(value)} ${box.top}V${box.bottom}`), ...marks.y.map(({ value }) => `M${box.left} ${up(value)}H${box.right}`)];
+      return lines.join("");
+    },
+    titles() {
+      const { left, right, top, bottom } = this.box;
+      return [`translate(${(left + right) / 2} ${bottom + MARGIN.bottom - 8})`, `translate(14 ${(top + bottom) / 2}) rotate(-90)`];
+    },
+    // [class of the key, words, further words, curve] of all that an answer shows.
+    entries() {
+      const { answer, tolerance, refusal } = this;
+      if (!answer) return [];
+      const crowd = answer.crowd && ` (${answer.crowd})`;
+      const all = [
+        [answer.marked ? "point" : "wanted", `target law${crowd}`, crowd && "Change them in the specification or its table, or choose another kind of target law.", answer.wanted],
+        [refusal ? "achieved old" : "achieved", refusal ? "last law found" : `achieved law (${answer.model})`, "", answer.achieved],
+        ["pinned", "pinned law", "", answer.pinned],
+        ["measured", answer.measured?.name, "", answer.measured],
+        ["nearest", "nearest law that can be designed", "", answer.nearest],
+        ["tolerance", tolerance?.name.split(",")[0], tolerance?.name, tolerance], // the errors of the part are told where the pointer rests
+      ];
+      return all.filter(([, , , curve]) => curve);
+    },
+    legend() { return this.entries.map((each) => each.slice(0, 3)); },
+    curves() {
+      const [across, up] = [this.x.px, this.y.px];
+      return this.entries.toReversed().flatMap(([kind, , , curve]) => { // the band is at the back
+        if (kind === "point") return []; // it has handles
+        if (curve.low) return { kind, d: area(curve, across, up) };
+        const squares = path(curve, across, up, true);
+        if (kind === "measured") return { kind, d: squares };
+        const line = { kind, d: path(curve, across, up) };
+        return curve.marked ? [line, { kind: `${kind} marks`, d: squares }] : line;
+      });
+    },
+    // The load at which contacts are shown: the chosen one, or the last of the law; and the one under the pointer.
+    load() { return this.chosen ?? this.answer?.achieved?.x.at(-1) ?? null; },
+    hover() { return this.over && !this.held && this.over.x >= this.box.left && this.over.x <= this.box.right ? this.x.at(this.over.x) : null; },
+    entry() { return this.shared.press?.entry ?? []; },
+    marked() { return this.shared.sites.map((site) => this.entry[site] ?? null).filter((load) => load !== null); },
+    readout() {
+      const { marked, hover, shared: { sites, press } } = this;
+      if (marked.length) {
+        const who = marked.length === 1 ? `site ${sites[0] + 1} comes` : `${marked.length} sites come`;
+        return `${who} into contact at ${press.exact ? "" : "about "}${digits(this.answer.load_scale * marked[0])} ${this.answer.x.unit}`;
+      }
+      if (hover === null) return "";
+      const y = this.lawAt(hover);
+      return `${this.told({ x: hover, y })}${y === null ? "" : " (achieved law)"}`;
+    },
   },
+  watch: {
+    "shared.files"(files) { this.read(files); },
+    "shared.load"(to) { this.take(to); },
+    refusal() { this.away = false; }, // another reason has not been read
+    held(held) { if (held) this.away = false; },
+  },
+  created() { this.own = new Chosen(); },
   mounted() {
-    this.plot = new Plot(this);
     if (!localStorage.getItem(HINT)) this.words = WELCOME;
     remember(HINT, "seen");
-    hear("table", this.read, this.plot.closed.signal);
+    this.resize();
   },
-  unmounted() { this.plot.close(); },
   methods: {
-    draw(data) { this.plot.draw(data); },
-    refuse(number, words) { this.plot.refuse(number, words); },
-    say(words, wrong) { this.plot.say(words, wrong); },
-    more(data) { this.plot.more(data); },
-    use() {
-      this.plot.offer = false;
-      this.$emit("nearest", {});
+    // Shows an answer.
+    draw(data) {
+      const before = this.answer;
+      if (data.state !== before?.state) this.own = new Chosen();
+      const unknown = data.handles === null; // the text has problems: the last target law stays
+      const last = before?.x.unit === data.x.unit ? before : { ...data, handles: [] };
+      const { wanted, marked, handles } = unknown ? last : data;
+      this.answer = Object.freeze({ ...data, wanted, marked, handles });
+      const closed = data.request < this.drags.received ? null : this.drags.take(data.request, data);
+      // a problem may be one of a step that is held; else a move would change a text that is not understood
+      this.inactive = unknown && !this.held;
+      if (!unknown || !this.held) this.placed(handles);
+      if (closed) this.tellEnd(closed); // a slope is known with its answer
+      else if (!this.held && this.said !== undefined && this.said !== data.state) this.point(this.of()); // what was said belongs to an earlier text
+      if (data.refusal && data.offer) this.offer = data.offer; // after a drag the target is back, and the last offer stays
+      if (this.held) this.offered = data.offer !== "";
+      else if (data.refusal) this.offered = false; // the box has it
+      if (!this.held) this.fit();
+      if (this.own.isShownBy(data.cursor / data.load_scale)) this.chosen = data.cursor;
+      this.tools = data.tools;
+      this.changed();
     },
-    forces() {
-      if (this.tools.no_forces) this.say(this.tools.no_forces, true);
-      else this.$emit("axes", { newtons: true });
+    // Takes what comes a moment after an answer: the tolerance band, which stays until the next one comes.
+    more({ number, tolerance }) {
+      if (number !== this.answer?.number) return;
+      this.tolerance = Object.freeze(tolerance);
+      this.beside = number;
+    },
+    // Takes the refusal of a request that changed nothing.
+    refuse(number, words) {
+      this.drags.take(number, { refusal: words, handles: null, undecided: false });
+      this.say(words, true);
+    },
+    // New handles; the one that is held stays where the hand is.
+    placed(handles) {
+      const [{ now }, active] = [this.drags, this.of()];
+      this.handles = handles.map((each) => ({ ...each, ...(each.id === now?.id ? now.place : {}) }));
+      if (now && !this.of(now.id)) this.drags.now = null;
+      if (active && !this.of(active.id)) this.focus(this.handles.at(-1)); // it is gone after undo
+    },
+    // The handle of an id, or the one in focus.
+    of(id = document.activeElement?.dataset?.id) { return this.handles.find((each) => each.id === id); },
+    focus(handle) { this.$nextTick(() => this.$refs.svg?.querySelector(`[data-id="${handle?.id}"]`)?.focus({ preventScroll: true })); },
+    // The focus goes to a point that was added, or to the one in the place of the removed one.
+    changed() {
+      const { handles, changing } = this;
+      const more = changing ? handles.length - changing.count : 0;
+      if (!more) return;
+      this.changing = null;
+      if ((more > 0) !== ("at" in changing)) return; // an undo came first
+      const next = more > 0 ? this.nearest(changing.at) : handles[Math.min(changing.row, handles.length - 1)];
+      this.focus(next);
+      const curve = changing.marked && !this.answer.marked ? " The law is now a curve that is approximated." : "";
+      this.$nextTick(() => (more > 0 ? this.say(`Added ${this.wordsOf(next)}.${curve}`, false, next.id) : this.say("Point removed.")));
+    },
+    resize() {
+      const { width, height } = this.$refs.stage.getBoundingClientRect();
+      if (!width || !height) return; // hidden
+      this.box = { left: MARGIN.left, right: width - MARGIN.right, top: MARGIN.top, bottom: height - MARGIN.bottom };
+      this.x.ends = [this.box.left, this.box.right];
+      this.y.ends = [this.box.bottom, this.box.top];
+    },
+    // Fits the axes to the target and the laws; zoomed ones stay as they are, unless `anew` or of another unit.
+    fit(anew = false) {
+      const { answer } = this;
+      const fresh = anew || answer.x.unit !== this.unit;
+      this.unit = answer.x.unit;
+      if (this.zoomed && !fresh) return;
+      this.zoomed = false;
+      const curves = [answer.achieved, answer.wanted, answer.nearest, answer.measured, answer.pinned].filter(Boolean);
+      for (const axis of ["x", "y"]) this[axis].fit([...curves.flatMap((each) => each[axis]), ...this.handles.map((each) => each[axis])], fresh);
+    },
+    // Shows another part of the axes, around the pointer, the handle in focus or the middle; 0 shows all.
+    zoom(factor, over) {
+      const [{ box, part }, handle] = [this, this.of()];
+      if (!factor) return this.fit(true);
+      if (factor * part < LEAST || factor * part > MOST) return;
+      const at = over ?? (handle ? this.pixels(handle) : { x: (box.left + box.right) / 2, y: (box.top + box.bottom) / 2 });
+      this.zoomed = true;
+      for (const axis of ["x", "y"]) this[axis].zoom(factor, at[axis]);
+    },
+    wheel(event) { // a touch pad sends a pinch as this
+      if (FINGERS) return;
+      event.preventDefault();
+      this.zoom(Math.exp(event.deltaY / WHEEL), this.placeOf(event));
+    },
+    placeOf(event) { return placeIn(this.$refs.svg, event); },
+    pixels({ x, y }) { return { x: this.x.px(x), y: this.y.px(y) }; },
+    follow(event) {
+      const at = this.over = this.placeOf(event);
+      if (this.drags.by(event.pointerId)) this.move({ x: this.x.at(at.x - this.apart.x), y: this.y.at(at.y - this.apart.y) });
+      else this.markTicks();
+    },
+    click(event) {
+      const [at, before] = [this.placeOf(event), this.clicked];
+      const near = (place, far) => place && Math.hypot(at.x - place.x, at.y - place.y) < far;
+      const still = near(this.pressed, STILL);
+      if (event.target.closest(".handle")) return;
+      const twice = before && event.timeStamp - before.time < TWICE.time && near(before.at, TWICE.far);
+      this.clicked = twice ? null : { at, time: event.timeStamp };
+      if (twice) this.add(at);
+      else if (still && this.answer?.achieved) this.chooseLoad(this.x.at(at.x));
+    },
+    key(event) {
+      const free = !event.ctrlKey && !event.metaKey && !event.altKey;
+      if (free && event.key in ZOOMS) this.zoom(ZOOMS[event.key], this.over);
+      else if (free && event.key === "a") this.add(this.over ?? this.between());
+      else this.over = null; // a hand at the keys does not add a point where a mouse was left
+    },
+    // Where a new point goes without a pointer: halfway from the handle in focus to the next.
+    between() {
+      const { handles } = this;
+      const i = Math.max(0, handles.indexOf(this.of()));
+      const pair = handles.length < 2 ? [{ x: 0, y: 0 }, ...handles] : handles.slice(Math.min(i, handles.length - 2)).slice(0, 2);
+      return pair.length < 2 ? null : this.pixels({ x: (pair[0].x + pair[1].x) / 2, y: (pair[0].y + pair[1].y) / 2 });
+    },
+    add(at) {
+      const { box, x, y } = this;
+      if (!at || at.x <= box.left || at.x > box.right || at.y >= box.bottom) return;
+      this.changing = { count: this.handles.length, at, marked: this.answer.marked };
+      this.$emit("add", { x: x.rounded(x.at(at.x)), y: y.rounded(y.at(at.y)), near: SNAP * y.pixel });
+    },
+    remove(id) {
+      this.changing = { count: this.handles.length, row: this.handles.findIndex((each) => each.id === id) };
+      this.$emit("remove", { id });
+    },
+    // The handle nearest to a place: the areas of neighbours that take a finger overlap.
+    nearest(at) {
+      const far = (each) => Math.hypot(this.x.px(each.x) - at.x, this.y.px(each.y) - at.y);
+      return this.handles.reduce((best, each) => (far(each) < far(best) ? each : best));
+    },
+    classesOf(handle) {
+      const refused = (this.refusal || this.drags.now?.refusal) && handle.id === this.drags.now?.id;
+      return ["handle", `moves-${handle.moves}`, { outside: !this.x.has(handle.x) || !this.y.has(handle.y), refused, inactive: this.inactive }];
+    },
+    hinder() { this.say("The points cannot be moved while the specification has problems.", true); },
+    grab(event) {
+      if (event.button !== 0) return;
+      event.stopPropagation();
+      if (this.inactive) return this.hinder();
+      const at = this.placeOf(event);
+      const handle = this.nearest(at);
+      this.drags.begin(handle, event.pointerId, this.refusal !== "");
+      if (event.currentTarget.dataset.id !== handle.id) {
+        event.preventDefault(); // the focus goes to the nearest one
+        this.focus(handle);
+      }
+      // the point keeps its distance from the finger, so that it does not jump
+      this.apart = { x: at.x - this.x.px(handle.x), y: at.y - this.y.px(handle.y) };
+      this.$refs.svg.setPointerCapture(event.pointerId);
+    },
+    release(by) { if (this.drags.by(by)) this.drags.rest(); },
+    press(event, handle) {
+      const step = event.ctrlKey || event.altKey || event.metaKey ? null : ARROWS[event.key];
+      const removes = event.key === "Delete" || event.key === "Backspace";
+      if (!step && !removes) return;
+      event.preventDefault();
+      if (this.inactive) this.hinder();
+      else if (removes) this.remove(handle.id);
+      else if (!this.held || this.drags.now.by === "keys") {
+        this.drags.begin(handle, "keys", this.refusal !== "");
+        const far = (event.shiftKey ? LONG : 1) / STEPS;
+        this.move({ x: handle.x + step[0] * far * this.x.span, y: handle.y + step[1] * far * this.y.span });
+      }
+    },
+    // Moves the handle that is held along the axes on which it moves, the letters of `moves`.
+    move(to) {
+      const { now } = this.drags;
+      const handle = this.of(now.id);
+      for (const axis of handle.moves) {
+        handle[axis] = Math.max(this[axis].rounded(this[axis].pixel), this[axis].rounded(to[axis]));
+        this[axis].grow(handle[axis]);
+      }
+      if ([...handle.moves].every((axis) => handle[axis] === now.place[axis])) return;
+      this.point(handle);
+      this.drags.move({ x: handle.x, y: handle.y });
+    },
+    ended(drag) {
+      Object.assign(this.of(drag.id) ?? {}, drag.place);
+      this.tellEnd(drag);
+    },
+    // Says where a drag has ended.
+    tellEnd({ id, refusal, reached, back, stuck }) {
+      const handle = this.of(id);
+      if (!handle) return;
+      const where = reached ? "to the last place that a surface reaches" : "to where it was";
+      if (!refusal) this.point(handle);
+      else if (back && stuck) this.say(`Refused there. The law is the nearest one that can be designed: ${this.wordsOf(handle)}.`);
+      else this.say(`Refused. The point is back ${where}: ${this.wordsOf(handle)}.`, true);
+      this.reason = refusal;
+    },
+    // A handle that has the focus can lie beyond zoomed axes.
+    visit(handle) {
+      for (const axis of ["x", "y"]) if (!this[axis].has(handle[axis])) this[axis].shift(handle[axis] - this[axis].span / 2);
+      this.point(handle);
+    },
+    // Shows below the plot where a handle is, which it tells screen readers itself, and a button for hands without keys.
+    point(handle) { this.say(handle ? `${this.wordsOf(handle)}.` : "", false, handle?.id, "off"); },
+    // Says something below the plot, also to screen readers.
+    say(words, wrong = false, id = "", live = "polite") {
+      this.said = this.answer?.state;
+      const removable = id.startsWith("point") && this.handles.length > 1 && !this.inactive;
+      Object.assign(this, { words, wrong, live, reason: "", pointed: removable ? id : "" });
+    },
+    // A place in words; without the friction where it is null.
+    told({ x, y }) {
+      const { answer } = this;
+      const load = `${answer.x.name} ${told(x, this.x.pixel)} ${answer.x.unit}`;
+      return y === null ? load : `${load}, ${answer.y.name} ${told(y, this.y.pixel)} ${answer.y.unit}`;
+    },
+    wordsOf(handle) { return `${handle.label}: ${this.told(handle)}`; },
+    lawAt(load) { return valueAt(this.answer.achieved, load); },
+    rug(loads, length) {
+      const [{ x, box }, { load_scale: scale }, across] = [this, this.answer, this.x.px];
+      return loads.filter((load) => load !== null && x.has(scale * load)).map((load) => `M${across(scale * load).toFixed(1)} ${box.bottom}v${length}`).join("");
+    },
+    // Marks the sites whose tick is under the pointer: a level of heights has one tick.
+    markTicks() {
+      const { over: at, box, x, answer } = this;
+      const on = at && at.y >= box.bottom - MARK.near && at.y <= box.bottom + MARK.entry + MARK.near;
+      const away = this.entry.map((load) => (on && load !== null ? Math.abs(x.px(answer.load_scale * load) - at.x) : Infinity));
+      const least = Math.min(MARK.near, ...away) + 0.5;
+      const sites = [...away.keys()].filter((i) => away[i] < least && away[i] <= MARK.near);
+      if (sites.join() !== this.ticked) shared.sites = sites;
+      this.ticked = sites.join();
+    },
+    chooseLoad(load) {
+      const { answer: { achieved, load_scale: scale }, x } = this;
+      shared.load = { load: x.rounded(Math.min(achieved.x.at(-1), Math.max(achieved.x[0], load))) / scale, moving: false };
+    },
+    // A load that was chosen here or beside the surface. The server computes the contacts where it stays.
+    take(to) {
+      if (!this.answer?.achieved) return;
+      this.own.take(to);
+      this.chosen = to.load * this.answer.load_scale;
+      if (!to.moving) this.$emit("cursor", { x: this.chosen });
+    },
+    use() {
+      this.offered = false;
+      this.$emit("nearest", {});
     },
     choose({ target }) {
       if (target.files.length) this.read([...target.files]);
       target.value = ""; // the same file can be chosen again
     },
     async read(files) {
-      this.dropping = false;
       const [table, ...others] = await textsOf(files);
       if (table.why || others.length) this.say(others.length ? "Drop one file: a table with columns such as load_N,friction_force_N." : `${table.name} ${table.why}.`, true);
       else this.$emit("dropped", table);

@@ -1,13 +1,12 @@
-// What the parts of the page tell each other in the browser. Events:
-//   load     { load, moving }   rescaled load [mm²] at which the contacts are shown; `moving` while it is dragged or played
-//   entries  { entry, exact }   rescaled load at which each site comes into contact; null while it is not known
-//   sites    sites              the sites under the pointer or in focus
-//   table    files              files that were dropped onto the plot of the law
-const links = new EventTarget();
+import { shallowReactive } from "vue";
 
-export function tell(name, detail) { links.dispatchEvent(new CustomEvent(name, { detail })); }
-
-export function hear(name, call, signal) { links.addEventListener(name, (event) => call(event.detail), { signal }); }
+// What the parts of the page share in the browser.
+export const shared = shallowReactive({
+  load: null, // { load, moving }: rescaled load [mm²] at which the contacts are shown; `moving` while it is dragged or played
+  press: null, // { entry, exact }: rescaled load at which each site comes into contact; null while it is not known
+  sites: [], // the sites under the pointer or in focus
+  files: [], // files that were dropped, none of them a specification
+});
 
 // Part of a load within which two are the same: the digits of a drawn law.
 export const SAME = 1e-4;
@@ -39,10 +38,9 @@ export function remember(key, text) {
 // Directions of the arrow keys: to the right and up.
 export const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 
-// Files that were chosen or dropped, as texts. A dropped folder gives its specification and its tables.
-// Characters of a text as it is sent, where each end of a line has two: the server takes a megabyte.
+// Files that were chosen or dropped, as texts: the characters of one as it is sent, where each end of a line has two: the server takes a megabyte.
 export const LARGEST = 900_000;
-const MOST = 40;          // files of a folder
+const MOST = 40; // files
 
 // The length of a text in a message.
 export const sent = (text) => JSON.stringify(text).length;
@@ -58,31 +56,9 @@ async function textOf(file) {
   }
 }
 
-const inFolder = (entry) => new Promise((done) => {
-  const [reader, found] = [entry.createReader(), []];
-  const next = () => reader.readEntries((entries) => {
-    found.push(...entries);
-    if (entries.length && found.length < 1000) next();
-    else done(found.filter((each) => each.isFile && /^spec\.toml$|\.csv$/i.test(each.name)).slice(0, MOST));
-  }, () => done(found));
-  next();
-});
-
-export async function textsIn(folder) {
-  const found = await inFolder(folder);
-  if (!found.some((entry) => entry.name.toLowerCase() === "spec.toml")) return [{ name: folder.name, why: "is a folder without a spec.toml" }];
-  return textsOf(await Promise.all(found.map((entry) => new Promise((done, failed) => entry.file(done, failed)))));
-}
-
-// Those that cannot be read say why; together they fit into one message, the specification first.
+// Those that cannot be read say why; together they fit into one message.
 export async function textsOf(files) {
   const texts = await Promise.all([...files].slice(0, MOST).map(textOf));
-  texts.sort((one, other) => /\.toml$/i.test(other.name) - /\.toml$/i.test(one.name));
-  let room = LARGEST;
-  return texts.map((each) => {
-    const size = sent(each.text ?? "");
-    if (size > room) return { name: each.name, why: `is too large beside the others, which may have ${LARGEST / 1000} kB together` };
-    room -= size;
-    return each;
-  });
+  if (sent(texts) <= LARGEST) return texts;
+  return texts.map(({ name }) => ({ name, why: `is too large: all files together may have ${LARGEST / 1000} kB` }));
 }

@@ -1,292 +1,153 @@
-// The axes and the scale of the map, and the bar of its colours.
-import { colouring, digits, range } from "./contacts.js";
-import { label, made, set, ticks } from "./view.js";
-
-const [LEFT, BOTTOM, TOP, BAR, ASIDE] = [38, 34, 8, 104, 29];
-
-// Part of the least distance between sites that is free around them.
-const EDGE = 0.62;
-
-// Least height of the bar of colours [pixels].
-const LEAST_BAR = 180;
-
-// Widths of the colours and of the most frequent class of the histogram [pixels], and number of classes.
-const [COLOURS, FREQUENT, CLASSES] = [10, 22, 48];
-
-// The view of the map: one scale for both directions.
-export function viewOf(layout, width, height) {
-  const edge = EDGE * layout.spacing;
-  const [[west, east], [south, north]] = [range(layout.x), range(layout.y)];
-  const [across, along] = [east - west + 2 * edge, north - south + 2 * edge];
-  const scale = Math.max(1e-9, Math.min((width - LEFT - BAR) / across, (height - TOP - BOTTOM) / along));
-  const left = LEFT + Math.max(0, (width - LEFT - BAR - scale * across) / 2);
-  const top = TOP + Math.max(0, (height - TOP - BOTTOM - scale * along) / 2);
-  const box = { left, top, right: left + scale * across, bottom: top + scale * along };
-  const tall = Math.max(scale * along, Math.min(LEAST_BAR, height - TOP - BOTTOM)); // a map of one row is lower
-  const above = Math.max(TOP, top + (scale * along - tall) / 2);
-  const bar = { top: above, bottom: above + Math.max(0, tall) };
-  const [x, y] = [west - edge, south - edge];
-  return { box, range: [x, east + edge, y, north + edge], scale, bar, px: (each) => box.left + scale * (each - x), py: (each) => box.bottom - scale * (each - y) };
-}
-
-function upward(words, x, y, parent) { label(words, x, y, "middle", parent).setAttribute("transform", `rotate(-90 ${x} ${y})`); }
-
-export function drawAxes(parent, view) {
-  parent.replaceChildren();
-  const { left, top, right, bottom } = view.box;
-  const [west, east, south, north] = view.range;
-  made("rect", { x: left, y: top, width: right - left, height: bottom - top, class: "frame" }, parent);
-  const room = (pixels) => Math.max(2, Math.min(8, Math.floor(pixels / 45)));
-  for (const x of ticks(west, east, room(right - left)).values) label(digits(x), view.px(x), bottom + 14, "middle", parent);
-  for (const y of ticks(south, north, room(bottom - top)).values) label(digits(y), left - 5, view.py(y) + 4, "end", parent);
-  label("x [mm]", (left + right) / 2, bottom + 29, "middle", parent);
-  upward("y [mm]", left - ASIDE, (top + bottom) / 2, parent);
-}
-
-// The power of ten that is left out of the numbers of a bar, where they would be too long for it.
-const powerOf = (most) => (most > 0 && (most < 0.01 || most >= 1e5) ? Math.floor(Math.log10(most)) : 0);
-
-const superscript = (power) => String(power).replace("-", "⁻").replace(/\d/g, (digit) => "⁰¹²³⁴⁵⁶⁷⁸⁹"[digit]);
-
-export function drawBar(parent, view, colours) {
-  parent.replaceChildren();
-  if (!colours.scale) return;
-  const { low, high, css } = colours.scale;
-  const { top, bottom } = view.bar;
-  const x = view.box.right + 12;
-  const counts = new Array(CLASSES).fill(0);
-  for (const value of colours.present) counts[Math.min(CLASSES - 1, Math.floor((CLASSES * (value - low)) / (high - low || 1)))] += 1;
-  const [height, most] = [(bottom - top) / CLASSES, Math.max(1, ...counts)];
-  counts.forEach((count, i) => {
-    const place = { x, y: bottom - (i + 1) * height, height: height + 0.5, width: COLOURS };
-    made("rect", { ...place, fill: css(low + ((i + 0.5) / CLASSES) * (high - low)) }, parent);
-    if (count) made("rect", { ...place, class: "count", x: x + COLOURS, width: (FREQUENT * count) / most }, parent);
-  });
-  const right = x + COLOURS + FREQUENT;
-  const power = powerOf(Math.max(Math.abs(low), Math.abs(high)));
-  if (high > low) {
-    for (const value of ticks(low, high, 5).values) label(digits(value / 10 ** power), right + 4, bottom - ((value - low) / (high - low)) * (bottom - top) + 4, "start", parent);
-  }
-  const unit = power ? `10${superscript(power)} ${colours.unit}` : colours.unit;
-  upward(`${colours.name} [${unit}]`, right + 52, (top + bottom) / 2, parent);
-}
-
-// The sites of the map: as SVG, or on a canvas where there are too many for elements.
-
-// Above this number a redraw of SVG takes longer than a frame of a slow machine.
-export const MOST_ELEMENTS = 2000;
-
-// A marker covers this share of the least distance between sites.
-export const MARKER = 0.42;
-
-// A site whose marker has the radius 1: its lines are as wide at any scale.
-const SITE = '<circle class="marker" r="1"/><circle class="contact" r="0"/><path class="cross" d="M-.45-.45L.45.45M-.45.45L.45-.45"/><path class="pin" d="M.75-1.05l.3.3-.3.3-.3-.3z"/>';
-
-export class SvgMarks {
-  constructor(svg) { this.group = made("g", {}, svg); }
-
-  place(layout, view) {
-    this.scale = Math.max(1.5, MARKER * layout.spacing * view.scale);
-    const site = (x, i) => `<g data-site="${i}" transform="translate(${view.px(x)} ${view.py(layout.y[i])}) scale(${this.scale})">${SITE}</g>`;
-    this.group.innerHTML = layout.x.map(site).join("");
-  }
-
-  clear() { this.group.replaceChildren(); }
-
-  // `look(i)`: fill, classes and the radius of the contact [pixels] of a site.
-  draw(look) {
-    [...this.group.children].forEach((site, i) => {
-      const { fill, classes, contact } = look(i);
-      const [marker, disc] = site.children;
-      set(site, { class: classes });
-      set(marker, { fill });
-      set(disc, { r: contact / this.scale });
-    });
-  }
-}
-
-// Cells below this size [pixels] fill the map without gaps.
-const GAPLESS = 8;
-
-// Smallest radius of a contact that is drawn [pixels].
-const SEEN = 0.5;
-
-// A square for each site, its contact as a disc.
-export class PixelMarks {
-  constructor(canvas) {
-    this.canvas = canvas;
-    this.context = canvas.getContext("2d");
-  }
-
-  place(layout, view, width, height) {
-    const fine = window.devicePixelRatio || 1;
-    Object.assign(this.canvas, { width: fine * width, height: fine * height });
-    this.context.scale(fine, fine);
-    const cell = layout.spacing * view.scale;
-    this.side = cell < GAPLESS ? cell + 1 / fine : 2 * MARKER * cell;
-    this.at = layout.x.map((x, i) => [view.px(x), view.py(layout.y[i])]);
-  }
-
-  clear() {
-    this.canvas.width = 0;
-    this.at = [];
-  }
-
-  // `look(i)`: fill, classes and the radius of the contact [pixels] of a site. Empty and selected sites have frames,
-  // kept ones corners.
-  draw(look) {
-    const { canvas, context, side, at } = this;
-    context.clearRect(0, 0, canvas.width, canvas.height);
-    const style = getComputedStyle(canvas);
-    const [ink, accent, faint] = ["--ink", "--accent", "--faint"].map((name) => style.getPropertyValue(name));
-    at.forEach(([x, y], i) => {
-      const { fill, classes, contact } = look(i);
-      const [left, top] = [x - side / 2, y - side / 2];
-      context.fillStyle = fill;
-      if (fill !== "none") context.fillRect(left, top, side, side);
-      if (contact > SEEN) {
-        context.fillStyle = "white";
-        context.beginPath();
-        context.arc(x, y, contact, 0, 2 * Math.PI);
-        context.fill();
-      }
-      if (classes === "site") return;
-      const chosen = /selected|active/.test(classes);
-      context.lineWidth = chosen ? 2 : 1;
-      context.strokeStyle = chosen ? accent : classes.includes("asked") ? ink : faint;
-      if (chosen || classes.includes("empty")) context.strokeRect(left + 0.5, top + 0.5, side - 1, side - 1);
-      context.fillStyle = ink;
-      if (classes.includes("pinned")) context.fillRect(x, top, side / 2, side / 2);
-    });
-  }
-}
-
 // The map of the sites: draws them, finds the one under the pointer, and those in a rectangle.
+import { colouring, range } from "metafem/contacts.js";
+import { Axis, digits, placeIn, ticks } from "metafem/plot.js";
 
-// Fill of sites without a value, in both themes.
-const PLAIN = { light: "rgb(236 239 242)", dark: "rgb(52 60 69)" };
+// What is free around the map, with the bar of its colours below it [pixels], and pixels for a number at an axis.
+const [MARGIN, ROOM] = [{ left: 44, right: 8, top: 8, bottom: 90 }, 45];
+// Part of the least distance between sites that is free around them, and that a marker covers.
+const [EDGE, MARKER] = [0.62, 0.42];
+// The bar of colours: where it is below the map, its height, largest width and number of colours.
+const BAR = { below: 50, height: 10, most: 420, classes: 48 };
+// Smallest radius of a contact that is drawn, of what a pointer finds, and shortest drag that is no click [pixels].
+const [SEEN, REACH, CLICK] = [0.5, 12, 5];
 
-// A drag that is shorter than this is a click [pixels].
-const CLICK = 5;
-
-export class SiteMap {
-  // `marks` has the sites that are pointed at, selected and active; `on` the functions hover(site, event), pick(sites, add)
-  // and key(event).
-  constructor(box, marks, on) {
-    Object.assign(this, { box, marks, on });
-    this.canvas = document.createElement("canvas");
-    this.svg = made("svg", { tabindex: 0, role: "application" });
-    box.append(this.canvas, this.svg);
-    this.axes = made("g", { class: "axes" }, this.svg);
-    this.svg.addEventListener("keydown", (event) => on.key(event));
-    this.svg.addEventListener("pointerleave", () => on.hover(null));
-    this.svg.setAttribute("aria-roledescription", "map of the sites");
-    this.bar = made("g", { class: "axes" }, this.svg);
-    this.sites = { svg: new SvgMarks(this.svg), canvas: new PixelMarks(this.canvas) };
-    this.rectangle = made("rect", { class: "rectangle", visibility: "hidden" }, this.svg);
-    for (const name of ["pointerdown", "pointermove", "pointerup", "pointercancel"]) {
-      this.svg.addEventListener(name, (event) => this[name](event));
-    }
-  }
-
-  // The data of the server; `contacts` may be those of the surface before for some milliseconds.
-  show(layout, surface, contacts, look) {
-    const placed = this.layout === layout && this.view;
-    Object.assign(this, { layout, surface, contacts, look });
-    if (placed) this.mark(); else this.resize();
-  }
-
-  resize() {
-    const { clientWidth: width, clientHeight: height } = this.box;
-    if (!width || !height || !this.layout) return;
-    this.svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
-    this.view = viewOf(this.layout, width, height);
-    const many = this.layout.x.length > MOST_ELEMENTS;
-    const [used, other] = many ? [this.sites.canvas, this.sites.svg] : [this.sites.svg, this.sites.canvas];
-    other.clear();
-    this.used = used;
-    used.place(this.layout, this.view, width, height);
-    drawAxes(this.axes, this.view);
-    this.mark();
-  }
-
-  // Place of an event in the picture.
-  at(event) {
-    const { left, top } = this.svg.getBoundingClientRect();
-    return [event.clientX - left, event.clientY - top];
-  }
-
-  mark() {
-    if (!this.surface || !this.view) return;
-    const { surface, contacts, view, marks: { selected, active, pointed }, look: { dark } } = this;
-    const colours = colouring(surface, contacts, this.look);
-    const disc = contacts?.radius ? (i) => view.scale * (contacts.radius[i] ?? 0) : () => 0;
-    this.used.draw((i) => {
-      const height = surface.height[i];
-      const names = ["site"];
-      if (height === null) names.push("empty");
-      if (surface.empty.has(i)) names.push("asked");
-      if (surface.pinned[i] !== undefined) names.push("pinned");
-      if (selected.has(i)) names.push("selected");
-      if (active === i || pointed.has(i)) names.push("active");
-      const fill = colours.shown(i) ? colours.scale.css(colours.values[i]) : height === null ? "none" : dark ? PLAIN.dark : PLAIN.light;
-      return { fill, classes: names.join(" "), contact: height === null ? 0 : disc(i) };
-    });
-    const { name, scale, present } = colours;
-    const drawn = scale && [name, scale.low, scale.high, dark, view.bar.top, view.bar.bottom, view.box.right, ...present].join();
-    if (drawn !== this.drawnBar) drawBar(this.bar, view, colours);
-    this.drawnBar = drawn;
-  }
-
-  // Site under a point of the window, null if there is none.
-  siteAt(event) {
-    if (!this.view) return null;
-    const [x, y] = this.at(event);
-    const reach = Math.max(MARKER * this.layout.spacing * this.view.scale, 12);
-    let [best, least] = [null, reach ** 2];
-    this.layout.x.forEach((each, i) => {
-      const square = (this.view.px(each) - x) ** 2 + (this.view.py(this.layout.y[i]) - y) ** 2;
-      if (square < least) [best, least] = [i, square];
-    });
-    return best;
-  }
-
-  // Where a site is drawn.
-  placeOf(i) { return [this.view.px(this.layout.x[i]), this.view.py(this.layout.y[i])]; }
-
-  pointerdown(event) {
-    if (event.button) return;
-    this.from = { clientX: event.clientX, clientY: event.clientY, mouse: event.pointerType === "mouse" };
-    if (this.from.mouse) this.svg.setPointerCapture(event.pointerId);
-  }
-
-  pointermove(event) {
-    const moved = this.from?.mouse && Math.hypot(event.clientX - this.from.clientX, event.clientY - this.from.clientY) > CLICK;
-    if (!moved && !this.drawn) { if (!this.from) this.on.hover(this.siteAt(event), event); return; }
-    const [[x, y], [startX, startY]] = [this.at(event), this.at(this.from)];
-    this.drawn = { x: Math.min(x, startX), y: Math.min(y, startY), width: Math.abs(x - startX), height: Math.abs(y - startY) };
-    set(this.rectangle, { ...this.drawn, visibility: "visible" });
-  }
-
-  pointerup(event) {
-    if (!this.from) return;
-    if (this.drawn && this.view) {
-      const { x, y, width, height } = this.drawn;
-      const [px, py] = [this.layout.x.map(this.view.px), this.layout.y.map(this.view.py)];
-      const inside = [...px.keys()].filter((i) => px[i] >= x && px[i] <= x + width && py[i] >= y && py[i] <= y + height);
-      this.on.pick(inside, event.shiftKey);
-    } else {
-      const site = this.siteAt(event);
-      this.on.pick(site === null ? [] : [site], event.shiftKey);
-    }
-    this.pointercancel();
-  }
-
-  pointercancel() {
-    this.from = this.drawn = null;
-    this.rectangle.setAttribute("visibility", "hidden");
-  }
+// Axes of one scale for both directions: of the block, or of the sites where there is none.
+function framed({ x, y, spacing, block }, width, height) {
+  const axes = [[x, block?.[0]], [y, block?.[1]]].map(([values, side]) => {
+    const [low, high] = range(values);
+    const ends = [low - EDGE * spacing, high + EDGE * spacing];
+    return Object.assign(new Axis(), { low: Math.min(ends[0], -side / 2 || 0), high: Math.max(ends[1], side / 2 || 0) });
+  });
+  const [[across, along], room] = [axes, [width - MARGIN.left - MARGIN.right, height - MARGIN.top - MARGIN.bottom]];
+  const scale = Math.max(1e-9, Math.min(room[0] / across.span, room[1] / along.span));
+  const left = MARGIN.left + (room[0] - scale * across.span) / 2;
+  const top = MARGIN.top + (room[1] - scale * along.span) / 2;
+  across.ends = [left, left + scale * across.span];
+  along.ends = [top + scale * along.span, top];
+  const marks = axes.map((axis) => ticks(axis.low, axis.high, Math.max(2, Math.min(8, (scale * axis.span) / ROOM))));
+  return { x: across, y: along, scale, marks };
 }
+
+const HELP = "Map of the heights. Arrow keys move between the sites, with Shift they select. Enter opens the menu, p keeps the height, e leaves the site empty, r lets the design choose, Escape ends the selection.";
+
+export default {
+  template: `
+    <div class="layer" ref="box"><canvas ref="canvas"></canvas>
+      <svg ref="svg" tabindex="0" role="application" aria-roledescription="map of the sites" aria-label="${HELP}" @focus="from || $emit('enter')" @blur="$emit('hover', null)"
+           @pointerdown="press" @pointermove="move" @pointerup="lift" @pointercancel="drop" @pointerleave="$emit('hover', null)" @keydown="$emit('key', $event)">
+        <g v-if="frame" class="axes">
+          <rect :class="layout.block ? 'block' : 'frame'" v-bind="box(frame.x.low, frame.y.low, frame.x.high, frame.y.high)"/>
+          <text v-for="{ value, words } in frame.marks[0]" :x="frame.x.px(value)" :y="frame.y.ends[0] + 14" text-anchor="middle">{{ words }}</text>
+          <text v-for="{ value, words } in frame.marks[1]" :x="frame.x.ends[0] - 5" :y="frame.y.px(value) + 4" text-anchor="end">{{ words }}</text>
+          <text :x="middle" :y="frame.y.ends[0] + 29" text-anchor="middle">x [mm]</text>
+          <text text-anchor="middle" :transform="'translate(' + (frame.x.ends[0] - 30) + ' ' + (frame.y.ends[0] + frame.y.ends[1]) / 2 + ') rotate(-90)'">y [mm]</text>
+        </g>
+        <g v-if="bar" class="axes">
+          <rect v-for="each in bar.classes" :x="each.x" :y="bar.y" :width="each.width + 0.5" height="${BAR.height}" :fill="each.fill"/>
+          <text v-for="{ at, words } in bar.marks" :x="at" :y="bar.y + 22" text-anchor="middle">{{ words }}</text>
+          <text :x="middle" :y="bar.y + 37" text-anchor="middle">{{ bar.title }}</text>
+        </g>
+        <rect v-if="drawn" class="rectangle" v-bind="drawn"/>
+      </svg>
+    </div>`,
+  props: { marks: Object }, // the sites that are pointed at, selected and active
+  emits: ["hover", "pick", "key", "enter"],
+  data() { return { frame: null, colours: null, drawn: null, layout: null }; },
+  computed: {
+    middle() { return (this.frame.x.ends[0] + this.frame.x.ends[1]) / 2; },
+    bar() {
+      const { frame, colours } = this;
+      if (!frame || !colours?.scale) return null;
+      const { name, unit, scale: { low, high, css } } = colours;
+      const room = Math.min(BAR.most, this.$refs.box.clientWidth - 2 * MARGIN.left);
+      const axis = Object.assign(new Axis(), { low, high: high > low ? high : low + 1, ends: [this.middle - room / 2, this.middle + room / 2] });
+      const part = axis.span / BAR.classes;
+      const classes = Array.from({ length: BAR.classes }, (_, i) => ({ x: axis.px(low + i * part), width: room / BAR.classes, fill: css(low + (i + 0.5) * part) }));
+      const marks = ticks(low, axis.high, 5).map(({ value }) => ({ at: axis.px(value), words: digits(value) }));
+      return { y: frame.y.ends[0] + BAR.below, classes, marks: high > low ? marks : [], title: `${name} [${unit}]` };
+    },
+  },
+  methods: {
+    // Takes the data of the server; `contacts` may be those of the surface before for some milliseconds.
+    show(layout, surface, contacts, look) {
+      const placed = this.layout === layout && this.frame;
+      Object.assign(this, { layout: Object.freeze(layout), surface, contacts, colours: Object.freeze(colouring(surface, contacts, look)) });
+      if (placed) this.mark(); else this.resize();
+    },
+    resize() {
+      const { clientWidth: width, clientHeight: height } = this.$refs.box;
+      if (!width || !height || !this.layout) return;
+      this.frame = Object.freeze(framed(this.layout, width, height));
+      this.mark();
+    },
+    box(west, south, east, north) {
+      const { x, y } = this.frame;
+      return { x: x.px(west), y: y.px(north), width: x.px(east) - x.px(west), height: y.px(south) - y.px(north) };
+    },
+    // Draws the sites: filled, with their contacts to scale, and what was asked of them.
+    mark() {
+      if (!this.frame) return;
+      const { $refs: { canvas, box }, layout, surface, contacts, colours, frame: { scale }, marks: { selected, active, pointed } } = this;
+      const [context, fine, style] = [canvas.getContext("2d"), window.devicePixelRatio || 1, getComputedStyle(canvas)];
+      const [ink, accent, faint, plain] = ["--ink", "--accent", "--faint", "--line"].map((name) => style.getPropertyValue(name));
+      Object.assign(canvas, { width: fine * box.clientWidth, height: fine * box.clientHeight });
+      context.scale(fine, fine);
+      const size = Math.max(1, MARKER * layout.spacing * scale);
+      const draw = (stroke, width, shape, fill = "transparent", dashes = []) => {
+        Object.assign(context, { strokeStyle: stroke, lineWidth: width, fillStyle: fill });
+        context.setLineDash(dashes);
+        context.beginPath();
+        shape();
+        context.fill();
+        context.stroke();
+      };
+      layout.x.forEach((_, i) => {
+        const [[x, y], height] = [this.placeOf(i), surface.height[i]];
+        const disc = (radius) => () => context.arc(x, y, radius, 0, 2 * Math.PI);
+        const lines = (...points) => () => points.forEach(([right, down], k) => context[k % 2 ? "lineTo" : "moveTo"](x + right * size, y + down * size));
+        const marked = selected.has(i) ? 3.5 : active === i || pointed.has(i) ? 2 : 0;
+        const fill = colours.shown(i) ? colours.scale.css(colours.values[i]) : plain;
+        draw(marked ? accent : faint, marked || 0.8, disc(size), height === null ? "transparent" : fill, height === null ? [3, 3] : []);
+        const contact = height === null ? 0 : scale * (contacts?.radius?.[i] ?? 0);
+        if (contact > SEEN) draw("#1f2933", 1, disc(contact), "#ffffffd9");
+        if (surface.empty.has(i)) draw(faint, 1.2, lines([-0.45, -0.45], [0.45, 0.45], [-0.45, 0.45], [0.45, -0.45]));
+        if (surface.pinned[i] !== undefined) draw(ink, 1, () => context.rect(x + 0.5 * size, y - size, 0.5 * size, 0.5 * size), ink);
+      });
+    },
+    // Where a site is drawn.
+    placeOf(i) { return [this.frame.x.px(this.layout.x[i]), this.frame.y.px(this.layout.y[i])]; },
+    at(event) { return placeIn(this.$refs.svg, event); },
+    // Site under a point of the window, null if there is none.
+    siteAt(event) {
+      if (!this.frame) return null;
+      const { x, y } = this.at(event);
+      const away = this.layout.x.map((_, i) => Math.hypot(this.placeOf(i)[0] - x, this.placeOf(i)[1] - y));
+      const [least] = range(away);
+      return least < Math.max(MARKER * this.layout.spacing * this.frame.scale, REACH) ? away.indexOf(least) : null;
+    },
+    press(event) {
+      if (event.button) return;
+      this.from = { at: this.at(event), mouse: event.pointerType === "mouse" };
+      if (this.from.mouse) this.$refs.svg.setPointerCapture(event.pointerId);
+    },
+    move(event) {
+      const { from } = this;
+      if (!from) return this.$emit("hover", this.siteAt(event), event);
+      const [{ x, y }, { x: x0, y: y0 }] = [this.at(event), from.at];
+      if (!this.drawn && !(from.mouse && Math.hypot(x - x0, y - y0) > CLICK)) return;
+      this.drawn = { x: Math.min(x, x0), y: Math.min(y, y0), width: Math.abs(x - x0), height: Math.abs(y - y0) };
+    },
+    lift(event) {
+      if (!this.from) return;
+      const { drawn } = this;
+      const inside = (i) => this.placeOf(i).every((each, k) => each >= [drawn.x, drawn.y][k] && each <= [drawn.x + drawn.width, drawn.y + drawn.height][k]);
+      const site = this.siteAt(event);
+      this.$emit("pick", drawn ? [...this.layout.x.keys()].filter(inside) : site === null ? [] : [site], event.shiftKey);
+      this.drop();
+    },
+    drop() { this.from = this.drawn = null; },
+  },
+};
 
 // Next site in a direction: the nearest within 45 degrees of it; the site itself if there is none.
 export function neighbour({ x, y, spacing }, site, right, up) {

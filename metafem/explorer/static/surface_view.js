@@ -1,45 +1,38 @@
 // The surface: map and picture in three dimensions, with a menu for the sites that are selected.
-import { hole, Press, told, words } from "metafem/contacts.js";
-import { ARROWS, Chosen, hear, SAME, tell } from "metafem/linked.js";
-import { neighbour, SiteMap } from "metafem/map.js";
+import { Press, told, words } from "metafem/contacts.js";
+import { ARROWS, Chosen, SAME, shared } from "metafem/linked.js";
+import SiteMap, { neighbour } from "metafem/map.js";
+import { placeIn } from "metafem/plot.js";
 
 // First and largest exaggeration of the heights in 3D.
 const EXAGGERATION = { first: 4, most: 20 };
-
 // Milliseconds from the smallest to the largest load; steps of the slider; and steps instead of motion.
 const [PLAY, SLIDER, STILL] = [6000, 250, 5];
-
-const HELP = "Arrow keys move between the sites, with Shift they select. Enter opens the menu, p keeps the height, e leaves the site empty, r lets the design choose, Escape ends the selection.";
-
-const VIEWS = [["map", "Map"], ["relief", "3D"]];
-
+// Most caps in 3D: more would be smaller than a pixel, and hold up a browser without a graphics card for seconds.
+const MOST_CAPS = 20000;
 // Distance of the tip from the pointer [pixels].
 const GAP = 14;
+const ACTIONS = { p: "pin", e: "empty", r: "release" };
 
 export default {
+  components: { SiteMap },
   template: `
     <div :class="['surface-view', 'fill', { old }]" data-answered="0">
       <div class="head"><h2>Surface</h2>
-        <q-tabs v-model="tab" dense no-caps aria-label="View of the surface" @update:model-value="open">
-          <q-tab v-for="[name, label] in views" :name="name" :label="label"></q-tab>
-        </q-tabs>
+        <q-tabs v-model="tab" dense no-caps aria-label="View of the surface" @update:model-value="open"><q-tab name="map" label="Map"/><q-tab name="relief" label="3D" :disable="many"/></q-tabs>
         <label class="small">Colour <select class="text" v-model="what" @change="recolour" aria-label="Colour of the sites">
           <option value="height">height</option><option v-if="radii" value="radius">radius</option><option value="pressure">contact pressure</option><option value="sensitivity">sensitivity</option>
         </select></label>
       </div>
       <div class="small line" role="status"><p v-if="message" class="wrong">{{ message }}</p><p v-if="(line || note) && !(message && old)">{{ line }} {{ note }}</p></div>
       <div class="box fill" ref="box" @keydown.esc="close">
-        <q-resize-observer debounce="0" @resize="pictures[tab]?.resize()"></q-resize-observer>
-        <div v-for="[name] in views" v-show="tab === name" class="layer" :ref="name"></div>
+        <q-resize-observer debounce="0" @resize="picture()?.resize()"></q-resize-observer>
+        <site-map v-show="tab === 'map'" ref="map" :marks="marks" @hover="hover" @pick="pick" @key="key" @enter="surface && go(marks.active ?? 0)"/>
+        <div v-show="tab === 'relief'" class="layer" ref="relief"></div>
         <p v-if="tab === 'relief' && missing" class="note">{{ missing }}</p>
         <div class="row small" v-else-if="tab === 'relief'">
-          <div class="choice" role="group" aria-label="What is shown">
-            <button type="button" :aria-pressed="!mould" @click="turnOver(false)">Part</button>
-            <button type="button" :aria-pressed="mould" :disabled="unmade !== ''" :title="unmade || 'The plate as it will be cut, seen from its open face'" @click="turnOver(true)">Mould</button>
-          </div>
-          <label>Heights × {{ times }} <input type="range" min="1" :max="most" step="0.5" v-model.number="times" @input="draw(true)" aria-label="Exaggeration of the heights"></label>
-          <button type="button" class="act" :disabled="times === 1" @click="times = 1; draw(true)">True proportions</button>
-          <button type="button" class="act" @click="pictures.relief?.reset()">Reset the view</button>
+          <label>Heights × {{ times }} <input type="range" min="1" max="${EXAGGERATION.most}" step="0.5" v-model.number="times" @input="draw(true)" aria-label="Exaggeration of the heights"></label>
+          <button type="button" class="act" @click="picture()?.reset()">Reset the view</button>
         </div>
         <div v-if="at && lines.length" class="tip" :style="at"><div v-for="each in lines">{{ each }}</div></div>
         <div v-if="menu" class="menu" role="dialog" :aria-label="menu.title" :style="menu.style" ref="menu">
@@ -50,78 +43,60 @@ export default {
           <form @submit.prevent="send('pin', typed)"><label>Height <input class="text" v-model="typed" required inputmode="decimal" :placeholder="menu.kept || '150.0 µm'" aria-label="Height in micrometres"></label>
             <button type="submit" class="act" data-action="type">Set</button></form>
           <button v-if="menu.filled" type="button" class="act" data-action="empty" @click="send('empty')">Leave {{ menu.these }} empty</button>
-          <label class="small"><input type="checkbox" v-model="adding"> Select more sites</label>
         </div>
       </div>
       <div class="press">
         <button type="button" class="act main" :disabled="!contacts" @click="play">{{ playing ? "❚❚ Pause" : "▶ Press it" }}</button>
-        <input type="range" min="0" :max="steps" :value="place" :disabled="!contacts" aria-label="Load" :aria-valuetext="told" @input="slide($event, true)" @change="slide($event, false)">
+        <input type="range" min="0" max="${SLIDER}" :value="place" :disabled="!contacts" aria-label="Load" :aria-valuetext="told" @input="slide($event, true)" @change="slide($event, false)">
         <span title="Load over the area of all contacts, and load">{{ playing && !press ? "The contacts at all loads are being computed …" : told }}</span>
       </div>
-      <p class="legend spoken" v-if="spoken">{{ spoken }}</p>
-      <p class="legend" v-else-if="tab === 'map'"><span><i class="disc"></i> contact, to scale</span> <span>◆ kept height</span> <span><i class="ring"></i> empty site, × kept empty</span></p>
-      <p class="legend" v-else-if="tab === 'relief' && mould"><span>Holes are coloured by depth. Left and right are exchanged, as in mould.csv. {{ part }}</span></p>
-      <p class="legend" v-else-if="!missing"><span><i class="disc coloured"></i> contact</span> <span>Caps are drawn undeformed, cut off at the glass. {{ part }}</span></p>
-      <span class="unseen" aria-live="polite">{{ spoken }}</span>
+      <p class="legend" :class="{ spoken }" aria-live="polite"><template v-if="spoken">{{ spoken }}</template>
+        <template v-else-if="tab === 'map'"><span><i class="disc"></i> contact, to scale</span> <span>■ kept height</span> <span><i class="ring"></i> empty site, × kept empty</span></template>
+        <template v-else-if="!missing"><span><i class="disc coloured"></i> contact</span> <span>Caps are drawn undeformed, cut off at the glass.</span></template></p>
     </div>`,
   data() {
     return {
-      tab: "map", what: "height", line: "", message: "", old: false, note: "", lines: [], at: null, menu: null,
-      typed: "", adding: false, missing: "", times: EXAGGERATION.first, most: EXAGGERATION.most, mould: false, views: VIEWS,
-      part: "", playing: false, steps: SLIDER, place: 0,
-      surface: null, contacts: null, press: null, // frozen, so that Vue does not follow thousands of numbers
+      tab: "map", what: "height", line: "", message: "", old: false, note: "", lines: [], at: null, shared, menu: null, typed: "",
+      missing: "", times: EXAGGERATION.first, playing: false, place: 0,
+      surface: null, contacts: null, // frozen, so that Vue does not follow thousands of numbers
     };
   },
   computed: {
     // What is said of the sites that are not at the pointer, where the tip says it.
     spoken() { return this.at ? "" : this.lines.join(", "); },
-    unmade() { return this.surface?.mould?.problem ?? " "; },
+    press() { return this.shared.press; },
+    many() { return (this.surface?.height.length ?? 0) > MOST_CAPS; },
     radii() { return Array.isArray(this.surface?.radius); },
     told() { return this.contacts ? told(this.contacts, this.surface.modulus) : ""; },
   },
   created() {
     // Not reactive, either.
-    this.pictures = {};
-    this.started = { map: true };
-    this.marks = {};
-    this.layout = null;
+    this.marks = { pointed: new Set(), selected: new Set(), active: null }; // pointed at: here, or at their tick of the law
     this.chosen = new Chosen();
-    this.closed = new AbortController();
-    hear("load", (to) => this.move(to), this.closed.signal);
-    hear("sites", (sites) => this.point(sites), this.closed.signal);
-  },
-  mounted() {
-    const map = new SiteMap(this.$refs.map[0], this.marks, this);
-    map.svg.setAttribute("aria-label", `Map of the heights. ${HELP}`);
-    map.svg.addEventListener("focus", () => { if (this.surface && !map.from) this.go(this.marks.active ?? 0); }); // not by a click
-    map.svg.addEventListener("blur", () => tell("sites", []));
-    this.pictures.map = map;
   },
   unmounted() {
     this.playing = false;
-    this.closed.abort();
-    this.pictures.relief?.end();
+    this.solid?.end();
   },
   watch: {
+    "shared.load"(to) { this.move(to); },
+    "shared.sites"(sites) { this.point(sites); },
     "$q.dark.isActive"() { this.draw(); },
   },
   methods: {
+    picture() { return this.tab === "map" ? this.$refs.map : this.solid; },
     show(data) {
       if (data.layout) {
         this.layout = data.layout;
         this.menu = null;
-        Object.assign(this.marks, { pointed: new Set(), selected: new Set(), active: null }); // pointed at: here, or at their tick of the law
+        Object.assign(this.marks, { pointed: new Set(), selected: new Set(), active: null });
       }
-      this.message = data.message;
-      this.old = data.old;
-      this.number = data.number;
+      Object.assign(this, { message: data.message, old: data.old, number: data.number });
       if (data.height) { // otherwise it is as before
-        this.surface = Object.freeze({ mould: this.surface?.mould, ...data, empty: new Set(data.empty) }); // a draft has no mould
-        this.mould &&= !this.unmade;
-        this.press = null;
+        this.surface = Object.freeze({ ...data, empty: new Set(data.empty) });
         this.chosen = new Chosen();
-        tell("entries", null);
-        if (this.playing) tell("load", { load: Math.min(this.contacts.load, data.loads[1]), moving: false });
+        shared.press = null;
+        if (this.playing) shared.load = { load: Math.min(this.contacts.load, data.loads[1]), moving: false };
       }
       if (this.what === "radius" && !this.radii) {
         this.what = "height";
@@ -136,8 +111,7 @@ export default {
     },
     // The contacts at all loads, for the surface that is shown.
     pressed(data) {
-      this.press = data.states.length ? Object.freeze(new Press(data)) : null;
-      tell("entries", this.press);
+      shared.press = data.states.length ? Object.freeze(new Press(data)) : null;
       this.playing &&= Boolean(this.press);
       if (this.playing) this.run();
     },
@@ -159,15 +133,14 @@ export default {
     },
     goTo(part, more) {
       const [first, last] = this.surface.loads;
-      tell("load", { load: first + part * (last - first), ...more });
+      shared.load = { load: first + part * (last - first), ...more };
     },
     slide(event, moving) { this.goTo(event.target.value / SLIDER, { moving }); },
     async play() {
-      if (this.playing) return tell("load", { load: this.contacts.load, moving: false });
+      if (this.playing) return this.goTo(this.partOf(this.contacts.load), { moving: false });
       this.playing = true;
-      this.turnOver(false);
-      if (this.tab === "map") await this.open("relief");
-      if (this.missing && this.tab === "relief") this.open("map");
+      if (this.tab === "map" && !this.many) await this.open("relief");
+      if (this.missing) this.open("map");
       if (this.press) this.run();
     },
     run() {
@@ -197,9 +170,7 @@ export default {
       const { layout, surface, contacts } = this;
       if (layout && surface) {
         const fitting = contacts?.radius?.length === layout.x.length ? contacts : null;
-        const look = { what: this.what, dark: this.$q.dark.isActive, times: this.times, mould: this.mould };
-        this.pictures[this.tab]?.show(layout, surface, fitting, look, this.now);
-        this.part = this.tab === "relief" ? this.pictures.relief?.left(layout.x.length) : "";
+        this.picture()?.show(layout, surface, fitting, { what: this.what, dark: this.$q.dark.isActive, times: this.times }, this.now);
         if (this.menu) Object.assign(this.menu, this.described());
         if (this.at || !this.chosen.moving) this.describe(); // not said with each frame of a play
       }
@@ -209,17 +180,17 @@ export default {
     async open(tab) {
       this.close();
       this.tab = tab;
-      await (this.started[tab] ??= this.start());
-      this.pictures[tab]?.resize();
+      if (tab === "relief") await (this.started ??= this.start());
+      this.picture()?.resize();
       this.draw();
     },
     // The script of the picture in three dimensions is loaded when it is opened.
     async start() {
       try {
         const { Relief } = await import("metafem/relief.js");
-        const relief = new Relief(this.$refs.relief[0], this.marks, this);
+        const relief = new Relief(this.$refs.relief);
         await relief.start();
-        this.pictures.relief = relief;
+        this.solid = relief;
       } catch (error) {
         console.warn(error);
         this.missing = "This browser has no WebGL, so the surface cannot be drawn in three dimensions. The map shows the same heights.";
@@ -229,20 +200,15 @@ export default {
       this.$emit("colour", this.what);
       this.draw();
     },
-    turnOver(mould) {
-      this.mould = mould;
-      this.draw(true);
-    },
     // Under the pointer, null where there is no site.
     hover(site, event) {
       const told = site !== null && this.surface && !this.menu;
       this.at = told ? this.beside(event) : null;
-      tell("sites", told ? [site] : []);
+      shared.sites = told ? [site] : [];
     },
     // Above or below the pointer, where there is more room, and as far to the left as the pointer is to the right.
-    beside({ clientX, clientY }) {
-      const { left, top, width, height } = this.$refs.box.getBoundingClientRect();
-      const [x, y] = [clientX - left, clientY - top];
+    beside(event) {
+      const [{ x, y }, { clientWidth: width, clientHeight: height }] = [placeIn(this.$refs.box, event), this.$refs.box];
       return { left: `${x}px`, transform: `translateX(-${(100 * x) / width}%)`, ...(y > height / 2 ? { bottom: `${height - y + GAP}px` } : { top: `${y + GAP}px` }) };
     },
     // Marks the sites under the pointer, here or at their tick of the law.
@@ -250,28 +216,25 @@ export default {
       if (!this.surface) return;
       this.marks.pointed = new Set(sites);
       this.describe();
-      this.pictures[this.tab]?.mark();
+      this.$refs.map.mark();
     },
     describe() {
       const [first, ...others] = this.marks.pointed;
-      if (first === undefined) this.lines = [];
-      else if (others.length) this.lines = [`${others.length + 1} sites come into contact together`];
-      else if (this.mould && this.tab === "relief") this.lines = hole(first, this.layout, this.surface);
-      else this.lines = words(first, this.surface, this.contacts, this.press);
+      if (others.length) this.lines = [`${others.length + 1} sites come into contact together`];
+      else this.lines = first === undefined ? [] : words(first, this.surface, this.contacts, this.press);
     },
     pick(sites, add) {
       const { marks } = this;
-      if (!(add || this.adding)) marks.selected = new Set();
+      if (!add) marks.selected = new Set();
       const single = sites.length === 1 && marks.selected.has(sites[0]);
       sites.forEach((site) => (single ? marks.selected.delete(site) : marks.selected.add(site)));
       if (sites.length) marks.active = sites.at(-1);
-      this.at = null;
-      tell("sites", []);
+      this.hover(null);
       if (marks.selected.size) this.openMenu(); else this.close();
-      this.pictures[this.tab].mark();
+      this.$refs.map.mark();
     },
     openMenu() {
-      const [x, y] = this.pictures[this.tab].placeOf(this.marks.active);
+      const [x, y] = this.$refs.map.placeOf(this.marks.active);
       const { clientWidth: width, clientHeight: height } = this.$refs.box;
       this.typed = "";
       // in the corner away from the site, where the sites around it stay free
@@ -292,12 +255,10 @@ export default {
     },
     close() {
       const inside = this.$refs.menu?.contains(document.activeElement);
-      const picture = this.pictures[this.tab];
       this.menu = null;
-      this.adding = false;
       this.marks.selected = new Set();
-      picture?.mark();
-      if (inside) picture.svg.focus();
+      this.$refs.map.mark();
+      if (inside) this.$refs.map.$refs.svg.focus();
     },
     send(action, height = "") {
       const { selected, active } = this.marks;
@@ -310,21 +271,17 @@ export default {
       if (select) [marks.active, site].forEach((each) => marks.selected.add(each));
       marks.active = site;
       this.at = null;
-      tell("sites", [site]);
-    },
-    step(right, up, select) {
-      if (this.surface) this.go(neighbour(this.layout, this.marks.active ?? 0, right, up), select);
+      shared.sites = [site];
     },
     key(event) {
       const { marks } = this;
-      const actions = { p: "pin", e: "empty", r: "release" };
       if (event.ctrlKey || event.metaKey || event.altKey || !this.surface) return;
-      if (ARROWS[event.key]) this.step(...ARROWS[event.key], event.shiftKey);
+      if (ARROWS[event.key]) this.go(neighbour(this.layout, marks.active ?? 0, ...ARROWS[event.key]), event.shiftKey);
       else if (event.key === "Enter" && marks.active !== null) {
         marks.selected.add(marks.active);
         this.openMenu();
         this.$nextTick(() => this.$refs.menu.querySelector("button[data-action], input").focus());
-      } else if (actions[event.key]) this.send(actions[event.key]);
+      } else if (ACTIONS[event.key]) this.send(ACTIONS[event.key]);
       else if (event.key === "Escape") this.close();
       else return;
       event.preventDefault();

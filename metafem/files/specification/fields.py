@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Annotated, Any, ClassVar, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, GetJsonSchemaHandler, WithJsonSchema
@@ -93,6 +93,11 @@ def measured(unit: str, **bounds: float) -> Any:
     schema: dict[str, Any] = text_schema(unit) | {"x-unit": unit} | stated
     known: Any = bounds
     return Annotated[float, Field(**known), BeforeValidator(number), WithJsonSchema(schema)]
+
+
+def one_of(*names: str) -> Any:
+    """Return the type of a text that is one of these."""
+    return Literal[names]
 
 
 Area, Force, Angle = map(measured, ("mm^2", "N", "rad"))

@@ -1,17 +1,18 @@
-"""The JSON schema of a specification, the descriptions of its keys, and the manual."""
+"""What a specification can hold, from its pydantic models: for errors, the page, the manual and editors."""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
 from metafem.files.specification.fields import BOUNDS, Section
 from metafem.files.specification.sections import Sections
 
+# A JSON schema, and the description of a section or of a key by the names in `section_forms`.
 Schema = dict[str, Any]
+Form = dict[str, Any]
 
 # Column in which the comments of the manual begin; most examples are shorter.
 COLUMN = 48
@@ -25,62 +26,10 @@ HEAD = """\
 # Sections and keys are required unless they are marked optional. Lengths, areas, forces, stresses and
 # angles are written with their unit. `metafem demo linear` writes a whole example file.
 # `metafem spec --schema` prints the JSON schema, by which an editor completes keys and marks errors.
-# The misfit of a design is the rms of the relative difference between the law and the target or, if larger,
-# the largest relative error of a fitted slope. For operating points, and for linear and bilinear laws with a
-# load_range, it is the largest relative error. Above 1 % (and the errors of samples) the target is missed.
-# Linear and bilinear laws without a load_range are compared with the law of their height density: above 1 %
-# a note says so, above 10 % the target is missed.
 """
 
 # The kind of a value without a unit, by its type in a JSON schema.
 PLAIN = {"number": "number", "integer": "integer", "boolean": "truth", "string": "text"}
-
-
-@dataclass(frozen=True)
-class KeyForm:
-    """The description of a key and of its value.
-
-    `meaning` ends with the bounds, which are in `unit`. `value` is quantity, number, integer, truth, text or
-    section, of the value or of a list's entries, which with `pairs` can be lists of two; `units` are the
-    usual ones, `names` the allowed texts. `kind` is that of the section, or None. `choice` is the number of
-    the alternative set to which the key belongs, or None; a section needs the keys of one set.
-    """
-
-    section: str
-    kind: str | None
-    name: str
-    example: Any
-    meaning: str
-    optional: bool
-    default: Any
-    choice: int | None
-    value: str
-    unit: str
-    units: tuple[str, ...]
-    names: tuple[str, ...]
-    listed: bool
-    pairs: bool
-
-    @property
-    def needed(self) -> bool:
-        """Whether the key is required, or belongs to the first alternative set of keys."""
-        return not self.optional or self.choice == 0
-
-
-@dataclass(frozen=True)
-class SectionForm:
-    """The description of a section: a sentence on each kind, if it has kinds, and its keys by kind or ""."""
-
-    name: str
-    meaning: str
-    optional: bool
-    kinds: dict[str, str]
-    keys: dict[str, tuple[KeyForm, ...]]
-
-    @property
-    def every(self) -> tuple[KeyForm, ...]:
-        """The keys of all kinds."""
-        return tuple(key for keys in self.keys.values() for key in keys)
 
 
 @cache
@@ -102,15 +51,23 @@ def schema_text() -> str:
 
 
 @cache
-def section_forms(sections: type[Section] = Sections) -> dict[str, SectionForm]:
+def section_forms(sections: type[Section] = Sections) -> dict[str, Form]:
     """Return the descriptions of all sections by name, in the order of the manual.
 
-    If the value of a key is itself a section, such as ``contact.cap``, that section follows.
+    A section has its ``name``, its ``meaning``, whether it is ``optional``, a sentence on each of its
+    ``kinds``, and by kind, or by "" without kinds, the descriptions of its ``keys``. A section that is the
+    value of a key, such as ``contact.cap``, follows that of the key.
+
+    A key has its ``section``, its ``kind`` of the section or None, its ``name``, an ``example``, its
+    ``meaning`` with the bounds in ``unit``, its ``default``, and whether it is ``optional``, and ``needed``
+    in a new section. ``choice`` is the number of the alternative set to which it belongs, or None. ``value``
+    is quantity, number, integer, truth, text or section, of the value or of the entries of a ``listed`` one,
+    which with ``pairs`` can be lists of two; ``units`` are the usual ones, ``names`` the allowed texts.
 
     Examples
     --------
-    >>> section_forms()["limits"].keys[""][0].units[:3], section_forms()["contact"].kinds["hertz"]
-    (('nm', 'um', 'mm'), 'Elastic paraboloids with the curvature of each summit.')
+    >>> section_forms()["limits"]["keys"][""][0]["units"][:3], section_forms()["contact"]["kinds"]["hertz"]
+    (['nm', 'um', 'mm'], 'Elastic paraboloids with the curvature of each summit.')
     """
     whole = whole_schema(sections)
     every = (
@@ -118,12 +75,13 @@ def section_forms(sections: type[Section] = Sections) -> dict[str, SectionForm]:
         for name, given in whole["properties"].items()
         for form in _forms(name, given, name not in whole["required"], whole["$defs"])
     )
-    return {form.name: form for form in every}
+    return {form["name"]: form for form in every}
 
 
-def all_keys() -> tuple[KeyForm, ...]:
+def all_keys() -> list[Form]:
     """Return the descriptions of all keys, except the keys of nested sections."""
-    return tuple(key for form in section_forms().values() if "." not in form.name for key in form.every)
+    outer = (form for name, form in section_forms().items() if "." not in name)
+    return [key for form in outer for keys in form["keys"].values() for key in keys]
 
 
 def as_toml(value: Any) -> str:
@@ -133,21 +91,27 @@ def as_toml(value: Any) -> str:
     return json.dumps(value)
 
 
-def _forms(name: str, given: Schema, optional: bool, every: Schema) -> Iterator[SectionForm]:
-    """Yield the form of a section with a schema, and those of the sections that its keys hold."""
+def _forms(name: str, given: Schema, optional: bool, every: Schema) -> Iterator[Form]:
+    """Yield the description of a section with a schema, and those of the sections that its keys hold."""
     value = _not_null(given)
-    kinds = {part: kind for kind, part in value.get("discriminator", {}).get("mapping", {}).items()}
-    places = [part["$ref"] for part in value.get("oneOf", [value])]
-    defined = {kinds.get(part, ""): every[part.rpartition("/")[2]] for part in places}
-    meanings = {kind: part["description"].splitlines()[0] for kind, part in defined.items() if kind}
-    keys = {kind: tuple(_keys(name, kind, part)) for kind, part in defined.items()}
-    yield SectionForm(name, given.get("description", ""), optional, meanings, keys)
+    parts = [every[part["$ref"].rpartition("/")[2]] for part in value.get("oneOf", [value])]
+    defined = {part["properties"].get("kind", {}).get("const", ""): part for part in parts}
+    form: Form = {
+        "name": name,
+        "meaning": given["description"],
+        "optional": optional,
+        "kinds": {kind: part["description"].splitlines()[0] for kind, part in defined.items() if kind},
+        "keys": {kind: list(_keys(name, kind, part)) for kind, part in defined.items()},
+    }
+    yield form
     for kind, part in defined.items():
-        for key in (key for key in keys[kind] if key.value == "section"):
-            yield from _forms(f"{name}.{key.name}", part["properties"][key.name], key.optional, every)
+        for key in form["keys"][kind]:
+            if key["value"] == "section":
+                inner = f"{name}.{key['name']}"
+                yield from _forms(inner, part["properties"][key["name"]], key["optional"], every)
 
 
-def _keys(section: str, kind: str, schema: Schema) -> Iterator[KeyForm]:
+def _keys(section: str, kind: str, schema: Schema) -> Iterator[Form]:
     choices = {key: i for i, keys in reversed([*enumerate(schema["x-choices"])]) for key in keys}
     for name, given in schema["properties"].items():
         if kind and name == "kind":
@@ -156,26 +120,28 @@ def _keys(section: str, kind: str, schema: Schema) -> Iterator[KeyForm]:
         listed = value.get("type") == "array"
         entry = value["items"] if listed else value
         single = (entry.get("anyOf") or [entry])[0]
-        units, unit = tuple(single.get("x-units", ())), single.get("x-unit", "")
+        unit, units = single.get("x-unit", ""), single.get("x-units", [])
         bounds = [
-            bound_words(each, single[name], unit) for each, (name, _) in BOUNDS.items() if name in single
+            bound_words(each, single[word], unit) for each, (word, _) in BOUNDS.items() if word in single
         ]
-        yield KeyForm(
-            section,
-            kind or None,
-            name,
-            given.get("examples", [None])[0],
-            "; ".join([given.get("description", ""), *filter(None, [", ".join(bounds)])]),
-            name not in schema.get("required", ()),
-            None if given.get("default") == [] else given.get("default"),
-            choices.get(name),
-            "quantity" if units else PLAIN.get(single.get("type", ""), "section"),
-            unit,
-            units,
-            tuple(single.get("enum", ())),
-            listed,
-            bool(listed and entry.get("anyOf")),
-        )
+        optional, choice = name not in schema.get("required", ()), choices.get(name)
+        yield {
+            "section": section,
+            "kind": kind or None,
+            "name": name,
+            "example": given.get("examples", [None])[0],
+            "meaning": "; ".join([given["description"], *filter(None, [", ".join(bounds)])]),
+            "optional": optional,
+            "needed": not optional or choice == 0,
+            "default": None if given.get("default") == [] else given.get("default"),
+            "choice": choice,
+            "value": "quantity" if units else PLAIN.get(single.get("type", ""), "section"),
+            "unit": unit,
+            "units": units,
+            "names": single.get("enum", []),
+            "listed": listed,
+            "pairs": bool(listed and entry.get("anyOf")),
+        }
 
 
 def bound_words(name: str, bound: float, unit: str) -> str:
@@ -206,21 +172,18 @@ def manual() -> str:
     hardness = "10 MPa"                             # optional: H, which decides on a plastic law
     """
     lines = [HEAD]
-    for form in section_forms().values():
-        if "." in form.name:
-            continue
-        lines.append(_line(f"[{form.name}]", form.meaning, form.optional))
-        for kind, keys in form.keys.items():
-            lines += ["", _line(f'kind = "{kind}"', form.kinds[kind], False)] if kind else []
-            for key in keys:
-                start = f"{key.name} = {as_toml(key.example)}"
-                lines.append(_line(start, key.meaning, key.optional, key.default))
+    for form in (form for name, form in section_forms().items() if "." not in name):
+        lines.append(_line(f"[{form['name']}]", form))
+        for kind, keys in form["keys"].items():
+            lines += ["", _line(f'kind = "{kind}"', {"meaning": form["kinds"][kind]})] if kind else []
+            lines += [_line(f"{key['name']} = {as_toml(key['example'])}", key) for key in keys]
         lines.append("")
     return "\n".join(lines[:-1]) + "\n"
 
 
-def _line(start: str, meaning: str, optional: bool, default: Any = None) -> str:
-    told = "optional: " if optional and not meaning.startswith(CHOICES) else ""
+def _line(start: str, form: Form) -> str:
+    meaning, default = form["meaning"], form.get("default")
+    told = "optional: " if form.get("optional") and not meaning.startswith(CHOICES) else ""
     if default is not None:
         told = f"optional, default {f'{default:g}' if isinstance(default, float) else as_toml(default)}: "
     return f"{start:<{COLUMN - 1}} # {told}{meaning}"

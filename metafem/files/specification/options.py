@@ -10,7 +10,7 @@ from pydantic import TypeAdapter, ValidationError
 from metafem._given import printable
 from metafem.contact import Contact
 from metafem.errors import InvalidInput, refuse_if
-from metafem.files.specification.forms import KeyForm, section_forms
+from metafem.files.specification.forms import Form, section_forms
 from metafem.files.specification.models import model_named, suggestion
 from metafem.files.specification.read import fill, problem
 from metafem.files.specification.sections import ContactSection
@@ -25,10 +25,10 @@ def chosen_model(model: Model, name: str | None, contact: str | None, block: Blo
     return with_contact(model, law) if name is None else model_named(name, law, block)
 
 
-def contacts() -> dict[str, tuple[KeyForm, ...]]:
+def contacts() -> dict[str, list[Form]]:
     """Return the keys that ``--contact`` accepts, by kind of contact law: all keys but lists."""
-    keys = section_forms()["contact"].keys
-    return {kind: tuple(key for key in keys[kind] if not key.listed) for kind in keys}
+    keys: dict[str, list[Form]] = section_forms()["contact"]["keys"]
+    return {kind: [key for key in keys[kind] if not key["listed"]] for kind in keys}
 
 
 def contact_named(text: str) -> Contact:
@@ -55,7 +55,7 @@ def contact_named(text: str) -> Contact:
 def _form(kind: str) -> str:
     """Return how ``--contact`` states a kind of contact law, such as "jkr ADHESION_ENERGY [CAP]"."""
     names = (
-        f"[{key.name.upper()}]" if key.optional and key.name != "file" else key.name.upper()
+        f"[{key['name'].upper()}]" if key["optional"] and key["name"] != "file" else key["name"].upper()
         for key in contacts()[kind]
     )
     return " ".join([kind, *names])
@@ -70,13 +70,11 @@ def section_named(words: list[str]) -> dict[str, Any]:
     for key in contacts()[kind]:
         if not rest:
             break
-        if key.value == "section":
-            section[key.name], rest = section_named(rest), []
-        elif key.value == "text":
-            section[key.name], rest = " ".join(rest), []
-        else:  # a quantity, whose unit may be a separate word
+        name, count = key["name"], len(rest)
+        if key["value"] == "quantity":  # its unit may be a separate word
             count = 1 if rest[0][-1].isalpha() or rest[0][-1] in "²2" else 2
-            section[key.name], rest = " ".join(rest[:count]), rest[count:]
+        words, rest = rest[:count], rest[count:]
+        section[name] = section_named(words) if key["value"] == "section" else " ".join(words)
     left = printable(" ".join(rest), 60)
     refuse_if(rest, f'contact law "{kind}": {left} is not one of its values ({_form(kind)})')
     return section

@@ -154,7 +154,8 @@ def read_spec(path: str | Path) -> Specification:
     (LinearLaw(slope=6.87, load_range=None), 0.12)
     """
     raw = read_bytes(path, SPECIFICATION, "no such file; `metafem demo linear` writes one to start from")
-    return _specification(file_label(path), raw, Path(path).parent)
+    name, text = file_label(path), raw.decode("utf-8", "surrogateescape")
+    return of_table(toml_table(text, name), text, Path(path).parent, name)
 
 
 def parsed(text: str, tables: Mapping[str, bytes] = NO_TABLES, name: str = "spec.toml") -> Specification:
@@ -189,16 +190,14 @@ def parsed(text: str, tables: Mapping[str, bytes] = NO_TABLES, name: str = "spec
     ...     print(*error.problems)
     lattice.pitch = 1.5 needs a unit; write for example "1.5 mm"
     """
-    return _specification(file_label(name), text.encode("utf-8", "surrogatepass"), tables)
+    return of_table(toml_table(text, file_label(name)), text, tables, file_label(name))
 
 
-def _specification(name: str, raw: bytes, source: Source) -> Specification:
-    """Return the specification in the UTF-8 text `raw`; errors call it `name`, `source` holds its tables."""
-    most = f"{SPECIFICATION / 2**20:g} MiB, the limit for its kind of file"
-    refuse_if(len(raw) > SPECIFICATION, f"{name}: is larger than {most}")
-    decoded(name, raw)  # raises an error with the line if the file is not UTF-8
-    text = raw.decode("utf-8")
-    table = toml_table(text, name)
+def of_table(
+    table: Mapping[str, Any], text: str = "", source: Source = NO_TABLES, name: str = "spec.toml"
+) -> Specification:
+    """Return the specification in a table that has this text, as `parsed` returns that in a text."""
+    table = {key: {**value} if isinstance(value, dict) else value for key, value in table.items()}
     table.pop("covariance", None)  # that of a calibration, which studies read
     try:
         kept = fill(table, source)
@@ -207,6 +206,7 @@ def _specification(name: str, raw: bytes, source: Source) -> Specification:
         raise _refused(name, *(problem(each, table) for each in error.errors(include_url=False))) from None
     except InvalidInput as error:
         raise _refused(name, _as_given(error, table)) from None
+    raw = text.encode("utf-8", "surrogatepass")
     return Specification(**members, text=text, files={"spec.toml": raw, **kept})
 
 
@@ -218,7 +218,10 @@ def toml_table(text: str, name: str = "spec.toml") -> dict[str, Any]:
     >>> toml_table("[layout]\\nseed = 3")
     {'layout': {'seed': 3}}
     """
-    text = text.removeprefix("\ufeff")
+    raw = text.encode("utf-8", "surrogatepass")
+    most = f"{SPECIFICATION / 2**20:g} MiB, the limit for its kind of file"
+    refuse_if(len(raw) > SPECIFICATION, f"{name}: is larger than {most}")
+    text = decoded(name, raw)
     deep = "nests its values too deeply to be a specification"
     if NESTED.search(text):
         raise _refused(name, deep)
@@ -288,11 +291,10 @@ def _members(given: Sections) -> dict[str, Any]:
         model = model_named(given.model.kind, contact, block)
     with _within("lattice"):
         radii = _radii(given)
-        (rows, columns), pitch, cell = given.lattice.shape, given.lattice.pitch, None
-        if given.cell is not None:
-            cell = PeriodicCell(given.cell.width or columns * pitch, given.cell.length or rows * pitch)
+        (rows, columns), pitch = given.lattice.shape, given.lattice.pitch
         words = f"has {rows * columns:,} sites; at most {SITES:,} are allowed, so that the result can be read"
         refuse_if(rows * columns > SITES, words, key="shape", value=f"[{rows}, {columns}]")
+        sides = None if given.cell is None else (given.cell.width, given.cell.length)
         template = Surface.square_lattice(
             limits.top,
             (rows, columns),
@@ -302,7 +304,7 @@ def _members(given: Sections) -> dict[str, Any]:
             friction=friction,
             block=block,
             cap=cap or SPHERE,
-            cell=cell,
+            cell=sides and PeriodicCell(sides[0] or columns * pitch, sides[1] or rows * pitch),
         )
     for key in ("empty", "pinned"):
         last = max(getattr(given.sites, key), default=0)
@@ -368,36 +370,40 @@ def problem(detail: Any, table: Mapping[str, Any], sections: type[Section] = Sec
     """Return the problem that an error of pydantic describes, with its key, value and an example."""
     keys, kind, value = _place(detail["loc"], table)
     name, path = keys[-1], "".join(f"[{each}]" if isinstance(each, int) else f".{each}" for each in keys)[1:]
-    form = section_forms(sections).get(".".join(each for each in keys[:-1] if isinstance(each, str)))
-    known = {key.name: key for key in form.keys.get(kind, ())} if form else {}
-    own = known.get(name)
-    example = f"{name} = {as_toml(own.example)}" if own else ""
+    form = section_forms(sections).get(".".join(each for each in keys[:-1] if isinstance(each, str)), {})
+    of_kinds = form.get("keys", {})
+    known = {key["name"]: key for key in of_kinds.get(kind, of_kinds.get("", ()))}
+    own = known.get(name, {})
+    example = f"{name} = {as_toml(own['example'])}" if own else ""
     match detail["type"]:
         case "value_error":
             error: InvalidInput = detail["ctx"]["error"]
             if error.key:
                 return _as_given(error.within(path), table)
-            if error.example and own and isinstance(own.example, str):
-                error.example = as_toml(own.example)
+            if error.example and isinstance(own.get("example"), str):
+                error.example = as_toml(own["example"])
             return error.at(path)
         case "missing":
             words = "is missing" if own else f"is missing; write a section [{path}]"
             return InvalidInput(words, key=path, example=example)
         case "extra_forbidden":
-            names = (*known, *(["kind"] if form and form.kinds else [])) or (*Sections.model_fields,)
+            names = (*known, *["kind"] * bool(form.get("kinds"))) or (*Sections.model_fields,)
             what = "key" if len(keys) > 1 else "section"
             return InvalidInput(f"is an unknown {what}{suggestion(str(name), names)}", key=printable(path))
         case "union_tag_not_found" | "union_tag_invalid":
-            kinds = tuple(section_forms()[path].kinds)
+            kinds = tuple(section_forms(sections)[path]["kinds"])
             given = value.get("kind") if isinstance(value, dict) else None
             words = "is missing" if given is None else f"is unknown{suggestion(str(given), kinds)}"
-            given = None if given is None else f'"{printable(str(given), 60)}"'
-            return InvalidInput(words, key=f"{path}.kind", value=given, example=f'kind = "{kinds[0]}"')
+            value = None if given is None else as_written(given)
+            return InvalidInput(words, key=f"{path}.kind", value=value, example=f'kind = "{kinds[0]}"')
+        case "literal_error":
+            words = f"is unknown{suggestion(str(value), tuple(own['names']))}"
+            return InvalidInput(words, key=path, value=as_written(value))
         case "model_type" | "model_attributes_type" | "dict_type":
             example, must = "", f"must be a section: write [{path}] on a line of its own"
         case "greater_than" | "greater_than_equal" | "less_than" | "less_than_equal":
             ((bound, number),) = detail["ctx"].items()
-            must = f"must be {bound_words(bound, number, own.unit if own else '')}"
+            must = f"must be {bound_words(bound, number, own.get('unit', ''))}"
         case _:
             must = re.sub(r"^\w+ should", "must", detail["msg"])
     return InvalidInput(must, key=path, value=as_written(value), example=example)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Annotated, Any, Literal, cast
 
-from pydantic import Field, field_validator
+from pydantic import Field
 
-from metafem._given import printable
 from metafem.caps import Paraboloid, Power, Profile, Sphere
 from metafem.contact import JKR, Elastic, Hertz, JacksonGreen, KogutEtsion, TabulatedContact
 from metafem.errors import InvalidInput, refuse_if
@@ -25,9 +25,10 @@ from metafem.files.specification.fields import (
     Stress,
     Time,
     key,
+    one_of,
     optional,
 )
-from metafem.files.specification.models import AUTOMATIC, MODELS, suggestion
+from metafem.files.specification.models import AUTOMATIC, MODELS
 from metafem.files.specification.targets import AnyTarget
 from metafem.files.summits import cap_named
 from metafem.inversion import Limits, PowerRange, RadiusRange, Tool
@@ -92,28 +93,28 @@ class ToolsSection(Section):
         for name, other in (of | {"caps": "radii"}).items():
             alone = getattr(self, name) is not None and getattr(self, other) is None
             refuse_if(alone, f"needs tools.{other}", key=name)
-        given, radii, caps = self.given(), self.radii, self.caps
-        if radii is None:
-            name = "exponent_range" if self.radius_range is None else "radius_range"
-            kind: Any = PowerRange if self.radius_range is None else RadiusRange
-            ends = given.pop(name)
-            options = {key.removeprefix("exponent_"): each for key, each in given.items()}
-            try:
-                found: RadiusRange | PowerRange = kind(*ends, **options)
+        for name, kind in (("radius_range", RadiusRange), ("exponent_range", PowerRange)):
+            given = self.given()
+            if name in given:
+                ends = given.pop(name)
+                options = {key.removeprefix("exponent_"): value for key, value in given.items()}
+                found: RadiusRange | PowerRange = _of_key(name, kind, *ends, **options)
                 return found
-            except InvalidInput as error:
-                raise InvalidInput(f"cannot be used: {error}", key=name) from None
+        radii, caps = self.radii or [], self.caps
         if caps is None:
             return tuple(radii)
         words = f"has {len(caps)} caps for {len(radii)} radii; give one for each"
         refuse_if(len(caps) != len(radii), words, key="caps")
-        listed = []
-        for i, (radius, text) in enumerate(zip(radii, caps, strict=True)):
-            try:
-                listed.append(Tool(radius, cap_named(text)))
-            except InvalidInput as error:
-                raise InvalidInput(f"is no cap: {error}", key=f"caps[{i}]", value=f'"{text}"') from None
-        return tuple(listed)
+        known = [_of_key(f"caps[{i}]", cap_named, text) for i, text in enumerate(caps)]
+        return tuple(map(Tool, radii, known))
+
+
+def _of_key(key: str, make: Callable[..., Any], *given: Any, **options: Any) -> Any:
+    """Return what `make` returns; its errors are errors of the whole value of a key."""
+    try:
+        return make(*given, **options)
+    except InvalidInput as error:
+        raise InvalidInput(f"cannot be used: {error}", key=key) from None
 
 
 class SitesSection(Section):
@@ -174,16 +175,9 @@ class LayoutSection(Section):
 class ModelSection(Section):
     """The section ``[model]``."""
 
-    kind: Annotated[str, Field(json_schema_extra={"enum": list(MODELS)})] = key(
+    kind: one_of(*MODELS) = key(  # type: ignore[valid-type]
         f"one of: {', '.join(MODELS)}", "layer", default=AUTOMATIC
     )
-
-    @field_validator("kind")
-    @classmethod
-    def _known(cls, kind: str) -> str:
-        words = f"is unknown{suggestion(kind, MODELS)}"
-        refuse_if(kind not in MODELS, words, value=f'"{printable(kind, 60)}"')
-        return kind
 
 
 class PartSection(Section):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Annotated, Any, ClassVar, Literal, NamedTuple
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from pydantic import BeforeValidator, Field, WithJsonSchema
@@ -38,42 +38,48 @@ from metafem.surface import Friction, Material
 LOAD = '0.144 mm^2" or "0.2 N'
 
 
-class GivenLoad(NamedTuple):
-    """A load in the unit in which it was written: mm^2 for P/E*, or N."""
-
-    value: float
-    unit: str
+# A load and the unit in which it was written: mm^2 for P/E*, or N.
+Given = tuple[float, str]
 
 
-def given_load(given: Any) -> GivenLoad:
-    """Return the load that a text states, in mm^2 or N; errors do not name a key."""
+def given_load(given: Any) -> Given:
+    """Return the load that a text states, and its unit, mm^2 or N; errors do not name a key."""
     try:
-        return GivenLoad(converted(given, "mm^2", LOAD), "mm^2")
+        return converted(given, "mm^2", LOAD), "mm^2"
     except InvalidInput as reason:
         try:
-            return GivenLoad(converted(given, "N", LOAD), "N")
+            return converted(given, "N", LOAD), "N"
         except InvalidInput:
             raise reason from None
 
 
-def rescaled_range(given: Sequence[GivenLoad], material: Material) -> tuple[float, float]:
+def rescaled_range(given: Sequence[Given], material: Material) -> tuple[float, float]:
     """Return a range of rescaled loads [mm^2]; errors state the loads in the units that were written."""
-    mixed = len({load.unit for load in given}) > 1
+    mixed = len({unit for _, unit in given}) > 1
     refuse_if(mixed, "mixes mm^2 and N; give both loads in one unit", key="load_range")
-    check.interval("load_range", [load.value for load in given])
-    low, high = (_rescaled(load, material) for load in given)
+    check.interval("load_range", [load for load, _ in given])
+    low, high = _rescaled([*given], material)
     return low, high
 
 
-def _rescaled(load: GivenLoad, material: Material) -> float:
-    return load.value / material.composite_modulus if load.unit == "N" else load.value
+def _rescaled(given: Any, material: Material) -> Any:
+    """Return a load, or the loads of nested lists, as rescaled loads [mm^2]."""
+    if isinstance(given, list):
+        return [_rescaled(each, material) for each in given]
+    load, unit = given
+    return load / material.composite_modulus if unit == "N" else load
 
 
-def _crossover(given: Any) -> list[GivenLoad]:
+def _in_newtons(given: Any) -> bool:
+    """Return whether a load, or one of nested lists, was written in N."""
+    return any(map(_in_newtons, given)) if isinstance(given, list) else given[1] == "N"
+
+
+def _crossover(given: Any) -> Given | list[Given]:
     """Return the load, or the pair of loads, that a value states."""
     words = "must be a load or a pair of loads"
     refuse_if(given == [], words, value="[]", example=f'"{LOAD}"')
-    return [given_load(load) for load in (given if isinstance(given, list) else [given])]
+    return [given_load(load) for load in given] if isinstance(given, list) else given_load(given)
 
 
 TEXT = text_schema("mm^2", "N")
@@ -89,6 +95,9 @@ CROSSOVERS = ["0.07 mm^2", ["0.15 mm^2", "0.18 mm^2"]]
 TWO = Field(min_length=2, max_length=2)
 Range = Annotated[list[Load], TWO]
 Pair = Annotated[list[Number], TWO]
+
+# Keys of targets of slopes or an exponent that are loads.
+LOADS_OF_LINES = ("load_range", "crossover_load", "crossover_loads")
 
 # Arguments of `Band.from_forces` by their keys.
 ARGUMENTS = {"lowest_force": "lowest", "highest_force": "highest"}
@@ -162,23 +171,20 @@ class LineSection(Section):
 
     def target(self, material: Material, friction: Friction | None) -> Target:
         """Return the target; texts state it in N if a load is in N, or if it has friction coefficients."""
-        given, wording = self.given(), RESCALED
-        if any(load.unit == "N" for value in given.values() for load in _loads(value)):
-            wording = Wording(material.composite_modulus)
+        given = self.given()
+        loads = {name: given[name] for name in LOADS_OF_LINES if name in given}
+        wording = Wording(material.composite_modulus) if _in_newtons([*loads.values()]) else RESCALED
         if coefficients := next((name for name in given if name.startswith("friction_")), ""):
             wording = Wording.of(material, _stated(friction, coefficients))
-            several, value = coefficients.endswith("s"), given.pop(coefficients)
-            if not several:
-                value = [check.number(coefficients, value, above=0.0)]
-            slopes = wording.given_slopes(value, None)
-            given |= {"slopes": slopes} if several else {"slope": slopes[0]}
-        if "load_range" in given:
-            given["load_range"] = rescaled_range(given["load_range"], material)
-        if "crossover_load" in given:
-            given["crossover_load"] = _rescaled(given["crossover_load"], material)
-        if "crossover_loads" in given:
-            each = [[_rescaled(load, material) for load in loads] for loads in given["crossover_loads"]]
-            given["crossover_loads"] = [loads if len(loads) > 1 else loads[0] for loads in each]
+            value = given.pop(coefficients)
+            if coefficients.endswith("s"):
+                given["slopes"] = wording.given_slopes(value, None)
+            else:
+                value = check.number(coefficients, value, above=0.0)
+                (given["slope"],) = wording.given_slopes([value], None)
+        if "load_range" in loads:
+            given["load_range"] = rescaled_range(loads.pop("load_range"), material)
+        given |= {name: _rescaled(value, material) for name, value in loads.items()}
         found: Target = self.law(**given, wording=wording)
         return found
 
@@ -233,13 +239,6 @@ def _stated(friction: Friction | None, key: str) -> Friction:
     if friction is None:
         raise InvalidInput("needs [friction] with shear_strength", key=key)
     return friction
-
-
-def _loads(value: Any) -> list[GivenLoad]:
-    """Return the loads in the value of a key."""
-    if isinstance(value, list):
-        return [load for each in value for load in _loads(each)]
-    return [value] if isinstance(value, GivenLoad) else []
 
 
 AnyTarget = Annotated[

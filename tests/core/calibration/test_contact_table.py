@@ -75,5 +75,5 @@ def test_contacts_near_the_smallest_area_bias_neither_ratio_nor_strength():
     points, _, _ = sheared_points(sheared(before, after, strength * ratio * area.sum(axis=1)))
     found = shear(*points, errors=MeasurementErrors())
     assert after.sum() / before.sum() / ratio < 0.98
-    assert found.area_ratio == pytest.approx(ratio, rel=0.003)
-    assert found.shear_strength == pytest.approx(strength, rel=0.005)
+    assert found.estimates["area_ratio"].value == pytest.approx(ratio, rel=0.003)
+    assert found.estimates["shear_strength"].value == pytest.approx(strength, rel=0.005)

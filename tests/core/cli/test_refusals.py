@@ -59,7 +59,6 @@ REFUSALS = [
     ((*STUDY, "area_ratio=1%"), "area_ratio", "1%"),
     (("study", "uncertainty", "linear", "--calibration", "measured.csv"), "measured.csv", "calibration"),
     ((*COMPARE, "--composite-modulus", "1.4"), "--composite-modulus", "1.4"),
-    ((*COMPARE, "--sd", "radius=1um"), "--sd", "radius=1um"),
     ((*COMPARE, "--area-ratio", "-1"), "--area-ratio", "-1"),
     (("calibrate",), "table", "calibrate"),
     (("calibrate", "compression.csv"), "--radius", "E*"),

@@ -139,13 +139,11 @@ def test_contacts_are_ellipses_to_scale(ax):
     assert (len(ax.collections), len(ax.lines)) == (1, 2)
 
 
-def test_fits_have_their_points_and_bars(ax):
+def test_measured_points_have_their_bars(ax):
     calibration.measured(ax, X, 2.0 * X, 0.1 * X, 0.2 * X, "points")
-    calibration.fitted(ax, X, 2.0 * X, "law")
     across, up = bars(ax.containers[0])
     np.testing.assert_allclose(across, np.column_stack([0.9 * X, 1.1 * X]))
     np.testing.assert_allclose(up, np.column_stack([1.8 * X, 2.2 * X]))
-    assert points(ax.lines[-1]) == np.column_stack([X, 2.0 * X]).tolist()
     calibration.residuals(ax, X, X - 2.0)
     assert points(ax.lines[-1]) == np.column_stack([X, X - 2.0]).tolist()
 

@@ -22,7 +22,6 @@ from metafem.explorer.certainty import (
 from metafem.explorer.history import State
 from metafem.files import demo_text
 from metafem.notes import Note, information
-from metafem.prediction import Tolerances
 from metafem.prediction.validity import BASE, base_contact_load
 from tests.explorer.scenes import with_height
 
@@ -94,14 +93,13 @@ def test_notes_are_told_where_their_remedies_are():
 
 def test_the_band_is_that_of_differences_of_the_law(shown, monkeypatch):
     design = shown.design
-    assert certainty.tolerances_of(shown) == Tolerances(height_sd=0.0009)
     load, low, high = certainty.tolerance_band(shown)
     assert load[-1] == design.law.rescaled_load[-1]
     assert (low + high) / 2 == pytest.approx(design.law.area[::-3][::-1], rel=1e-12)
     sd = 0.0009 * np.linalg.norm(differences(design, load), axis=0)
     assert (high - low) / 2 == pytest.approx(sd, rel=1e-4)
     for without in (answered(State(EXACT), 1), Answer(1, shown.state)):
-        assert certainty.tolerances_of(without) is certainty.tolerance_band(without) is None
+        assert certainty.tolerance_band(without) is None
         assert certainty.band_words(without) == ""
     monkeypatch.setattr(certainty, "MOST_ALONE", design.surface.count - 1)
     assert certainty.tolerance_band(answered(State(LINEAR), 1)) is None

@@ -10,7 +10,6 @@ from metafem.explorer.answer import answered
 from metafem.explorer.history import State
 from metafem.explorer.law import NO_FORCES, beside, tools_data
 from metafem.explorer.law_data import Units, law_data, measured_of, numbers, pinned_data, read_points
-from metafem.explorer.table import Document
 from metafem.files import demo_text
 
 TEXT = demo_text("operating-points")
@@ -56,32 +55,11 @@ def test_the_last_law_keeps_the_newtons_of_its_own_material(answer):
     assert Units.of(without, True) == Units()
 
 
-def test_curves_are_thinned_and_crowds_of_points_are_lines():
+def test_curves_are_thinned():
     x = np.linspace(0.0, 1.0, 5001)
     curve = Units().curve(x, x**2)
     assert (len(curve["x"]), curve["x"][-1]) == (200, 1.0)
     assert numbers([1.23456789, np.nan, np.inf]) == [1.2346, None, None]
-    load = np.linspace(0.01, 0.6, 500)
-    crowd = {
-        "target.rescaled_load": [f"{value:.6g} mm^2" for value in load],
-        "target.rescaled_friction": [f"{7.0 * value:.6g} mm^2" for value in load],
-    }
-    data = law_data(answered(State(Document(TEXT).with_values(crowd)), 1))
-    assert (data["crowd"][:10], data["marked"], data["handles"]) == ("500 points", False, [])
-
-
-def test_slopes_are_drawn_along_their_branches_and_open_laws_at_their_level():
-    answer = answered(State(demo_text("bilinear"), newtons=False), 1)
-    wanted = law_data(answer)["wanted"]
-    gap = wanted["x"].index(None)
-    for start, (branch, _) in zip((0, gap + 1), answer.design.fits, strict=True):
-        rise = wanted["y"][start + 1] - wanted["y"][start]
-        assert rise / (wanted["x"][start + 1] - wanted["x"][start]) == pytest.approx(branch.slope, rel=1e-3)
-    power = {"exponent": 1.1, "load_range": ["0.1 mm^2", "0.4 mm^2"]}
-    answer = answered(State(Document(TEXT).with_kind("target", "power", power), newtons=False), 1)
-    wanted, law = law_data(answer)["wanted"], answer.design.law
-    assert np.polyfit(np.log(wanted["x"]), np.log(wanted["y"]), 1)[0] == pytest.approx(1.1, rel=1e-4)
-    np.testing.assert_allclose(wanted["y"], np.interp(wanted["x"], law.rescaled_load, law.area), rtol=0.03)
 
 
 def test_the_plot_gets_its_choices_and_the_newest_band(answer):

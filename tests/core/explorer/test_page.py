@@ -20,7 +20,7 @@ from metafem.explorer.law import LawPanel
 from metafem.explorer.page import build
 from metafem.explorer.surface import SurfacePanel
 from metafem.explorer.surface_data import asked_sites
-from metafem.explorer.table import Document
+from metafem.explorer.table import with_values
 from metafem.files import demo_text, parsed
 from tests.explorer.scenes import calls_of, held, on_page, shown
 
@@ -33,13 +33,11 @@ UNIT = 1.0 / (0.37 * 0.85)
 
 # What takes long where texts are long or surfaces large.
 LONG = [
-    "control.answered", "control.to_link", "law.law_data", "law.moved", "law.removed",
-    "law.with_point", "law.read_points",
-    "law.tolerance_band", "surface.site_data",
-    "surface.layout_data", "surface.contact_data", "surface.press_data",
-    "surface.edited", "header.header_data", "header.with_field",
-    "form.contents", "form.with_kind", "files.specification_file",
-    "files.tables_of",
+    "control.answered", "control.to_link", "law.law_data", "law.moved", "law.removed", "law.with_point",
+    "law.read_points", "law.tolerance_band", "surface.site_data", "surface.layout_data",
+    "surface.contact_data", "surface.press_data", "surface.edited", "header.header_data",
+    "header.with_field", "form.contents", "form.with_kind_near", "files.specification_file",
+    "files.quick_files",
 ]  # fmt: skip
 
 
@@ -65,14 +63,16 @@ def watched(monkeypatch):
 
 def friction(value):
     """Return a change that moves the second point."""
-    return lambda state: state.text.replace('"1.68 mm^2"', f'"{value} mm^2"')
+    return lambda state: with_values(
+        state.table, {"target.rescaled_friction": ["0.84 mm^2", f"{value} mm^2", "4.12 mm^2"]}
+    )
 
 
 def test_a_change_is_a_step_and_a_draft_is_none():
     said = []
 
     def raised(state):
-        return Document(state.text).with_values({"limits.max_height": "280 um"})
+        return with_values(state.table, {"limits.max_height": "280 um"})
 
     async def scene(page):
         page.say = lambda words, passing=True: said.append((page.asked, passing))
@@ -85,7 +85,7 @@ def test_a_change_is_a_step_and_a_draft_is_none():
         await page.moved(-1)
         await shown(page)
         with pytest.raises(InvalidInput, match="TOML"):
-            await page.make(lambda state: Document("letters").text)
+            await page.make(lambda state: State("letters").table)
         await shown(page)
         return numbers, history, *answers, page
 
@@ -288,7 +288,7 @@ def test_the_pictures_of_the_surface_get_what_changed_and_edit_sites():
     assert len(first["layout"]["x"]) == len(first["height"]) == 64
     assert "layout" not in second
     assert [second["height"][i] for i in (3, 4)] == [None, None]
-    assert asked_sites(answer.state.text).empty == {3, 4}
+    assert asked_sites(answer.state.table).empty == {3, 4}
     contacts = [given for name, given in sent if name == "contact"]
     assert contacts[0]["load"] == pytest.approx(0.3, rel=1e-9)
 
@@ -325,11 +325,10 @@ def test_header_and_fields_show_what_is_chosen_and_what_is_refused():
     shown_first = bar[0][1]
     assert ("model" in shown_first, shown_first["solved"], shown_first["undo"]) == (False, "half-space", True)
     assert sent[2][1]["values"]["limits.max_height"] == "280 um"
-    documents = [Document(text) for text in texts[:7]]
-    assert documents[0].value("model.kind") == "half-space"
-    assert documents[3].value("target.kind") == "sampled"
-    assert (documents[4].value("contact.kind"), documents[5].value("contact")) == ("jkr", None)
-    assert "friction_force" in documents[6].section("target")
+    tables = [State(text).table for text in texts[:7]]
+    assert (tables[0]["model"]["kind"], tables[3]["target"]["kind"]) == ("half-space", "sampled")
+    assert (tables[4]["contact"]["kind"], "contact" in tables[5]) == ("jkr", False)
+    assert "friction_force" in tables[6]["target"]
     assert texts[7:10] == [demo_text("bilinear")] * 2 + [TEXT]
     (refused,) = [given for name, given in sent if name == "refuse"]
     assert (refused["key"], "limits" in refused["words"]) == ("limits.max_height", True)

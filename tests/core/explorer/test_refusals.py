@@ -12,23 +12,22 @@ import pytest
 
 from metafem.errors import InvalidInput
 from metafem.explorer.answer import Answer, answered
-from metafem.explorer.editor import Given, loaded
-from metafem.explorer.fields import rounded, with_field
+from metafem.explorer.editor import loaded
+from metafem.explorer.fields import rounded
 from metafem.explorer.handles import added, moved, removed, scene_of
 from metafem.explorer.history import LARGEST, LONGEST, State, from_link
-from metafem.explorer.kinds import reachable, with_kind, with_nearest
+from metafem.explorer.kinds import reachable, with_kind_near, with_nearest
 from metafem.explorer.law_data import read_points
 from metafem.explorer.new_part import FIRST, new_part
 from metafem.explorer.start import HOST, explore, first_state, token_and_port
 from metafem.explorer.surface_data import edited, typed_height
-from metafem.explorer.table import Document
+from metafem.explorer.table import with_field, with_values
 from metafem.files import demo_text, parsed
 from metafem.material import Material
 from metafem.surface import Friction
-from tests.explorer.scenes import SAMPLED, text_of
+from tests.explorer.scenes import SAMPLED, files, text_of
 
 TEXT = demo_text("operating-points")
-SPECIFIED = Given("a.toml", SAMPLED)
 PAIR = Material(1.36), Friction(0.37, 0.85)
 TITLES = "load_N,friction_force_N\n"
 
@@ -40,7 +39,7 @@ def demo():
 
 def target(name):
     """Return a target with its handles, before any design."""
-    return scene_of(text_of(name), parsed(text_of(name)), None)
+    return scene_of(State(text_of(name)), parsed(text_of(name)), None)
 
 
 def points(text, friction=PAIR[1]):
@@ -57,8 +56,14 @@ def state(**members):
 
 def sites(action, numbers, height="", design=demo):
     return lambda: edited(
-        TEXT, demo().design if design else None, {"action": action, "sites": numbers, "height": height}
+        State(TEXT).table,
+        demo().design if design else None,
+        {"action": action, "sites": numbers, "height": height},
     )
+
+
+def load(given, *more):
+    return lambda: loaded(State(TEXT), [*given, *more])
 
 
 def part(**typed):
@@ -78,11 +83,11 @@ STEEP = 'kind = "power"\nexponent = 500\nload_range = ["0.1 N", "0.4 N"]\nprefac
 
 # Each a call, the name of what is wrong, and the value that the message has.
 TEXTS = [
-    (lambda: Document("[limits"), "TOML", "line 1"),
-    (lambda: Document("limits = 3").with_values({"limits.offset": "1 um"}), "section", "limits"),
-    (lambda: with_field(TEXT, "limits.depth", "3 um"), "no key", "limits.depth"),
-    (lambda: with_kind(State(TEXT), None, "cubic"), "kind", "cubic"),
-    (lambda: scene_of(TEXT, None, None), "specification", "problems"),
+    (lambda: State("[limits").table, "TOML", "line 1"),
+    (lambda: with_values({"limits": 3}, {"limits.offset": "1 um"}), "section", "limits"),
+    (lambda: with_field({}, "limits.depth", "3 um"), "no key", "limits.depth"),
+    (lambda: with_kind_near(State(TEXT), None, "cubic"), "kind", "cubic"),
+    (lambda: scene_of(State(TEXT), None, None), "specification", "problems"),
     (lambda: moved(target("points"), "point-7", 0.1, 1.0), "handle", "point-7"),
     (lambda: moved(target("points"), "point-0", -0.1, 1.0), "load", "-0.1"),
     (lambda: moved(target("points"), "point-0", 0.1, math.nan), "friction", "nan"),
@@ -96,7 +101,7 @@ TEXTS = [
 ]
 STATES = [
     (lambda: State.from_json("[" * 10**5), "state", "JSON"),
-    (state(other=1), "state", "other members"),
+    (state(other=1), "state", "its members"),
     (state(load=-1.0), "state", "another kind"),
     (state(load=math.nan), "state", "another kind"),
     (state(tables={"a": 1}), "state", "another kind"),
@@ -121,11 +126,10 @@ FILES = [
     (sites("pin", [64]), "sites", "select"),
     (sites("pin", [True]), "sites", "select"),
     (lambda: typed_height("-3"), "height", "-3"),
-    (lambda: loaded(State(TEXT), [SPECIFIED, Given("b.toml", SAMPLED)]), "specifications", "several"),
-    (lambda: loaded(State(TEXT), [SPECIFIED, Given("wanted.csv", why="is bad")]), "wanted.csv", "is bad"),
-    (lambda: loaded(State(TEXT), [Given("law.csv", TITLES)]), "law.csv", "table"),
-    (lambda: loaded(State(TEXT), [Given("p.toml", "[project]")]), "p.toml", "sections"),
-    (lambda: loaded(State(TEXT), [Given("p.png", why="is no text")]), "p.png", "is no text"),
+    (load(files(a_toml=SAMPLED, b_toml=SAMPLED)), "specifications", "several"),
+    (load(files(a_toml=SAMPLED), {"name": "wanted.csv", "why": "is bad"}), "wanted.csv", "is bad"),
+    (load(files(law_csv=TITLES)), "law.csv", "table"),
+    (load([], {"name": "p.png", "why": "is no text"}), "p.png", "is no text"),
 ]
 PARTS = [
     (part(size="20 × 20"), "size", "20 × 20"),

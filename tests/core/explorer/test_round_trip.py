@@ -3,7 +3,6 @@
 import pytest
 
 from metafem.explorer.history import State, from_link, to_link
-from metafem.explorer.table import Document
 from metafem.files import demo_text, parsed
 from tests.explorer.scenes import EDITS, TABLE, TABLES, on_page, shown, text_of
 
@@ -45,7 +44,7 @@ def test_undo_gives_back_the_text_and_its_design(name, edit):
     assert undone.design == before.design == parsed(first.text, TABLES).design()
     assert after.current
     assert after.design == parsed(after.state.text, TABLES).design()
-    old, new = (dict(Document(each.state.text).table) for each in (before, after))
+    old, new = ({**each.state.table} for each in (before, after))
     assert old.pop(section, None) != new.pop(section)
     assert new == old
     assert from_link(to_link(after.state)) == after.state

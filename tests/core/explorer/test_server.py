@@ -69,11 +69,6 @@ def test_the_token_opens_the_page_and_nothing_else_does():
         asked(fails=True, left=False)
 
 
-def run(wanted=None):
-    """Return token and port of a run."""
-    return token_and_port(wanted)
-
-
 def test_the_next_run_has_the_token_and_the_port_of_the_last(tmp_path, monkeypatch):
     folder = tmp_path / "cache"
     monkeypatch.setenv("METAFEM_CACHE_DIR", str(folder))
@@ -170,25 +165,6 @@ def assert_rested(newer, patience, answers):
 
     asyncio.run(scene())
     assert found == answers
-
-
-def test_a_stopped_computation_is_not_waited_for():
-    found = []
-
-    async def scene():
-        held = Held(found)
-        number = await held.queue.change(lambda: 1, lambda number, request: held.queue.put(request))
-        await asyncio.to_thread(held.started.wait, 10.0)
-        held.queue.stop()
-        held.queue.work = lambda request: request
-        held.queue.put(2)
-        await asyncio.wait([held.queue.task])
-        told = list(found)
-        held.go.set()
-        return number, told
-
-    assert asyncio.run(scene()) == (1, [2])
-    assert found == [2]
 
 
 def test_changes_are_made_in_their_order_and_what_is_replaceable_ends():

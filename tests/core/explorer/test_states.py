@@ -7,11 +7,11 @@ import pytest
 
 from metafem.errors import InvalidInput
 from metafem.explorer import history as module
-from metafem.explorer.editor import Given, loaded, table_names
+from metafem.explorer.editor import loaded, table_names
 from metafem.explorer.history import MOST_STATES, Session, State, from_link, to_link
 from metafem.explorer.start import first_state
 from metafem.files import demo_text, read_spec, save
-from tests.explorer.scenes import SAMPLED, WANTED
+from tests.explorer.scenes import SAMPLED, WANTED, files
 
 FIRST = State("a = 1", {"wanted.csv": "load_N\n1\n"}, "1,2\n", "m.csv", False, 0.2)
 
@@ -76,13 +76,13 @@ def test_a_page_begins_with_a_demo_a_specification_or_a_result(tmp_path):
 
 def test_files_that_are_loaded_replace_the_text_and_the_named_tables():
     text = SAMPLED.replace("wanted.csv", "laws/wanted.csv")
-    found = loaded(FIRST, [Given("spec.toml", text), Given("wanted.csv", WANTED), Given("x.csv", "1\n")])
+    found = loaded(FIRST, files(spec_toml=text, wanted_csv=WANTED, x_csv="1\n"))
     assert found == replace(FIRST, text=text, tables={"laws/wanted.csv": WANTED})
-    again = loaded(found, [Given("wanted.csv", WANTED * 2)])
+    again = loaded(found, files(wanted_csv=WANTED * 2))
     assert again == replace(found, tables={"laws/wanted.csv": WANTED * 2})
-    assert loaded(FIRST, [Given("other.toml", "[a]"), Given("spec.toml", text)]).text == text
+    assert loaded(FIRST, files(other_toml="[a]", spec_toml=text)).text == text
     broken = "[limits]\nmax_height = \n"
-    assert loaded(FIRST, [Given("mine.toml", broken)]).text == broken  # to be repaired
+    assert loaded(FIRST, files(mine_toml=broken)).text == broken  # to be repaired
     cap = '[cap]\nkind = "profile"\nfile = "cap.csv"'
-    assert table_names(text + cap) == ("laws/wanted.csv", "cap.csv")
-    assert table_names("[target") == table_names("target = 3\n[contact]\nfile = 4") == ()
+    assert table_names(State(text + cap)) == ["laws/wanted.csv", "cap.csv"]
+    assert table_names(State("[target")) == table_names(State("target = 3\n[contact]\nfile = 4")) == []

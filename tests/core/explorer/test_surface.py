@@ -1,7 +1,5 @@
-"""The data of the pictures of the surface: heights, caps, the mould, contacts, and edits of sites."""
+"""The data of the pictures of the surface: heights, caps, contacts, and edits of sites."""
 
-import csv
-import tomllib
 from dataclasses import replace
 
 import numpy as np
@@ -15,24 +13,22 @@ from metafem.explorer.contact_data import INTERVALS, contact_data, press_data
 from metafem.explorer.history import State
 from metafem.explorer.surface_data import (
     DECIMALS,
-    NO_BLOCK,
-    NO_SURFACE,
     asked_sites,
     cap_data,
     edited,
     kept_height,
     kind_of_cap,
     layout_data,
-    mould_data,
     site_data,
     typed_height,
     with_sites,
 )
-from metafem.explorer.table import Document
-from metafem.files import demo_text, result_tables
-from tests.explorer.scenes import with_height
+from metafem.explorer.table import with_values
+from metafem.files import demo_text
+from tests.explorer.scenes import changed
 
 TEXT = demo_text("operating-points")
+TABLE = State(TEXT).table
 LOAD, MODULUS, RADIUS = 0.3, 1.36, 0.526
 
 
@@ -60,7 +56,7 @@ def test_heights_stand_at_their_sites(answer, design):
     assert layout["spacing"] == pytest.approx(1.5, rel=1e-12)
     assert layout["block"] == [20.0, 20.0, 7.2]
     single = {"lattice.shape": [1, 1], "part": None, "block": None, "limits.height_step": None}
-    alone = answered(State(Document(demo_text("linear")).with_values(single)), 1).design
+    alone = answered(State(changed(demo_text("linear"), with_values, single)), 1).design
     assert (layout_data(alone)["spacing"], layout_data(alone)["block"]) == (4 * RADIUS, None)
 
 
@@ -69,35 +65,34 @@ def test_messages_tell_of_old_surfaces_and_of_kept_sites(answer):
     assert site_data(broken)["old"]
     assert site_data(broken)["height"] == site_data(answer)["height"]
     for text, value in (
-        (with_sites(TEXT, {3: "400 um"}), "400 um"),
-        (with_sites(TEXT, dict.fromkeys(range(64), "200 um")), "121 %"),
-        (with_sites(TEXT, {}, empty=range(1, 64)), "plot of the law"),
+        (with_sites(TABLE, {3: "400 um"}), "400 um"),
+        (with_sites(TABLE, dict.fromkeys(range(64), "200 um")), "121 %"),
+        (with_sites(TABLE, {}, empty=range(1, 64)), "law states the reason"),
     ):
-        assert value in site_data(answered(State(text), 2, answer))["message"]
-    state = State(with_sites(TEXT, {7: "100 um", 80: "1 um"}, empty=[5, 99]))
+        assert value in site_data(answered(State("").edited(text), 2, answer))["message"]
+    state = State(changed(TEXT, with_sites, {7: "100 um", 80: "1 um"}, [5, 99]))
     data = site_data(Answer(3, state, answer.specification, answer.design))
     assert (data["empty"], data["pinned"]) == ([5], {"7": "100 um"})
     assert site_data(answered(State("nothing"), 1)).keys() == {"number", "message", "old"}
 
 
 def test_sites_are_kept_emptied_and_released(design):
-    def asked(action, sites, height="", text=TEXT):
-        return asked_sites(edited(text, design, {"action": action, "sites": sites, "height": height}))
+    def asked(action, sites, height="", table=TABLE):
+        return asked_sites(edited(table, design, {"action": action, "sites": sites, "height": height}))
 
-    text = with_sites(with_sites(TEXT, {12: "120.5 um", 9: "0.15 mm"}), {}, empty=[3])
-    table = tomllib.loads(text)
-    assert table.pop("sites") == {"empty": [4], "pinned": [10, 13], "heights": ["0.15 mm", "120.5 um"]}
-    assert table == tomllib.loads(TEXT)
-    assert (asked_sites(text).pinned, asked_sites(text).empty) == ({9: "0.15 mm", 12: "120.5 um"}, {3})
+    table = with_sites(with_sites(TABLE, {12: "120.5 um", 9: "0.15 mm"}), {}, empty=[3])
+    sites = {"empty": [4], "pinned": [10, 13], "heights": ["0.15 mm", "120.5 um"]}
+    assert table == {**TABLE, "sites": sites}
+    assert (asked_sites(table).pinned, asked_sites(table).empty) == ({9: "0.15 mm", 12: "120.5 um"}, {3})
     site = int(design.sites[0])
     assert asked("pin", [site]).pinned == {site: kept_height(design, site)}
     assert asked("pin", [3, 4], " 120,5 ").pinned == {3: "120.5 um", 4: "120.5 um"}
     assert typed_height("0.12 mm") == "0.12 mm"
-    assert asked("pin", [3], "90", text).empty == set()
-    assert asked("empty", [9], text=text).pinned == {12: "120.5 um"}
-    assert asked("release", [3, 9, 12], text=text) == asked_sites(TEXT)
-    released = edited(text, design, {"action": "release", "sites": [3, 9, 12], "height": ""})
-    assert "sites" not in tomllib.loads(released)
+    assert asked("pin", [3], "90", table).empty == set()
+    assert asked("empty", [9], table=table).pinned == {12: "120.5 um"}
+    assert asked("release", [3, 9, 12], table=table) == asked_sites(TABLE)
+    released = edited(table, design, {"action": "release", "sites": [3, 9, 12], "height": ""})
+    assert "sites" not in released
     for each, height in zip(design.sites.tolist(), design.surface.height, strict=True):
         number, unit = kept_height(design, each).split()
         assert (unit, abs(float(number) - 1e3 * height) <= 0.1) == ("um", True)
@@ -105,7 +100,8 @@ def test_sites_are_kept_emptied_and_released(design):
     free = next(each for each in range(64) if each not in design.sites)
     assert kept_height(design, free) is None
     for damaged in ("sites = 3", "[sites]\nempty = 'all'", "[sites]\npinned = [1, 2]", "[sites"):
-        assert (asked_sites(damaged).empty, asked_sites(damaged).pinned) == (set(), {})
+        found = asked_sites(State(damaged).known)
+        assert (found.empty, found.pinned) == (set(), {})
 
 
 def surface_of(cap, radius=0.5):
@@ -127,32 +123,6 @@ def test_meridians_lie_on_their_caps():
     mixed = surface_of(Caps.of([mf.Power(4.0), mf.Sphere()]), [0.5, 0.2])
     assert kind_of_cap(mixed).tolist() == [0, 1]
     assert [each["depth"][-1] for each in cap_data(mixed, 0.12)] == pytest.approx([0.24, 0.6])
-
-
-def test_the_mould_of_the_picture_is_that_of_its_table(answer, design):
-    layout, surface, mould = layout_data(design), site_data(answer), mould_data(answer)
-    shown = [(layout["x"][i], layout["y"][i], surface["height"][i], RADIUS) for i in sorted(design.sites)]
-    shown += [(each["x"], each["y"], each["height"], each["radius"]) for each in mould["alignment"]]
-    table = result_tables(design, answer.specification.part)["mould.csv"]
-    rows = list(csv.DictReader(line for line in table.splitlines() if not line.startswith("#")))
-    assert [row["kind"] for row in rows[-4:]] == ["alignment"] * 4
-    rows[:-4] = sorted(rows[:-4], key=lambda row: int(row["site"]))
-    names = ("x_mm", "y_mm", "depth_mm", "tool_radius_mm")
-    # the picture turns the part over: x is mirrored
-    expected = [[float(row[name]) for name in names] for row in rows] * np.array([-1.0, 1.0, 1e3, 1.0])
-    np.testing.assert_allclose(shown, expected, atol=0.005)
-    assert mould["thickness"] == pytest.approx(7.2 + expected[:, 2].max() / 1e3, rel=1e-12)
-    assert surface["mould"] == mould
-    low = with_height(answer, 7, 0.0)
-    assert mould_data(low) == {"problem": low.no_part}
-    assert "0 mm" in low.no_part
-    bare = Document(TEXT).with_values({"block": None, "part": None})
-    assert mould_data(answered(State(bare), 1)) == {"problem": NO_BLOCK}
-    tall = answered(State(TEXT.replace('"270 um"', '"450 um"')), 1)
-    assert "tallest summit" in mould_data(tall)["problem"]
-    assert mould_data(replace(tall, problems={})) == {"problem": NO_SURFACE}
-    draft = site_data(answered(State(TEXT), 1, draft=True))
-    assert ("mould" in draft, len(draft["caps"]), draft["cap"]) == (False, 1, None)
 
 
 def column(design, values):

@@ -1,7 +1,6 @@
-"""The text of a specification: its values, its kinds, what is typed into its fields, and its comments."""
+"""The table of a specification: its edits, its text, what is typed into its fields, and its form."""
 
 import itertools
-import tomllib
 
 import numpy as np
 import pytest
@@ -9,18 +8,27 @@ import pytest
 import metafem as mf
 from metafem.explorer.answer import answered
 from metafem.explorer.editor import placed
-from metafem.explorer.fields import shown, typed_value, with_field
+from metafem.explorer.fields import shown, typed_value
 from metafem.explorer.form import contents, form
 from metafem.explorer.history import State
-from metafem.explorer.kinds import KINDS, with_choice, with_kind, with_section, without_section
-from metafem.explorer.table import Document, label_of, loses_comments, order_of, title_of
-from metafem.files import demo_text, parsed, section_forms
+from metafem.explorer.kinds import KINDS, with_kind_near, with_units
+from metafem.explorer.table import (
+    title_of,
+    value_of,
+    with_field,
+    with_only,
+    with_section,
+    with_values,
+    without_section,
+    written,
+)
+from metafem.files import demo_text, of_table, section_forms, toml_table
+from tests.explorer.scenes import changed
 
-LINEAR, POINTS = demo_text("linear"), demo_text("operating-points")
-MULTILINEAR = Document(LINEAR).with_kind("target", "multilinear")
-ADHESIVE = Document(LINEAR).with_kind("contact", "jkr")
+LINEAR, POINTS = (State(demo_text(name)).table for name in ("linear", "operating-points"))
+MULTILINEAR, ADHESIVE = with_section(LINEAR, "target", "multilinear"), with_section(LINEAR, "contact", "jkr")
 TEXTS = [
-    POINTS,
+    demo_text("operating-points"),
     "# one\ntarget = {kind = 'linear', slope=6.87}\nlimits={ max_height=\"120 um\" } # two",
     "target.kind = 'linear'\ntarget.slope = 6.87 # steep\n\nlimits . max_height = '120 um'",
     "[\"limits\"]\n'max_height' = '''1\n[part] um'''\n[ layout ]\n\tseed=1\n",
@@ -39,17 +47,17 @@ VALUES = {
 
 def test_a_value_that_is_set_is_read_back_and_all_others_stay():
     for text, (key, value) in itertools.product(TEXTS, VALUES.items()):
-        document = Document(text)
-        new = document.with_values({key: value})
+        state = State(text)
+        new = state.edited(with_values(state.table, {key: value}))
+        assert repr(state.table) == repr(toml_table(text))  # an edit leaves the table that it is given
         section, _, last = key.partition(".")
-        old = {each: dict(keys) if isinstance(keys, dict) else keys for each, keys in document.table.items()}
-        assert repr(sorted_table(Document(new).table)) == repr(
-            sorted_table({**old, section: {**old.get(section, {}), last: value}})
-        )
-        assert Document(new).with_values({key: value}) == new
-        gone = Document(Document(new).with_values({key: None}))
-        assert gone.value(key) is None
-        assert document.with_values({key: document.value(key)}) == document.text
+        wanted = {**state.table, section: {**state.table.get(section, {}), last: value}}
+        for table in (new.table, toml_table(new.text)):  # of the edit, and of its text
+            assert repr(sorted_table(table)) == repr(sorted_table(wanted))
+        assert new.edited(with_values(new.table, {key: value})) is new
+        assert value_of(with_values(new.table, {key: None}), key) is None
+        assert state.edited(with_values(state.table, {key: value_of(state.table, key)})) is state
+    assert State("[layout]\nseed = 1").edited({"layout": {"seed": True}}).text == "[layout]\nseed = true\n"
 
 
 def sorted_table(value):
@@ -90,7 +98,7 @@ a = "µ"
 """
 
 
-def test_a_changed_text_is_written_in_the_order_of_the_manual_and_ends_comments():
+def test_a_table_is_written_in_the_order_of_the_manual():
     text = """mine = {b = 1, a = 'µ'}
     [limits] # of the shop
     offset = '50 um'
@@ -106,20 +114,14 @@ def test_a_changed_text_is_written_in_the_order_of_the_manual_and_ends_comments(
     radius = "526 um"
     """
     values = {"target.slope": 6.5, "target.kind": "linear", "limits.min_height": "10 um"}
-    new = Document(text).with_values({**values, "lattice.radius": None, "tools.radii": ["300 um", "526 um"]})
-    assert new == WRITTEN
-    assert loses_comments(text, new)
-    only = "[checks]\nhardness = '1 MPa'\n[limits]\nmax_height = '1 um'\n"
-    assert Document(only).with_values({"checks.hardness": None}) == '[limits]\nmax_height = "1 um"\n'
-    assert Document(only).with_values({"limits.max_height": None}).startswith("[limits]\n")
-    for line, own in (("a = '#' # mine", True), ('a = "\\"# a"', False), ("b = [1, # mine\n2]", True)):
-        text = f"{line}\n{LINEAR}"
-        new = Document(text).with_values({"limits.max_height": "117 um"})
-        assert loses_comments(text, new) == own
-        assert not loses_comments(text, text + "# more")
+    values |= {"lattice.radius": None, "tools.radii": ["300 um", "526 um"]}
+    assert changed(text, with_values, values) == WRITTEN
+    only = {"checks": {"hardness": "1 MPa"}, "limits": {"max_height": "1 um"}}
+    assert with_values(only, {"checks.hardness": None}) == {"limits": {"max_height": "1 um"}}
+    assert written(with_values(only, {"limits.max_height": None})).startswith("[limits]\n")
 
 
-@pytest.mark.parametrize("section", order_of(""))
+@pytest.mark.parametrize("section", [name for name in section_forms() if "." not in name])
 def test_each_kind_and_choice_of_a_section_can_be_read_and_removed(section):
     tables = {
         "wanted.csv": b"load_N,friction_force_N\n0.1,0.2\n0.2,0.5\n",
@@ -127,36 +129,34 @@ def test_each_kind_and_choice_of_a_section_can_be_read_and_removed(section):
         "contact.csv": b"indentation_um,load_mN,area_mm2\n5,0.46,0.0083\n20,3.7,0.033\n90,35,0.15\n",
     }
     given = section_forms()[section]
-    for kind in given.kinds or [""]:
-        text = with_field(POINTS, f"{section}.kind", kind) if kind else with_section(POINTS, section)
-        assert set(Document(text).section(section)) <= {"kind", *(key.name for key in given.keys[kind])}
-        parsed(text, tables)
-        for choice in {key.choice for key in given.keys[kind]} - {None}:
-            parsed(with_choice(text, section, choice), tables)
-        for key in given.keys[kind]:  # each takes its example
-            if key.value != "section":
-                name = f"{section}.{key.name}"
-                changed = with_field(text, name, shown(key.example))
-                assert Document(changed).value(name) == key.example == typed_value(key, shown(key.example))
-                assert contents(changed, {})["values"].get(name, shown(key.example)) == shown(key.example)
-                assert with_field(changed, name, shown(key.example)) == changed
-    if given.optional:
-        text = without_section(with_field(POINTS, "contact.kind", "jkr"), section)
-        assert Document(text).value(section) is None
-        added = with_section(text, section)
-        assert Document(added).value(section)
-        assert with_section(added, section) == added
-        assert tomllib.loads(without_section(added, section)) == tomllib.loads(text)
+    for kind, keys in given["keys"].items():
+        table = with_field(POINTS, f"{section}.kind", kind) if kind else with_section(POINTS, section)
+        assert set(table.get(section, ())) <= {"kind", *(key["name"] for key in keys)}
+        of_table(table, source=tables)
+        for choice in {key["choice"] for key in keys} - {None}:
+            of_table(with_section(table, section, kind, choice), source=tables)
+        for key in (key for key in keys if key["value"] != "section"):  # each takes its example
+            name, example = f"{section}.{key['name']}", shown(key["example"])
+            new = with_field(table, name, example)
+            assert value_of(new, name) == key["example"] == typed_value(key, example)
+            assert contents(State(written(new)), {})["values"].get(name, example) == example
+            assert with_field(new, name, example) is new
+    if given["optional"]:
+        table = without_section(with_field(POINTS, "contact.kind", "jkr"), section)
+        assert section not in table
+        added = with_section(table, section)
+        assert with_section(added, section, added[section].get("kind", "")) == added
+        assert without_section(added, section) == table
 
 
 def test_tools_replace_the_radius_and_a_kind_the_keys_of_another():
-    text = with_section(POINTS, "tools")
-    assert "radius" not in tomllib.loads(text)["lattice"]
-    assert parsed(text).tools == (0.3, 0.526)
-    assert tomllib.loads(without_section(text, "tools"))["lattice"]["radius"] == "526 um"
-    elastic = Document(ADHESIVE).with_kind("contact.cap", "elastic")
-    assert Document(elastic).value("contact.cap") == {"kind": "elastic"}
-    assert parsed(elastic).model.contact == mf.JKR(9e-6, mf.Elastic())
+    table = with_section(POINTS, "tools")
+    assert "radius" not in table["lattice"]
+    assert of_table(table).tools == (0.3, 0.526)
+    assert without_section(table, "tools")["lattice"]["radius"] == "526 um"
+    elastic = with_section(ADHESIVE, "contact.cap", "elastic")
+    assert elastic["contact"]["cap"] == {"kind": "elastic"}
+    assert of_table(elastic).model.contact == mf.JKR(9e-6, mf.Elastic())
 
 
 TYPED = [
@@ -181,17 +181,13 @@ TYPED = [
 
 def test_what_is_typed_becomes_the_value_of_its_key_alone():
     for key, typed, value in TYPED:
-        section, name = key.split(".")
-        before, after = tomllib.loads(MULTILINEAR), tomllib.loads(with_field(MULTILINEAR, key, typed))
-        assert after.get(section, {}).get(name) == value, (key, typed)
-        before.setdefault(section, {}).pop(name, None)
-        after.setdefault(section, {}).pop(name, None)
-        assert after == before
+        new = with_field(MULTILINEAR, key, typed)
+        assert value_of(new, key) == value, (key, typed)
+        assert with_values(new, {key: None}) == with_values(MULTILINEAR, {key: None})
     mixed = with_field(MULTILINEAR, "target.load_range", "0.1 N, 0.4 mm^2")  # no unit is assumed
     mixed = with_field(mixed, "target.load_range", "0.1, 0.4")
-    assert Document(mixed).value("target.load_range") == ["0.1", "0.4"]
-    other = with_field(LINEAR, "material.young_modulus", "1 MPa")
-    assert "composite_modulus" not in tomllib.loads(other)["material"]
+    assert mixed["target"]["load_range"] == ["0.1", "0.4"]
+    assert "composite_modulus" not in with_field(LINEAR, "material.young_modulus", "1 MPa")["material"]
     assert with_field(ADHESIVE, "contact.cap.kind", "elastic") != ADHESIVE
 
 
@@ -204,54 +200,56 @@ def test_a_problem_is_at_its_key_and_its_line_in_the_words_of_the_page():
         ("material.poisson_ratio", "0.7", "0.5", {"material.poisson_ratio": "0.5"}),
         ("model.kind", "rigid", "nknown", {}),
     ):
-        text = with_field(LINEAR, key, typed)
-        answer = answered(State(text), 1)
+        state = State("").edited(with_field(LINEAR, key, typed))
+        answer = answered(state, 1)
         assert list(answer.problems) == list(answer.reasons) == [key]
         assert reason in answer.reasons[key]
-        assert key in answer.problems[key]
-        assert key not in answer.reasons[key]
+        assert (key in answer.problems[key], key in answer.reasons[key]) == (True, False)
         assert answer.offers == offers
-        assert contents(text, answer.reasons)["problems"].get(key, answer.reasons[key]) == answer.reasons[key]
-        (problem,) = placed(text, answer.problems)
+        assert contents(state, answer.reasons)["problems"] == answer.reasons
+        (problem,) = placed(state.text, answer.problems)
         assert problem["key"] == key
-        assert text.splitlines()[problem["line"] - 1].startswith(key.split(".")[1])
+        assert state.text.splitlines()[problem["line"] - 1].startswith(key.split(".")[1])
 
     text = 'target.kind = "linear"\na.b = 1\n# a.c = 2\n[a]\n[contact.cap]\nkind = "hertz"\n'
     lines = {"target.kind": 1, "a.b": 2, "a": 4, "a.c": 4, "contact.cap.kind": 6, "limits.offset": 0}
     for key, line in lines.items():
         assert placed(text, {key: "is wrong"})[0]["line"] == line, key
-    (problem,) = placed(LINEAR, {}, "slope 2 is not above the bound")
-    assert LINEAR.splitlines()[problem["line"] - 1] == "[target]"
+    assert placed(written(LINEAR), {}, "slope 2 is not above the bound")[0]["line"] == 1
     assert placed("[limits", answered(State("[limits"), 1).problems)[0]["line"] == 1
 
 
 def test_the_form_has_a_field_for_each_key_and_the_names_of_messages():
     fields = {field["key"]: field for part in form() for keys in part["keys"].values() for field in keys}
     assert fields.keys() == {
-        f"{section.name}.{key.name}"
-        for section in section_forms().values()
-        for key in section.every
-        if key.value != "section" and section.name != "model"
+        f"{section}.{key['name']}"
+        for section, found in section_forms().items()
+        for keys in found["keys"].values()
+        for key in keys
+        if key["value"] != "section" and section != "model"
     }
-    assert [part["name"] for part in form() if part["open"]] == ["target", "lattice", "limits"]
-    assert all(part["title"] == title_of(part["name"]) for part in form())
-    assert all(field["label"] == label_of(field["key"]) for field in fields.values())
+    parts = {part["name"]: part for part in form()}
+    assert [name for name, part in parts.items() if part["open"]] == ["target", "lattice", "limits"]
+    assert [parts["contact.cap"]["inner"], parts["contact"]["inner"]] == [
+        {"key": "contact.kind", "kind": "jkr"}, None,
+    ]  # fmt: skip
+    assert all(field["label"] == title_of(field["key"]) for field in fields.values())
     largest = fields["limits.max_height"]
     assert largest["help"].startswith("Largest height (limits.max_height): ")
     assert largest["help"].endswith(f"Example: {largest['example']}.")
-    (target,) = [part for part in form() if part["name"] == "target"]
-    assert {kind: target["kind_names"][kind] for kind in target["kinds"]} == {
-        kind: KINDS[kind][0] for kind in section_forms()["target"].kinds
+    assert fields["part.feed"]["default"] == "20 mm/min"
+    assert parts["target"]["kind_names"] == {
+        kind: KINDS[kind][0] for kind in section_forms()["target"]["kinds"]
     }
-    broken = contents("[limits\n", {"": "whatever"})
-    assert (broken["broken"][:14], broken["problems"]) == ("not valid TOML", {})
+    broken = contents(State("[limits\n"), {"": "whatever"})
+    assert ("not valid TOML" in broken["broken"], broken["problems"]) == (True, {})
 
 
 @pytest.mark.parametrize("kinds", ["sampled linear bilinear", "power multilinear band"])
 def test_a_target_of_another_kind_is_near_the_law(kinds):
-    design = parsed(POINTS).design()
+    design, state = of_table(POINTS).design(), State("").edited(POINTS)
     for kind in kinds.split():
-        found = parsed(with_kind(State(POINTS), design, kind)).design()
+        found = of_table(with_kind_near(state, design, kind)).design()
         assert found.status is not mf.DesignStatus.MISSED
         high = min(found.law.rescaled_load[-1], design.law.rescaled_load[-1])
         load = np.linspace(0.3 * high, high, 20)
@@ -260,21 +258,23 @@ def test_a_target_of_another_kind_is_near_the_law(kinds):
 
 
 def test_units_and_crossovers_stay_with_another_kind_and_examples_serve_without_a_design():
-    text = Document(LINEAR).with_kind("target", "linear", {"friction_coefficient": 1.55})
-    design = parsed(text).design()
-    keys = {kind: tomllib.loads(with_kind(State(text), design, kind))["target"] for kind in KINDS}
+    state = State("").edited(with_only(LINEAR, "target", {"kind": "linear", "friction_coefficient": 1.55}))
+    design = of_table(state.table).design()
+    keys = {kind: with_kind_near(state, design, kind)["target"] for kind in KINDS}
     assert keys["operating-points"].keys() == {"kind", "load", "friction_force"}
     assert all(load.endswith(" N") for load in keys["sampled"]["load"] + keys["power"]["load_range"])
     assert keys["bilinear"].keys() == {"kind", "friction_coefficients", "crossover_load"}
     assert keys["linear"] == {"kind": "linear", "friction_coefficient": 1.55}
-    for state, known in ((State(LINEAR), None), (State(LINEAR.replace('"120 um"', '"120"')), design)):
-        assert with_kind(state, known, "power") == Document(state.text).with_kind("target", "power")
+    for table, known in ((LINEAR, None), (with_values(LINEAR, {"limits.max_height": "120"}), design)):
+        found = with_kind_near(State("").edited(table), known, "power")
+        assert found == with_section(table, "target", "power")
 
 
 def test_operating_points_of_a_bilinear_law_have_its_crossover():
     values = {"slopes": [6.0, 9.0], "crossover_load": "0.08 mm^2", "load_range": ["0.04 mm^2", "0.2 mm^2"]}
-    text = Document(demo_text("bilinear")).with_kind("target", "bilinear", values)
-    found = parsed(with_kind(State(text), parsed(text).design(), "operating-points")).target
+    state = State(changed(demo_text("bilinear"), with_only, "target", {"kind": "bilinear", **values}))
+    design = of_table(state.table).design()
+    found = of_table(with_kind_near(state, design, "operating-points")).target
     row = int(np.abs(found.rescaled_load - 0.08).argmin())
     assert found.rescaled_load[row] == pytest.approx(0.08)
     assert found.rescaled_friction[row] == pytest.approx(0.48, rel=0.03)
@@ -284,12 +284,12 @@ def test_operating_points_of_a_bilinear_law_have_its_crossover():
 
 @pytest.mark.parametrize("kind", ["operating-points", "linear", "bilinear", "multilinear"])
 def test_a_target_in_other_units_keeps_its_law(kind):
-    text = with_field(POINTS, "target.kind", kind)
-    before = parsed(text)
-    forces = with_choice(text, "target", 1, before)
-    back = with_choice(forces, "target", 0, parsed(forces))
-    assert "force" in forces or "coefficient" in forces
-    for found in (parsed(forces).target, parsed(back).target):
+    state = State("").edited(with_field(POINTS, "target.kind", kind))
+    before = of_table(state.table)
+    forces = state.edited(with_units(state, "target", 1, before))
+    back = with_units(forces, "target", 0, of_table(forces.table))
+    assert {"friction_force", "friction_coefficient", "friction_coefficients"} & forces.table["target"].keys()
+    for found in (of_table(forces.table).target, of_table(back).target):
         for name in ("rescaled_load", "rescaled_friction", "slope", "slopes"):
             if (wanted := getattr(before.target, name, None)) is not None:
                 np.testing.assert_allclose(getattr(found, name), wanted, rtol=1e-6)

@@ -46,8 +46,8 @@ def test_a_table_of_a_lab_is_read(name, tmp_path):
     content, columns = TABLES[name] if isinstance(TABLES[name], tuple) else (TABLES[name], {})
     (tmp_path / "a.csv").write_bytes(content)
     data = files.read_calibration([tmp_path / "a.csv"], columns=columns).compression
-    assert data.values[0].tolist() == [0.9505, 1.234]
-    assert data.values[1].tolist() == pytest.approx([0.41, 0.512], rel=1e-15)
+    assert data["load"].tolist() == [0.9505, 1.234]
+    assert data["area"].tolist() == pytest.approx([0.41, 0.512], rel=1e-15)
 
 
 # Tables that can be read in two ways or name no column, with what the message holds.

@@ -292,7 +292,7 @@ SECOND = {
 }
 THIRD = FIRST - {"radius"} | {"radii"}
 KEYS = files.all_keys()
-KINDS = sorted({key.kind for key in KEYS if key.section == "target"})
+KINDS = sorted({key["kind"] for key in KEYS if key["section"] == "target"})
 
 
 def made(kind, law, left_out):
@@ -301,12 +301,12 @@ def made(kind, law, left_out):
     for section in Sections.model_fields:
         absent = {"file"} if section == "contact" else left_out
         keys = [
-            key for key in KEYS
-            if key.section == section and key.kind in (None, chosen.get(section)) and key.name not in absent
+            key for key in KEYS if key["section"] == section
+            and key["kind"] in (None, chosen.get(section)) and key["name"] not in absent
         ]  # fmt: skip
         lines += [f"[{section}]"] if keys or section in chosen else []
         lines += [f'kind = "{chosen[section]}"'] if section in chosen else []
-        lines += [f"{key.name} = {as_toml(key.example)}" for key in keys]
+        lines += [f"{key['name']} = {as_toml(key['example'])}" for key in keys]
     return "\n".join(lines).replace('"layer"', '"layer"' if law == "hertz" else '"independent"')
 
 
@@ -320,25 +320,25 @@ def test_the_examples_of_the_manual_make_specifications_that_follow_the_schema(l
 
 def test_the_manual_lists_every_section_kind_and_key():
     whole = files.manual()
-    for form in (form for form in files.section_forms().values() if "." not in form.name):
-        assert f"\n[{form.name}] " in whole
-        assert all(f'\nkind = "{kind}"' in whole for kind in form.kinds)
-    assert all(f"\n{key.name} = {as_toml(key.example)}" in whole for key in KEYS)
+    for name, form in files.section_forms().items():
+        assert f"\n[{name}] " in whole or "." in name
+        assert all(f'\nkind = "{kind}"' in whole for kind in form["kinds"])
+    assert all(f"\n{key['name']} = {as_toml(key['example'])}" in whole for key in KEYS)
 
 
 def test_forms_describe_the_values_of_keys():
     kinds = {"quantity": str, "text": str, "number": float, "integer": int, "truth": bool, "section": dict}
     for key in KEYS:
-        entries = key.example if key.listed else [key.example]
+        entries = key["example"] if key["listed"] else [key["example"]]
         entries = [part for entry in entries for part in (entry if isinstance(entry, list) else [entry])]
-        assert key.example is None or {type(entry) for entry in entries} == {kinds[key.value]}, key
-        assert not key.units or all(entry.split(" ")[1] in key.units for entry in entries)
-        assert not key.names or set(entries) <= set(key.names)
-    assert [key.name for key in KEYS if key.pairs] == ["crossover_loads"]
+        assert key["example"] is None or {type(entry) for entry in entries} == {kinds[key["value"]]}, key
+        assert not key["units"] or all(entry.split(" ")[1] in key["units"] for entry in entries)
+        assert not key["names"] or set(entries) <= set(key["names"])
+    assert [key["name"] for key in KEYS if key["pairs"]] == ["crossover_loads"]
     forms = files.section_forms()
-    needed = [key.name for key in forms["target"].keys["sampled"] if key.needed]
+    needed = [key["name"] for key in forms["target"]["keys"]["sampled"] if key["needed"]]
     assert needed == ["rescaled_load", "rescaled_friction"]
-    assert list(forms["contact.cap"].kinds) == ["hertz", "elastic"]
+    assert list(forms["contact.cap"]["kinds"]) == ["hertz", "elastic"]
 
 
 def test_a_field_of_a_section_is_all_that_a_new_key_needs():
@@ -350,10 +350,11 @@ def test_a_field_of_a_section_is_all_that_a_new_key_needs():
     )
     found = whole_schema(sections)["$defs"]["Wider"]["properties"]["gap"]["anyOf"][0]
     assert (found["type"], found["exclusiveMinimum"], found["maximum"]) == ("string", 0.001, 0.5)
-    form = section_forms(sections)["checks"].keys[""][-1]
-    assert (form.name, form.unit, form.value, form.optional) == ("gap", "mm", "quantity", True)
-    assert form.meaning == "between the plates; greater than 0.001 mm, at most 0.5 mm"
-    field = page_form._field("checks", form)
+    form = section_forms(sections)["checks"]["keys"][""][-1]
+    assert [form[name] for name in ("name", "unit", "value", "optional")] == ["gap", "mm", "quantity", True]
+    assert form["meaning"] == "between the plates; greater than 0.001 mm, at most 0.5 mm"
+    (part,) = [each for each in page_form.form(section_forms(sections)) if each["name"] == "checks"]
+    field = part["keys"][""][-1]
     assert (field["label"], field["example"], "um" in field["units"]) == ("gap", "20 um", True)
     assert "greater than 0.001 mm, at most 0.5 mm" in field["help"]
     for given, words in (("1 um", "greater than 0.001 mm"), ("501 um", "at most 0.5 mm")):

@@ -123,8 +123,6 @@ def test_the_law_of_a_draft_has_fewer_loads_and_the_same_end():
 
 
 def test_a_design_states_its_target(template):
-    two = mf.design(mf.BilinearLaw((7.15, 12.52), 0.038), template, limits=LIMITS)
-    assert "0.038 mm^2 (0.05168 N)" in str(two)
     found = mf.design(mf.PowerLaw(1.2, (0.1, 0.4)), template, limits=TALL)
     load = found.target_law.load
     law = mf.friction_law(found.surface, load=1.36 * load)

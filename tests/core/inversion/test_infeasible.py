@@ -4,6 +4,9 @@ import pytest
 
 import metafem as mf
 from metafem.inversion import achievable_load_range
+from metafem.inversion.guesses import frictions
+from metafem.inversion.problem import Problem
+from metafem.inversion.wording import Wording
 
 LATTICE = mf.Surface.square_lattice(0.3, radius=0.526, material=mf.Material(1.36), friction=mf.Friction(0.4))
 HIGH, TALL, LOW = mf.Limits(0.3), mf.Limits(0.27), mf.Limits(0.12, offset=0.05)
@@ -19,7 +22,8 @@ def after(second, third):
 
 
 def coefficients(*mu):
-    return mf.BilinearLaw.from_friction_coefficients(mu, 0.05168, *PAIR)
+    wording = Wording.of(*PAIR)
+    return mf.BilinearLaw(wording.given_slopes(mu, 2), 0.038, wording=wording)
 
 
 def under(contact, template=LATTICE):
@@ -33,10 +37,15 @@ BOUNDS = [
     (after(1.68, 4.12), mf.Limits(0.15), {}, ("max_height", "0.0172")),
     (after(1.68, 4.12), mf.Limits(0.27, min_height=0.15), {}, ("min_height", "0.15")),
     (mf.OperatingPoints([0.0001], [1e-4]), TALL, {}, ("single asperity",)),
-    (mf.OperatingPoints([0.05, 0.1, 0.2], [0.8, 1.0, 2.5]), HIGH, {"tools": TOOLS}, ("no heights", "point")),
+    (
+        mf.OperatingPoints([0.05, 0.1, 0.2], [0.8, 1.0, 2.5]),
+        HIGH,
+        {"tools": TOOLS},
+        ("no heights", "0.1 mm^2"),
+    ),
     (mf.LinearLaw(3.0), LOW, {}, ("slope 3", "4.93303")),
     (mf.LinearLaw.from_friction_coefficient(0.9, *PAIR), LOW, {}, ("friction coefficient 0.9", "1.45")),
-    (mf.LinearLaw(1.0), HIGH, {"tools": [0.2, 0.8]}, ("0.2", "0.8")),
+    (mf.LinearLaw(1.0), HIGH, {"tools": [0.2, 0.8]}, ("slope 1", "0.2 mm")),
     (mf.BilinearLaw((7.15, 12.0), 5.0), LOW, {}, ("crossover_load = 5", "0.4354")),
     (mf.BilinearLaw((7.15, 12.0), 0.4), LOW, {}, ("second slope", "7.78")),
     (coefficients(1.6, 90.0), LOW, {}, ("friction_coefficients[1] = 90", "0.05168 N")),
@@ -57,8 +66,8 @@ ALONE = [
     (mf.LinearLaw(7.0, (0.1, 90.0)), TALL, {}, ("90 mm^2 (122.4 N)", "reached from")),
     (mf.LinearLaw(1e3), LOW, under(mf.Elastic(mf.Power(4))), ("load_range",)),
     (mf.LinearLaw(1e200), LOW, {}, ("slope 1e+200", "double precision")),
-    (mf.BilinearLaw((120.7, 160.9), 4.97e-5), LOW, {}, ("crossover", "double precision")),
-    (mf.BilinearLaw((7.15, 9.0), 0.001), LOW, {"template": ONE}, ("1 of 1", "asperities")),
+    (mf.BilinearLaw((120.7, 160.9), 4.97e-5), LOW, {}, ("crossover", "4.97e-05")),
+    (mf.BilinearLaw((7.15, 9.0), 0.001), LOW, {"template": ONE}, ("one of 1 asp", "asperities")),
     (mf.PowerLaw(0.9, (0.1, 0.9)), mf.Limits(0.3, pinned=FEW), {}, ("0.9 mm", "2 summits")),
 ]
 
@@ -89,3 +98,21 @@ def test_the_range_of_a_line_with_tools_of_two_shapes_is_found():
 def test_one_asperity_has_no_line():
     with pytest.raises(mf.Infeasible, match="with 1 "):
         achievable_load_range(mf.LinearLaw(7.0), ONE, TALL)
+
+
+def test_a_power_beyond_every_exponent_of_a_range_is_refused_with_what_was_found():
+    """Nothing is proven of caps of several exponents."""
+    few = LATTICE.only(slice(4))
+    options = {"template": few, "limits": HIGH, "tools": mf.PowerRange(1.2, 6.0)}
+    with pytest.raises(mf.Infeasible, match="found") as caught:
+        mf.design(mf.PowerLaw(0.1, (0.01, 0.03)), **options)
+    assert mf.design(caught.value.nearest, **options).misfit <= 0.01
+
+
+def test_a_free_level_has_guesses_also_where_nothing_is_proven():
+    """The law is steeper than any between the bounds, and of adhesive contacts none are known."""
+    problem = Problem.checked(
+        mf.PowerLaw(1.5, (0.001, 0.4)), LATTICE, mf.Independent(mf.JKR(9e-6)), HIGH, [0.2, 0.8]
+    )
+    (found,) = frictions(problem.law, problem.bounds)
+    assert (found > 0.0).all()

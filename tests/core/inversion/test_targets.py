@@ -26,31 +26,12 @@ def test_a_target_states_its_law_up_to_its_last_load():
     assert (mf.LinearLaw(7.0).last_load, mf.LinearLaw(7.0).branches) == (None, ())
 
 
-def test_branches_share_an_intercept_where_they_meet():
-    joined, apart = (mf.MultilinearLaw([7.0, 9.0], [c], (0.1, 0.2)).curve() for c in (0.15, (0.14, 0.16)))
-    assert (joined.free.shape[1], apart.free.shape[1]) == (1, 2)
-
-
 def test_a_friction_coefficient_is_a_slope():
     law = mf.LinearLaw.from_friction_coefficient(1.4, *PAIR, load_range_N=(0.068, 0.272))
-    assert law.friction_coefficient == 1.4
     assert law.slope == pytest.approx(1.4 / PER_SLOPE, rel=1e-15)
     assert law.title == "Friction proportional to load: friction coefficient 1.4 from 0.068 to 0.272 N"
     assert law == mf.LinearLaw(law.slope, (0.05, 0.2))
     assert hash(law) == hash(mf.LinearLaw(law.slope, (0.05, 0.2)))
-
-
-def test_loads_of_coefficients_are_newtons():
-    law = mf.BilinearLaw.from_friction_coefficients((1.2, 1.7), 0.3, *PAIR, load_range_N=(0.1, 0.6))
-    assert law.crossover_load == pytest.approx(0.3 / 1.36, rel=1e-15)
-    assert law.load_range == pytest.approx((0.1 / 1.36, 0.6 / 1.36), rel=1e-15)
-    many = mf.MultilinearLaw.from_friction_coefficients((1.2, 1.7), [(0.2, 0.3)], (0.1, 0.6), *PAIR)
-    for target in (law, many):
-        assert target.friction_coefficients == pytest.approx((1.2, 1.7), rel=1e-15)
-        assert "1.2 and 1.7" in target.title
-    assert many.crossover_loads[0] == pytest.approx((0.2 / 1.36, 0.3 / 1.36), rel=1e-15)
-    with pytest.raises(mf.InvalidInput, match=r"crossover_load = 0.8 N \(0.588235 mm\^2\)"):
-        mf.BilinearLaw.from_friction_coefficients((1.2, 1.7), 0.8, *PAIR, load_range_N=(0.1, 0.6))
 
 
 def test_targets_from_forces():
