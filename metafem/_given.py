@@ -26,7 +26,10 @@ UNITS: Mapping[str, str] = {
         ),
         "N": ("load", "load_min", "friction_force"),
         "N/mm": ("adhesion_energy",),
-        "MPa": ("composite_modulus", "young_modulus", "shear_strength", "hardness", "yield_strength"),
+        "MPa": (
+            *("composite_modulus", "young_modulus", "shear_strength", "hardness", "yield_strength"),
+            *("nominal_pressure", "nominal_shear_stress"),
+        ),
         "rad": ("angle", "angle_x", "angle_y", "tilt", "rotation", "rotation_range"),
     }.items()
     for name in names

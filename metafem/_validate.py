@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import math
 import sys
-import warnings
 from collections.abc import Mapping
-from contextlib import suppress
+from itertools import zip_longest
 from types import UnionType
 from typing import Any
 
@@ -30,10 +29,6 @@ SHORTEST, LONGEST = 1e-12, 1e8
 # Bounds of Poisson's ratio; a material with 0.5 is incompressible.
 POISSON: Mapping[str, Any] = {"at_least": 0.0, "at_most": 0.5}
 
-# numpy's letters for the kinds of arrays that are refused: booleans, complex numbers, dates, durations,
-# bytes, texts and structures.
-FOREIGN = "bcMmSUV"
-
 
 def number(
     name: str,
@@ -45,9 +40,8 @@ def number(
 ) -> float:
     """Return `value` as a finite float within the bounds, in the unit of the argument `name`."""
     if not isinstance(value, float):
-        found = _floats(name, value, "a number in double precision")
-        refuse_if(found.ndim, f"is not a number in double precision: {shown(value)}", key=name)
-        value = found
+        refuse_if(not scalar(value), "must be a single number", key=name, value=shown(value))
+        value = plain(name, value)
     result = float(value)
     refuse_if(not math.isfinite(result), "must be finite", key=name, value=str(result))
     for wrong, must, bound in (
@@ -63,24 +57,10 @@ def number(
     return result
 
 
-def _floats(name: str, value: Any, what: str) -> FloatArray:
-    """Return `value` as a new array of floats; errors say that it is not `what`."""
-    try:
-        return np.array(plain(name, value), dtype=np.float64, order="C")
-    except InvalidInput:
-        raise
-    except (TypeError, ValueError, OverflowError, Warning):
-        raise InvalidInput(f"is not {what}: {shown(value, 80)}", key=name) from None
-
-
 def bounds(name: str, positive: bool) -> tuple[float, float]:
     """Return the bounds of the magnitude of an argument that is not 0."""
-    match unit_of(name):
-        case "1":
-            return 0.0, math.inf
-        case "mm":
-            return SHORTEST if positive else 0.0, LONGEST
-    return SMALLEST, LARGEST
+    length = SHORTEST if positive else 0.0, LONGEST
+    return {"1": (0.0, math.inf), "mm": length}.get(unit_of(name), (SMALLEST, LARGEST))
 
 
 def member(owner: Any, name: str, *, optional: bool = False, **bounds: float) -> None:
@@ -105,12 +85,11 @@ def integer(name: str, value: Any, *, at_least: int) -> int:
 
 def array(name: str, value: Any, *, shape: tuple[int | None, ...], positive: bool = False) -> FloatArray:
     """Return `value` as a new, read-only, finite float array; None in `shape` means any length > 0."""
-    result = _floats(name, value, "an array of numbers")
-    alike = len(result.shape) == len(shape)
-    if not alike or any(n not in (None, m) for n, m in zip(shape, result.shape, strict=True)):
-        required = ", ".join("n" if length is None else str(length) for length in shape)
-        words = f"has shape {result.shape}; it must have shape ({required}{',' * (len(shape) == 1)})"
-        raise InvalidInput(words, key=name)
+    result = np.array(plain(name, value), dtype=np.float64, order="C")
+    pairs = zip_longest(shape, result.shape, fillvalue=-1)
+    wanted = tuple(m if n is None else n for n, m in pairs)
+    words = str(shape).replace("None", "n")
+    refuse_if(result.shape != wanted, f"has shape {result.shape}; it must have shape {words}", key=name)
     refuse_if(not result.size, "is empty", key=name)
     refuse_entries(name, result, ~np.isfinite(result), "must be finite")
     if positive:
@@ -126,7 +105,7 @@ def array(name: str, value: Any, *, shape: tuple[int | None, ...], positive: boo
 
 def lists(name: str, value: Any, length: int | None) -> FloatArray:
     """Return one list of numbers, or several, as a new, read-only, finite array (m, length)."""
-    while depth(value) < 2:
+    while np.ndim(value) < 2:
         value = [value]
     return array(name, value, shape=(None, length))
 
@@ -152,14 +131,7 @@ def instance(name: str, value: Any, kind: type | UnionType, required: str, *, op
 
 def scalar(value: Any) -> bool:
     """Return whether a value is a single number or quantity, not a list of them."""
-    return not isinstance(value, range) and depth(value) == 0
-
-
-def depth(value: Any) -> int:
-    """Return the nesting depth of a list, or the number of axes of an array; 0 for a single value."""
-    if isinstance(value, (list, tuple)):
-        return 1 + (depth(value[0]) if value else 0)
-    return int(getattr(value, "ndim", 0))
+    return np.ndim(value) == 0
 
 
 def increasing(name: str, value: FloatArray, *, zero: bool = False) -> FloatArray:
@@ -188,34 +160,20 @@ def generator(rng: Any) -> np.random.Generator:
 
 
 def plain(name: str, value: Any) -> Any:
-    """Return a value as plain numbers, in an array unless it is a single number of Python.
-
-    Values with another unit than that of the argument `name`, and masked entries, are refused. Other values
-    that are not numbers raise a TypeError or ValueError that states their type.
-    """
-    if isinstance(value, (int, float)) and not isinstance(value, bool):
-        return value
+    """Return a value for numpy; one with another unit than that of `name`, or masked entries, is refused."""
     unit, expected = getattr(value, "units", None) or getattr(value, "unit", None), unit_of(name)
     if unit is not None and str(unit) != expected:
         allowed = "numbers without unit" if expected == "1" else f"plain numbers in {expected}"
         raise InvalidInput(f"is given in {shown(str(unit))}; it must be {allowed}", key=name)
     refuse_if(np.ma.is_masked(value), "has masked entries; leave them out", key=name)
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")  # libraries of quantities warn when units are lost
-        array = np.asarray(value)
-        if array.dtype.kind in FOREIGN or value is None:
-            raise TypeError(f"{name} is {shown(value)}")
-        return array.astype(np.float64) if array.dtype.kind == "O" else array
+    return value
 
 
 def array_with_gaps(name: str, value: Any, *, shape: tuple[int | None, ...]) -> FloatArray:
     """Return `value` as `array` does, but allow nan for entries that were not measured."""
-    missing: Any = False
-    with suppress(TypeError, ValueError):  # `array` reports the problem
-        entries = np.array(plain(name, value), dtype=np.float64)
-        missing = np.isnan(entries)
-        value = np.where(missing, 0.0, entries)
-    return np.where(missing, np.nan, array(name, value, shape=shape))
+    entries = np.array(plain(name, value), dtype=np.float64)
+    missing = np.isnan(entries)
+    return np.where(missing, np.nan, array(name, np.where(missing, 0.0, entries), shape=shape))
 
 
 def refuse_entries(name: str, values: FloatArray, wrong: Any, must: str) -> None:

@@ -56,30 +56,36 @@ def listening(on_step: OnStep, on_message: Callable[[str], None] | None = None) 
         _LISTENER.reset(token)
 
 
-def _report(depth: int, *step: Step) -> None:
-    """Replace the steps at `depth` and deeper, then report the running steps, if something listens."""
-    if (listener := _LISTENER.get()) is not None:
+def _report() -> None:
+    """Report the running steps, if something listens."""
+    if (listener := _LISTENER.get()) is not None and listener[2]:
         on_step, _, steps = listener
-        steps[depth:] = step
-        if steps:
-            done = next((step[1] for step in steps if len(step) > 1), None)
-            on_step(", ".join(step[0] for step in steps), done)
+        done = next((step[1] for step in steps if len(step) > 1), None)
+        on_step(", ".join(step[0] for step in steps), done)
 
 
-def _depth() -> int:
-    listener = _LISTENER.get()
-    return 0 if listener is None else len(listener[2])
+@contextmanager
+def _step(step: Step) -> Iterator[None]:
+    """Report a step that lasts as long as the ``with`` block.
+
+    Its end is not reported: if a loop ends early, Python prints and ignores what a listener raises.
+    """
+    steps = [] if (listener := _LISTENER.get()) is None else listener[2]
+    depth = len(steps)
+    steps.append(step)
+    try:
+        _report()
+        yield
+    finally:
+        del steps[depth:]
 
 
 @contextmanager
 def doing(name: str) -> Iterator[None]:
     """Report a step that lasts as long as the ``with`` block."""
-    depth = _depth()
-    _report(depth, (name,))
-    try:
+    with _step((name,)):
         yield
-    finally:
-        _report(depth)
+    _report()
 
 
 def each(name: str, items: Sequence[Item], *, at_most: bool = False) -> Iterator[Item]:
@@ -87,18 +93,11 @@ def each(name: str, items: Sequence[Item], *, at_most: bool = False) -> Iterator
 
     With `at_most`, the loop may end early.
     """
-    depth = _depth()
-    try:
-        for number, item in enumerate(items):
-            words = f"{name} {number + 1} of {'at most ' if at_most else ''}{len(items)}"
-            _report(depth, (words, None if at_most else number / len(items)))
+    for number, item in enumerate(items):
+        words = f"{name} {number + 1} of {'at most ' if at_most else ''}{len(items)}"
+        with _step((words, None if at_most else number / len(items))):
             yield item
-    finally:
-        # do not report here: if the loop ends early, Python prints and ignores exceptions raised by a
-        # listener
-        if (listener := _LISTENER.get()) is not None:
-            del listener[2][depth:]
-    _report(depth)
+    _report()
 
 
 def message(text: str) -> None:

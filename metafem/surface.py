@@ -156,7 +156,7 @@ class Surface(Value):
         position = np.column_stack([np.tile(x, rows), np.repeat(y, columns)])
         if check.scalar(height):
             height = np.full(rows * columns, check.number("height", height))
-        elif check.depth(height) > 1:
+        elif np.ndim(height) > 1:
             height = check.array("height", height, shape=(rows, columns)).ravel()
         return cls(position, height, radii, material, friction, block, cap, cell)
 

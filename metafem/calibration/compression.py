@@ -241,7 +241,7 @@ def fit_compression(
 def _points(load: ArrayLike, area: ArrayLike, contacts: int) -> tuple[FloatArray, FloatArray]:
     """Return the checked loads (k,), and areas of single contacts (k, contacts), or of equal ones (k, 1)."""
     loads = check.array("load", load, shape=(None,))
-    count, one_by_one = len(loads), check.depth(area) == 2
+    count, one_by_one = len(loads), np.ndim(area) == 2
     few = f"load has {count} points; E* and the adhesion energy need at least {FEWEST}, at different areas"
     refuse_if(count < FEWEST, few)
     given = check.array("area", area, shape=(count, contacts) if one_by_one else (count,))

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 import click
 
 import metafem as mf
-from metafem.cli.group import NOT_ACHIEVED, Ended
-from metafem.cli.options import Name, command, force_option, json_option, model_options
-from metafem.cli.output import Printed, notes_data, show
+from metafem.cli.group import NOT_ACHIEVED
+from metafem.cli.options import Name, command, file_option, force_option, json_option, model_options
+from metafem.cli.output import notes_data, show
 from metafem.cli.progress import loaded, progress
 from metafem.errors import Infeasible, refuse_if
 from metafem.files.specification import DEMOS
@@ -40,8 +40,8 @@ def demo(name: str, **options: Any) -> None:
     """
     path, folder, text = Path(f"{name}.toml"), Path(name), mf.files.demo_text(name)
     mf.files.refuse_existing(folder, options["force"], folder=True)
-    remedy = f"run it by `metafem design {path} -o FOLDER`, or rename it"
     other = path.exists() and path.read_bytes() != text.encode("utf-8")
+    remedy = f"run it by `metafem design {path} -o FOLDER`, or rename it"
     refuse_if(other, f"{path} exists and differs from the demo's; {remedy}")
     for file, content in ((path, text), (Path(SCHEMA_FILE), mf.files.schema_text())):
         if not file.exists():
@@ -51,7 +51,7 @@ def demo(name: str, **options: Any) -> None:
 
 @command(
     click.argument("spec", type=Name(), metavar="SPEC.toml"),
-    click.option("-o", "--output", type=Name(), required=True, help="Result folder to create."),
+    file_option("-o --output", "DIR", "Result folder to create.", required=True),
     *model_options("that of the specification"),
     force_option,
     json_option,
@@ -74,21 +74,34 @@ def design(
     mf.files.refuse_existing(output, force, folder=True)
     with progress(), doing("designing"):
         specification = mf.read_spec(spec)
-        block = specification.template.block
+        hardness, block = specification.hardness, specification.template.block
         chosen = mf.files.chosen_model(specification.model, model, contact, block)
         try:
             result = specification.design(chosen)
         except Infeasible as error:
-            raise _refusal(error, output, force) from None
-        pages = {"report.html": mf.report.page(result, specification.hardness)}
+            raise Infeasible(f"{error}{_nearest(error.nearest, output, force)}") from None
+        pages = {"report.html": mf.report.page(result, hardness)}
         mf.save(result, output, specification=specification, pages=pages, force=force)
     part = mf.files.planned(result.surface, result.template, specification.part)
-    notes = mf.report.all_notes(result, specification.hardness) + mf.files.part_notes(part)
+    notes = mf.report.all_notes(result, hardness) + mf.files.part_notes(part)
+    data = {
+        "folder": str(output),
+        **_data(result),
+        "chord_error_mm": part and part.chord_error,
+        "notes": notes_data(notes),
+    }
+    rows = [
+        *mf.report.parameter_rows(result),
+        (*mf.report.misfit_words(result), ""),
+        ("asperities", f"{result.surface.count} of {result.template.count} sites", ""),
+        ("model", result.law.model.name, ""),
+    ]
+    fits = [(*mf.report.fit_table(result), None)] if result.fits else []
     show(
         as_json,
-        {"folder": str(output), **_data(result), "part": part and part.record(), "notes": notes_data(notes)},
+        data,
         head=[result.target.title, result.verdict],
-        tables=_tables(result),
+        tables=[(("", "", ""), rows, None), *fits],
         notes=notes,
         lines=[f"wrote {output}/: open {output / 'report.html'}"],
     )
@@ -96,34 +109,21 @@ def design(
         sys.exit(NOT_ACHIEVED)
 
 
-def _refusal(error: Infeasible, folder: Path, force: bool) -> Ended:
-    """Return the error for a refused target, after its nearest law is written next to the result folder."""
-    words, nearest = str(error), error.nearest
+def _nearest(nearest: Any, folder: Path, force: bool) -> str:
+    """Return where the nearest law to a refused target is, after it is written next to the result folder."""
     if nearest is None or nearest.law is None:
-        return Ended("Infeasible", words, **({"nearest": {"target": nearest.title}} if nearest else {}))
+        return ""
     path = Path(f"{folder.absolute()}-nearest.csv")
     if path.exists() and not force:
-        words += f"; the nearest law is not written, because {path.name} exists (--force replaces it)"
-        return Ended("Infeasible", words, nearest={"target": nearest.title})
+        return f"; the nearest law is not written, because {path.name} exists (--force replaces it)"
     rows = "".join(f"{x!r},{y!r}\n" for x, y in zip(*(each.tolist() for each in nearest.law), strict=True))
     head = "# The nearest law that was found, by metafem.\nrescaled_load_mm2,rescaled_friction_mm2\n"
     mf.files.write_text(path, head + rows, force=force)
-    words += f'; the nearest law is in {path.name}, for a sampled target with file = "{path.name}"'
-    return Ended("Infeasible", words, nearest={"target": nearest.title, "file": str(path)})
+    return f'; the nearest law is in {path.name}, for a sampled target with file = "{path.name}"'
 
 
 def _data(result: Design) -> dict[str, Any]:
     """Return the numbers of a design, for JSON."""
-    slopes = [
-        {
-            "target": branch.slope,
-            "fitted": fit.slope,
-            "intercept_mm2": fit.intercept,
-            "friction_coefficient": fit.friction_coefficient,
-            "intercept_N": fit.intercept_force,
-        }
-        for branch, fit in result.fits
-    ]
     return {
         "target": result.target.title,
         "status": result.status.name.lower(),
@@ -133,23 +133,17 @@ def _data(result: Design) -> dict[str, Any]:
         "model": mf.report.model_data(result.law.model),
         "model_error": mf.report.error_data(result.law.model_error),
         "parameters": mf.files.plain_data(result.parameters),
-        "slopes": slopes,
+        "slopes": [
+            {
+                "target": branch.slope,
+                "fitted": fit.slope,
+                "intercept_mm2": fit.intercept,
+                "friction_coefficient": fit.friction_coefficient,
+                "intercept_N": fit.intercept_force,
+            }
+            for branch, fit in result.fits
+        ],
     }
-
-
-def _tables(result: Design) -> list[Printed]:
-    """Return the table of the parameters of a design, and that of its slopes."""
-    from metafem.inversion.result import empty_sites_words
-
-    sites = f"{result.surface.count} of {result.template.count} sites{empty_sites_words(result)}"
-    rows = [
-        *mf.report.parameter_rows(result),
-        (*mf.report.misfit_words(result), ""),
-        ("asperities", sites, ""),
-        ("model", result.law.model.name, ""),
-    ]
-    tables: list[Printed] = [(("", "", ""), rows, None)]
-    return tables + ([(*mf.report.fit_table(result), None)] if result.fits else [])
 
 
 @command(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import sys
 from importlib import import_module
 from typing import Any
@@ -26,29 +25,15 @@ TEXTS = "metafem.texts"
 NOT_ACHIEVED, BAD_INPUT, STOPPED = 1, 2, 130
 
 
-class Ended(click.ClickException):
-    """An error of the package as click prints it; `kind` is the name of its type, `data` is for JSON."""
-
-    def __init__(self, kind: str, message: str, **data: Any) -> None:
-        super().__init__(message)
-        self.kind, self.data = kind, data
-
-
 class Command(click.Command):
-    """A command whose errors are `Ended`, and name its options instead of arguments."""
+    """A command whose errors name its options instead of arguments."""
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run the command."""
         try:
             return super().invoke(ctx)
         except InvalidInput as error:
-            raise Ended("InvalidInput", str(in_options(error, ctx))) from None
-        except MetafemError as error:
-            raise Ended(type(error).__name__, str(error)) from None
-        except OSError as error:
-            if error.filename is None:  # an error of the output stream, not of a file
-                raise
-            raise Ended("InvalidInput", f"{error.filename!s:.300}: {error.strerror}") from None
+            raise in_options(error, ctx) from None
 
 
 def in_options(error: InvalidInput, ctx: click.Context) -> InvalidInput:
@@ -82,25 +67,31 @@ class Commands(click.Group):
 
     def main(self, args: Any = None, *rest: Any, **extra: Any) -> Any:
         """Parse the arguments, run the command and exit; with --json, an error is printed as JSON too."""
-        given = sys.argv[1:] if args is None else args
-        extra["standalone_mode"] = False  # the exit code is set here
+        as_json = "--json" in (sys.argv[1:] if args is None else args)
         try:
-            code = super().main(args, *rest, **extra)
+            code = super().main(args, *rest, **{**extra, "standalone_mode": False})
         except click.ClickException as error:
-            code = BAD_INPUT if getattr(error, "kind", "") == "InvalidInput" else error.exit_code
-            if "--json" in given:
-                about = {"type": getattr(error, "kind", "Usage"), "message": error.format_message()}
-                click.echo(json.dumps({"error": about | getattr(error, "data", {})}))
-            else:
-                error.show()
+            code = _told(error, "Usage", error.exit_code, as_json)
+        except MetafemError as error:
+            code = BAD_INPUT if isinstance(error, InvalidInput) else NOT_ACHIEVED
+            _told(click.ClickException(str(error)), type(error).__name__, code, as_json)
         except OSError as error:
-            os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # or Python reports the error again when it exits
-            click.echo(f"Error: the output cannot be written: {error.strerror}", err=True)
-            code = NOT_ACHIEVED
+            text = f"{error.filename or 'the output'!s:.300}: {error.strerror}"
+            code = BAD_INPUT if error.filename else NOT_ACHIEVED
+            _told(click.ClickException(text), "InvalidInput", code, as_json)
         except click.Abort:
             click.echo("stopped; no unfinished file is left", err=True)
             code = STOPPED
         sys.exit(code if isinstance(code, int) else 0)
+
+
+def _told(error: click.ClickException, kind: str, code: int, as_json: bool) -> int:
+    """Print an error and return the exit code."""
+    if as_json:
+        click.echo(json.dumps({"error": {"type": kind, "message": error.format_message()}}))
+    else:
+        error.show()
+    return code
 
 
 @click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})

@@ -10,7 +10,7 @@ from typing import Any
 import click
 
 import metafem as mf
-from metafem.cli.group import TEXTS, Command, Ended
+from metafem.cli.group import TEXTS, Command
 from metafem.errors import InvalidInput, refuse_if
 from metafem.files.specification import MODELS
 
@@ -30,32 +30,31 @@ PLACEHOLDERS = {"mm": "LENGTH", "N": "FORCE", "rad": "ANGLE", "MPa": "STRESS", "
 class Quantity(click.ParamType):  # type: ignore[type-arg]
     """Type of an option that is a quantity with a unit, or a list of quantities if `listed` is true.
 
-    The value is a number in the package's unit. The texts are stored in the context, for errors.
+    The value is a number in the package's unit; the unit "load" is that of a rescaled load or a force. The
+    texts are stored in the context, for errors.
     """
 
     name = "quantity"
 
-    def __init__(self, unit: str, example: str = "", *, listed: bool = False) -> None:
+    def __init__(self, unit: str, example: str | None = None, *, listed: bool = False) -> None:
         self.unit, self.example, self.listed = unit, example, listed
 
     def convert(self, value: Any, param: Any, ctx: Any) -> Any:
-        """Return the number that a text states, or the numbers in a list separated by commas."""
+        """Return the number that a text states, or the numbers in a list with commas; 0 has any unit."""
         if not isinstance(value, str):
             return value
         label = max(param.opts, key=len)
-        parts = [part.strip() for part in value.split(",")] if self.listed else [value]
+        parts = [part.strip() for part in value.split(",")] if self.listed else [value.strip()]
         ctx.meta.setdefault(TEXTS, {}).setdefault(param.name, (label, []))[1].extend(parts)
         try:
-            found = [self._number(part) for part in parts]
+            if self.unit == "load":
+                return mf.files.given_load(value)
+            found = [
+                0.0 if part == "0" else mf.files.converted(part, self.unit, self.example) for part in parts
+            ]
         except InvalidInput as error:
-            raise Ended("InvalidInput", str(error.at(label))) from None
+            raise error.at(label) from None
         return found if self.listed else found[0]
-
-    def _number(self, text: str) -> Any:
-        """Return the number of one text; a load may be a rescaled load or a force, and 0 has any unit."""
-        if self.unit == "load":
-            return mf.files.given_load(text)
-        return 0.0 if text.strip() == "0" else mf.files.converted(text, self.unit, self.example or None)
 
 
 def command(*options: Decorator, **settings: Any) -> Decorator:
@@ -81,6 +80,11 @@ def quantities(declared: Mapping[str, tuple[str, str, str]]) -> list[Decorator]:
     return [quantity(name, *each) for name, each in declared.items()]
 
 
+def file_option(names: str, metavar: str, text: str, **settings: Any) -> Decorator:
+    """Return the option of a file or folder, whose names are separated by blanks."""
+    return click.option(*names.split(), type=Name(), metavar=metavar, help=text, **settings)
+
+
 def option_name(name: str) -> str:
     """Return the name of the option for an argument, such as "--height-sd" for "height_sd"."""
     return f"--{name.replace('_', '-')}"
@@ -88,12 +92,12 @@ def option_name(name: str) -> str:
 
 def model_options(default: str) -> list[Decorator]:
     """Return the options --model and --contact; `default` describes their default."""
-    model = "Model of the law; automatic is the fastest that is accurate enough."
-    contact = f'Law of one contact, a kind and its values: {CONTACTS}; such as "jkr 9 mJ/m^2 elastic".'
-    usual = default.replace("independent", "hertz")
+    model = f"Model of the law; automatic is the fastest that is accurate enough. Default: {default}."
+    law = f'Law of one contact, a kind and its values: {CONTACTS}; such as "jkr 9 mJ/m^2 elastic". Default: '
+    law += f"{default.replace('independent', 'hertz')}."
     return [
-        click.option("--model", type=click.Choice(tuple(MODELS)), help=f"{model} Default: {default}."),
-        click.option("--contact", metavar="LAW", help=f"{contact} Default: {usual}."),
+        click.option("--model", type=click.Choice(tuple(MODELS)), help=model),
+        click.option("--contact", metavar="LAW", help=law),
     ]
 
 
@@ -118,9 +122,7 @@ def columns_of(given: tuple[str, ...]) -> dict[str, str]:
     return columns
 
 
-def refuse_files(force: bool, *files: Path | None, figure: Path | None = None) -> None:
+def refuse_files(force: bool, *files: Path | None) -> None:
     """Raise InvalidInput before a long run if one of the files that it writes would be refused."""
     for path in filter(None, files):
         mf.files.refuse_existing(path, force)
-    if figure is not None:
-        mf.files.refuse_figure(figure, force)

@@ -63,17 +63,12 @@ def print_table(
     from rich.table import Table
 
     headed = any(columns)
-    table = Table(
-        title=title and escape(title),
-        title_justify="left",
-        box=SIMPLE_HEAD if headed else None,
-        show_header=headed,
-        padding=(0, 1, 0, 0),
-        pad_edge=False,
-    )
-    for i, heading in enumerate(columns):
-        longest = max((len(text) for text in (*heading.split(), *(row[i] for row in rows))), default=1)
-        table.add_column(escape(heading), justify="right" if i and headed else "left", min_width=longest)
+    style: Any = {"title_justify": "left", "padding": (0, 1, 0, 0), "pad_edge": False, "show_header": headed}
+    table = Table(title=title and escape(title), box=SIMPLE_HEAD if headed else None, **style)
+    for heading, *column in zip(columns, *rows, strict=True):
+        longest = max(map(len, [*heading.split(), *column]), default=1)
+        right = headed and table.columns
+        table.add_column(escape(heading), justify="right" if right else "left", min_width=longest)
     for row in rows:
         table.add_row(*map(escape, row))
     console.print(table, crop=False)
@@ -82,16 +77,24 @@ def print_table(
 def in_columns(columns: Mapping[str, Sequence[Any]], shown: Iterable[int] | None = None) -> Printed:
     """Return the table of columns whose names end with units, such as ``load_N``, or some of its rows.
 
+    Columns without an entry are left out.
+
     Examples
     --------
     >>> in_columns({"load_N": [0.1, 0.2], "contacts": [3, 4], "change": [None, "+1 %"]}, [1])
     (['load [N]', 'contacts', 'change'], [['0.2', '4', '+1 %']], None)
     """
-    rows = range(len(next(iter(columns.values())))) if shown is None else shown
-    return [*map(title, columns)], [[_text(values[i]) for values in columns.values()] for i in rows], None
+    used = {name: values for name, values in columns.items() if {*values} - {None, ""}}
+    rows = range(len(next(iter(used.values())))) if shown is None else shown
+    return [*map(heading, used)], [[_text(values[i]) for values in used.values()] for i in rows], None
 
 
-def title(name: str) -> str:
+def in_rows(rows: Sequence[Mapping[str, Any]]) -> Printed:
+    """Return the table of rows of data with the same names, as `in_columns` does."""
+    return in_columns({name: [row[name] for row in rows] for name in rows[0]})
+
+
+def heading(name: str) -> str:
     """Return the heading of a column."""
     unit = next((unit for unit in UNITS if name.endswith(f"_{unit}")), "")
     words = name.removesuffix(f"_{unit}").replace("_", " ")

@@ -10,9 +10,8 @@ import click
 
 import metafem as mf
 from metafem._given import printable
-from metafem.cli.images import file_option, printed
-from metafem.cli.options import Name, command, force_option, json_option, refuse_files
-from metafem.cli.output import in_columns, notes_data, show
+from metafem.cli.options import Name, command, file_option, force_option, json_option, quantity, refuse_files
+from metafem.cli.output import in_columns, in_rows, notes_data, show
 from metafem.cli.progress import loaded, progress
 from metafem.errors import InvalidInput
 
@@ -28,14 +27,10 @@ UM = 1e3
 @command(
     click.argument("height_map", type=Name(), metavar="MAP"),
     file_option("--design folder", "DIR", "Result folder of the design.", required=True),
-    click.option(
-        "--pixel", metavar="LENGTH", help='Distance of two pixels, "2 um", if MAP does not state it.'
-    ),
-    click.option(
-        "--height-unit", metavar="UNIT", help='Unit of the heights, "um", if MAP does not state it.'
-    ),
+    quantity("pixel", "mm", "2 um", "Distance of two pixels, {}. Default: that of MAP."),
+    click.option("--height-unit", metavar="UNIT", help='Unit of the heights, "um". Default: that of MAP.'),
     click.option("--mould", is_flag=True, help="The map shows the mould: its holes are the caps."),
-    file_option("-o --output", "MADE.csv", "Write the made surface to this file, for metafem predict."),
+    file_option("-o --output", "MADE.csv", "File of the made surface, for metafem predict."),
     force_option,
     json_option,
     short_help="Measure a made surface on a height map.",
@@ -67,12 +62,11 @@ def topography(
         if output is not None:
             mf.files.write_text(output, mf.files.made_table(made, design.sites), force=force)
     touching = design.law.area > 0.0
-    change = (law.area[touching] / design.law.area[touching] - 1.0) * 100.0
     single = {
         "measured": made.surface.count,
         "designed": made.design.count,
         "roughness_um": UM * made.roughness,
-        "area_change_percent": _rms(change),
+        "area_change_percent": _rms(100.0 * (law.area[touching] / design.law.area[touching] - 1.0)),
     }
     laws = {"load_N": law.load, "designed_area_mm2": design.law.area, "made_area_mm2": law.area}
     data: dict[str, Any] = mf.files.plain_data(
@@ -92,7 +86,7 @@ def topography(
     )
     every = max(1, len(law.load) // LOADS)
     shown = in_columns({name: data[name] for name in laws}, range(every - 1, len(law.load), every))
-    tables = [printed(data["errors"]), shown, printed([single])]
+    tables = [in_rows(data["errors"]), shown, in_rows([single])]
     show(as_json, data, tables=tables, notes=made.notes, files=[output])
 
 

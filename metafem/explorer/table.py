@@ -177,14 +177,12 @@ def with_field(table: Table, key: str, typed: str) -> Table:
 def _with_radius(table: Table, section: str) -> Table:
     """Return a table with ``lattice.radius``, unless the changed section ``tools`` replaces it.
 
-    Exponents of tools are those of caps with the radius of the lattice. A missing radius is the example of
-    the manual.
+    A missing radius is the example of the manual.
     """
     if section != "tools":
         return table
     example = next(key["example"] for key in keys_of("lattice") if key["name"] == "radius")
-    needed = value_of(table, "tools") is None or value_of(table, "tools.exponent_range") is not None
-    radius = (value_of(table, "lattice.radius") or example) if needed else None
+    radius = (value_of(table, "lattice.radius") or example) if value_of(table, "tools") is None else None
     return with_values(table, {"lattice.radius": radius})
 
 

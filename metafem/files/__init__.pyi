@@ -8,9 +8,7 @@ from .calibrated import read_parameters as read_parameters
 from .contacts import contacts_table as contacts_table
 from .contacts import read_contacts as read_contacts
 from .disk import refuse_existing as refuse_existing
-from .disk import refuse_figure as refuse_figure
 from .disk import staged as staged
-from .disk import write_figure as write_figure
 from .disk import write_text as write_text
 from .images import find_images as find_images
 from .images import read_forces as read_forces

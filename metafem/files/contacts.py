@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from metafem._given import printable, shown
+from metafem._given import printable
 from metafem.calibration.contact_table import COLUMNS as NAMES
 from metafem.errors import InvalidInput
 from metafem.files.tables import Columns, Table, read_table
@@ -63,21 +63,18 @@ def contacts_of(table: Table) -> DataFrame:
         ("site", found.groupby("site")["contact"].transform("nunique") > 1, "belongs to another contact too"),
     ]
     rules += [(name, found[name].isna(), "is empty; write the contact's position") for name in ("x", "y")]
-    for area in ("area", "sheared_area"):
-        for one, other in ((area, f"{area}_error"), (f"{area}_error", area)):
-            rules.append((one, found[one] < 0.0, "must not be negative"))
-            alone = found[one].isna() & found[other].notna()
-            rules.append((one, alone, f"is empty, and {entries.title(other)} is not"))
+    for area, error in (("area", "area_error"), ("sheared_area", "sheared_area_error")):
+        rules += [(name, found[name] < 0.0, "must not be negative") for name in (area, error)]
+        alone = found[area].isna() != found[error].isna()
+        rules.append((area, alone, f"must be empty if {entries.title(error)} is empty, and only then"))
     for names, group, of in (
         (("load", "friction_force"), of_image, "image"), (("site", "x", "y"), of_contact, "contact")
     ):  # fmt: skip
         for name in names:
             differs = group[name].transform("nunique", dropna=False) > 1
             rules.append((name, differs, f"differs from other lines of its {of}"))
-    for name, wrong, must in rules:
-        for row in np.flatnonzero(wrong)[:1].tolist():
-            text = shown(entries.texts(name)[row], 40)
-            raise InvalidInput(f"{entries.cell(row, name)} = {text} {must}")
+    for rule in rules:
+        entries.refuse(*rule)
     size = of_image["contact"].transform("size")
     for name in found["image"][size < of_contact.ngroups][:1]:
         words = f"image {printable(name, 60)} lacks contacts that others have; add them"

@@ -4,18 +4,13 @@ from __future__ import annotations
 
 import codecs
 import os
-import stat
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING
 
 from metafem._given import printable
 from metafem.errors import InvalidInput, refuse_if
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 # Largest size of each kind of file [bytes]. A specification with a thousand points has 30 kB. A summit takes
 # 60 bytes in a table and a site 300 bytes in a record, so that a million summits fit.
@@ -23,21 +18,13 @@ SPECIFICATION, TABLE, RECORD = 2**18, 2**26, 2**29
 
 # Names of the studies of a design, each of which is stored as NAME.nc: the last two are the comparison with
 # measured laws, and the errors of the part that explain the difference.
-STUDIES = (
-    *("interaction", "fidelity", "manufacturing", "misalignment", "uncertainty"),
-    *("measured", "explained"),
-)
+STUDIES = ["interaction", "fidelity", "manufacturing", "misalignment", "uncertainty", "measured", "explained"]
 
 # Names in a result folder that a table must not have.
-RESERVED = frozenset(
-    {
-        *("design.json", "heights.csv", "law.csv", "mould.csv", "mould.gcode", "surface.vtu", "spec.toml"),
-        *("report.html", "block.stl", "mould.stl", *(f"{name}.nc" for name in STUDIES)),
-    }
-)
-
-# Formats of figures.
-FORMATS = (".svg", ".png")
+RESERVED = {
+    *("design.json", "heights.csv", "law.csv", "mould.csv", "mould.gcode", "surface.vtu", "spec.toml"),
+    *("report.html", "block.stl", "mould.stl", *(f"{name}.nc" for name in STUDIES)),
+}
 
 
 @contextmanager
@@ -74,16 +61,11 @@ def refuse_existing(goal: str | Path, force: bool = False, *, folder: bool = Fal
     target = Path(goal).resolve()
     with _reported(target):
         refuse_if(not target.parent.is_dir(), f"{target.parent} is not a folder; create it first")
-        try:
-            kind = target.stat().st_mode
-        except FileNotFoundError:
+        if not target.exists() or (folder and target.is_dir() and not any(target.iterdir())):
             return
-        found = folder and stat.S_ISDIR(kind)
-        if found and not any(target.iterdir()):
-            return
-        words = "is in the way; choose another name"
-        usable = (target / "design.json").is_file() if found else stat.S_ISREG(kind) and not folder
-        refuse_if(not usable, f"{target} is no {'result folder' if folder else 'regular file'} and {words}")
+        usable = (target / "design.json" if folder else target).is_file()
+        kind = "result folder" if folder else "regular file"
+        refuse_if(not usable, f"{target} is no {kind} and is in the way; choose another name")
         words = f"{target} exists; choose another name, or replace it with force=True (--force)"
         refuse_if(not force, words)
 
@@ -104,34 +86,13 @@ def write_text(path: str | Path, text: str, *, force: bool = False) -> None:
         fresh.write_bytes(text.encode("utf-8"))
 
 
-def refuse_figure(path: Path, force: bool) -> None:
-    """Raise InvalidInput if `write_figure` would refuse the file; only .svg and .png are written."""
-    words = f"{printable(str(path))} must end with .svg or .png, the formats of figures"
-    refuse_if(path.suffix.lower() not in FORMATS, words)
-    refuse_existing(path, force)
-
-
-def write_figure(path: Path, figure: Figure, title: str, *, force: bool = False) -> None:
-    """Write a figure; the extension of the file determines its format."""
-    from metafem.drawing import RESOLUTION
-
-    refuse_figure(path, force)
-    with staged(path, force) as fresh:
-        known = {"Title": title}
-        figure.savefig(fresh, format=path.suffix[1:].lower(), dpi=RESOLUTION, metadata=known)
-
-
 def read_bytes(path: str | Path, most: int, missing: str = "no such file") -> bytes:
     """Return the content of a regular file of at most `most` bytes."""
-    name = file_label(path)
     refuse_unreadable(path, missing)
-    try:
-        with open(path, "rb") as file:
-            content = file.read(most + 1)
-    except OSError as error:
-        raise InvalidInput(f"{name}: cannot be read: {error.strerror}") from None
-    larger = f"{name}: is larger than {most / 2**20:g} MiB, the limit for its kind of file"
-    refuse_if(len(content) > most, larger)
+    with open(path, "rb") as file:
+        content = file.read(most + 1)
+    words = f"is larger than {most / 2**20:g} MiB, the limit for its kind of file"
+    refuse_if(len(content) > most, f"{file_label(path)}: {words}")
     return content
 
 

@@ -12,14 +12,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from metafem import _validate as check
 from metafem._extras import refuse_missing
 from metafem._given import printable
 from metafem.calibration.contact_table import listed
 from metafem.errors import InvalidInput, refuse_if
 from metafem.files.disk import file_label, refuse_unreadable
 from metafem.files.tables import Columns, Table
-from metafem.files.units import factor, quantity
+from metafem.files.units import factor
 from metafem.notes import Note
 
 if TYPE_CHECKING:
@@ -101,10 +100,9 @@ def read_forces(names: Sequence[str], source: str | Path | Table | None) -> tupl
     """
     import pandas as pd
 
-    every = pd.DataFrame({"image": [*names], "test": "", "sheared_image": "", "load": np.nan})
-    every["friction_force"] = np.nan
+    every = pd.DataFrame({"image": [*names]})
     if source is None:
-        return every, []
+        return every.assign(test="", sheared_image="", load=np.nan, friction_force=np.nan), []
     entries = FORCES.read(source)
     found = pd.DataFrame(
         {name: entries.texts(name) for name in ("image", "test", "sheared_image")}
@@ -118,86 +116,75 @@ def read_forces(names: Sequence[str], source: str | Path | Table | None) -> tupl
         ("image", found["image"].isin(twice), f"{listed(twice)} is named twice; name each image once"),
         ("sheared_image", found["sheared_image"].isin(twice), f"{listed(twice)} is named twice"),
     ):
-        for row in np.flatnonzero(wrong)[:1].tolist():
-            raise InvalidInput(f"{entries.cell(row, column)} {must}")
+        entries.refuse(column, wrong, must)
     absent = [name for name in shown if name not in ("", *names)]
-    words = (
-        f"{entries.table.name}: {listed(absent)} is not among the images {listed(names)}; a page is named "
-        "a.tif:1"
-    )
-    kept, without = found[found["image"].isin(names)], every[~every["image"].isin(shown)]
-    refuse_if(kept.empty, words)
-    kept = kept.assign(sheared_image=kept["sheared_image"].where(kept["sheared_image"].isin(names), ""))
-    result = pd.concat([kept, without]).sort_values("image", key=lambda image: image.map([*names].index))
-    notes = [Note(words)] * bool(absent)
-    text = f"{listed(without['image'])}: not in the table of forces, so that the load is empty"
-    return result.reset_index(drop=True), notes + [Note(text)] * (not without.empty)
+    listing = f"{listed(absent)} is not among the images {listed(names)}; a page is named a.tif:1"
+    words = f"{entries.table.name}: {listing}"
+    refuse_if(not found["image"].isin(names).any(), words)
+    found["sheared_image"] = found["sheared_image"].where(found["sheared_image"].isin(names), "")
+    rows = every[~every["image"].isin(found["sheared_image"])].merge(found, how="left", on="image")
+    without = rows.loc[rows["load"].isna(), "image"]
+    text = f"{listed(without)}: not in the table of forces, so that the load is empty"
+    notes = [Note(words)] * bool(absent) + [Note(text)] * (not without.empty)
+    return rows.fillna({"test": "", "sheared_image": ""}), notes
 
 
 def read_height_map(
-    path: str | Path, pixel: str | None = None, height_unit: str | None = None
+    path: str | Path, pixel: float | None = None, height_unit: str | None = None
 ) -> tuple[NDArray[np.float32], tuple[float, float]]:
     """Return the heights in a file, relative to their median, and the sides of a pixel along x and y [mm].
 
     Parameters
     ----------
     path : str or Path
-        File in the format .npy (rows as in an image), or in a format that SurfaceTopography reads: .x3p,
-        .sur, .plux and others.
-    pixel : str, optional
-        Distance between neighbouring pixels, such as ``"2 um"``, for a file that does not state it.
+        File in a format that SurfaceTopography reads: .x3p, .sur, .plux, .npy with
+        rows as in an image, and others.
+    pixel : float, optional
+        Distance between neighbouring pixels [mm]; default: that of the file.
     height_unit : str, optional
-        Unit of the heights, such as ``"um"``, for a file that does not state it.
+        Unit of the heights, such as ``"um"``; default: that of the file.
 
     Raises
     ------
     InvalidInput
-        If the file cannot be read or holds no map, if the pixel or the unit is stated nowhere, or if an
-        argument states what the file already states.
+        If the file cannot be read or holds no map, or if the pixel or the unit is stated nowhere.
     """
     name = file_label(path)
     refuse_unreadable(path)
+    sides: Any = None
+    unit = ""
     try:
         if Path(path).suffix.lower() == ".npy":
-            heights, sides, unit = np.load(path, allow_pickle=False).astype(float), None, None
+            heights = np.load(path, allow_pickle=False).astype(float)
         else:
-            heights, sides, unit = _instrument(path, name)
+            heights, sides, unit = _of_instrument(path)
     except (InvalidInput, MemoryError):
         raise
     except Exception as error:  # the readers raise exceptions of all types for damaged files
-        raise InvalidInput(
-            f"{name} cannot be read as a height map: {type(error).__name__}: {printable(str(error), 200)}"
-        ) from None
-    for option, example, what, stated, given in (
-        ("--pixel", "2 um", "the size of its pixels", sides, pixel),
-        ("--height-unit", "um", "the unit of its heights", unit, height_unit),
-    ):
-        refuse_if(stated and given, f"{name} states {what}; leave {option} out")
-        lacks = f'{name} does not state {what}; add for example {option} "{example}"'
-        refuse_if(not stated and not given, lacks)
+        words = f"{type(error).__name__}: {printable(str(error))}"
+        raise InvalidInput(f"{name} cannot be read as a height map: {words}") from None
+    words = f'{name} does not state the size of its pixels; add for example --pixel "2 um"'
+    refuse_if(not pixel and not (sides and unit), words)
+    words = f'{name} does not state the unit of its heights; add for example --height-unit "um"'
+    refuse_if(not height_unit and not unit, words)
     try:
-        size = float(factor(unit or height_unit or "", "mm"))
+        heights = (heights - np.nanmedian(heights)) * float(factor(height_unit or unit, "mm"))
     except InvalidInput as error:
-        raise InvalidInput(f'--height-unit {error}; write for example "um"') from None
-    if pixel is None:
-        width, height = (size * side for side in sides or ())
-    else:
-        width = height = check.number("--pixel", quantity("--pixel", pixel, "mm"), above=0.0)
-    return ((heights - np.nanmedian(heights)) * size).astype(np.float32), (width, height)
+        raise error.at("--height-unit") from None
+    width, height = (pixel, pixel) if pixel else np.multiply(sides, float(factor(unit, "mm"))).tolist()
+    return heights.astype(np.float32), (width, height)
 
 
-def _instrument(path: str | Path, name: str) -> tuple[NDArray[Any], Any, str | None]:
+def _of_instrument(path: str | Path) -> tuple[NDArray[Any], Any, str]:
     """Return the heights in a file of an instrument, the sides of a pixel, and their unit, if stated."""
-    refuse_missing("SurfaceTopography", "metrology", f"reading {name}")
+    refuse_missing("SurfaceTopography", "metrology", "reading height maps")
     with warnings.catch_warnings():  # its import warns of a missing mpi4py
         warnings.simplefilter("ignore", ImportWarning)
         from SurfaceTopography import IO
     with IO.open_topography(str(path)) as reader:
-        maps = [each for each in reader.channels if each.dim == 2 and each.is_height_channel]
-        refuse_if(not maps, f"{name} holds no map of heights")
-        channel, sizes, points = maps[0], maps[0].physical_sizes, maps[0].nb_grid_pts
-        heights = channel.topography(**({} if sizes else {"physical_sizes": points})).heights()
-    unit = channel.unit if isinstance(channel.unit, str) and channel.unit else None
-    sides = (sizes[0] / points[0], sizes[1] / points[1]) if sizes and unit else None
-    # in SurfaceTopography the first index runs along x, and the second upwards along y
-    return np.ma.filled(np.ma.asarray(heights).astype(np.float64), np.nan).T[::-1], sides, unit
+        channel = next(each for each in reader.channels if each.dim == 2 and each.is_height_channel)
+        sizes, points = channel.physical_sizes, channel.nb_grid_pts
+        values = channel.topography(**({} if sizes else {"physical_sizes": points})).heights()
+    # its first index runs along x, and the second upwards along y
+    heights = np.ma.filled(np.ma.asarray(values).astype(np.float64), np.nan).T[::-1]
+    return heights, sizes and (sizes[0] / points[0], sizes[1] / points[1]), channel.unit or ""

@@ -65,8 +65,11 @@ def block_mesh(surface: Surface, block: Block, chord_error: float) -> Mesh:
         count += len(cap)
         rims.append(np.arange(count - 6 * number, count))
     points, plane = np.vstack(vertices), np.concatenate(rims)
-    owner = np.repeat(np.arange(4 + len(rings)), [1, 1, 1, 1, *6 * rings])
-    triangles = np.vstack([*faces, plane[_plane(points[plane, :2], owner)]])
+    # The face between the caps: no other point lies in the circle of a rim, so that its polygon is a union
+    # of Delaunay triangles, those that have all corners on one rim.
+    flat = _triangles(points[plane, :2])
+    rim = np.repeat(np.arange(4 + len(rings)), [1, 1, 1, 1, *6 * rings])[flat]
+    triangles = np.vstack([*faces, plane[flat[(rim[:, :1] != rim[:, 1:]).any(axis=1)]]])
     refuse_if(not _closed(triangles, count), "the mesh of the part is not closed; it cannot be written")
     return points, triangles
 
@@ -90,23 +93,15 @@ def _closed(faces: IntArray, count: int) -> bool:
     return bool((forth == back).all() and (forth[1:] > forth[:-1]).all())
 
 
-def _plane(points: FloatArray, owner: IntArray) -> IntArray:
-    """Return the triangles (m, 3) of the plane between the rims of the caps and the block's outline.
-
-    `owner` (n,) is the number of the rim on which each point lies; each corner of the outline has a number of
-    its own. The result is the Delaunay triangulation without the triangles that have all corners on one rim.
-    No other points lie within the circle of a rim, so that its polygon is a union of Delaunay triangles.
-    """
+def _triangles(points: FloatArray) -> IntArray:
+    """Return the Delaunay triangulation (m, 3) of points (n, 2), counterclockwise."""
     from scipy.spatial import Delaunay
 
     triangles = Delaunay(points).simplices
-    rim = owner[triangles]
-    between = triangles[(rim[:, :1] != rim[:, 1:]).any(axis=1)]
-    a, b, c = (points[between[:, k]] for k in range(3))
-    u, v = b - a, c - a
-    clockwise = u[:, 0] * v[:, 1] < u[:, 1] * v[:, 0]
-    outward: IntArray = np.where(clockwise[:, None], between[:, ::-1], between)
-    return outward
+    a, b, c = (points[triangles[:, k]] for k in range(3))
+    (ux, uy), (vx, vy) = (b - a).T, (c - a).T
+    result: IntArray = np.where((ux * vy < uy * vx)[:, None], triangles[:, ::-1], triangles)
+    return result
 
 
 def ring_count(height: FloatArray, radius: FloatArray, chord_error: float, cap: Cap = SPHERE) -> IntArray:
@@ -120,29 +115,23 @@ def cap_vertices(height: float, radius: float, rings: int, cap: Cap = SPHERE) ->
     The vertices are the summit and rings of 6, 12, 18, ... points, at equal distances along the meridian from
     the summit to the base plane z = 0. The last ``6 rings`` vertices are the rim, counterclockwise.
     """
-    size = np.maximum(6 * np.arange(rings + 1), 1)
-    turn = np.concatenate([2.0 * math.pi * np.arange(number) / number for number in size])
-    across, z = (
-        np.repeat(each[0], size) for each in cap.rings(np.array([height]), np.array([radius]), rings)
-    )
+    ring, turn = _rings(rings)
+    across, z = (each[0, ring] for each in cap.rings(np.array([height]), np.array([radius]), rings))
     return np.column_stack([across * np.cos(turn), across * np.sin(turn), z])
 
 
 @cache
 def cap_faces(rings: int) -> IntArray:
-    """Return the outward faces of a cap, (6 rings^2, 3); neighbouring rings are joined in six sectors."""
-
-    def point(ring: int, place: IntArray) -> IntArray:
-        return 1 + 3 * ring * (ring - 1) + place % (6 * ring) if ring else 0 * place
-
-    faces = []
-    for ring in range(1, rings + 1):
-        place = np.arange(6 * ring)
-        sector, step = np.divmod(place, ring)
-        inner, outer = point(ring - 1, place - sector), point(ring, place)
-        corner, beside = point(ring, place + 1), point(ring - 1, place - sector + 1)
-        faces.append(np.column_stack([inner, outer, corner]))
-        faces.append(np.column_stack([inner, corner, beside])[step < ring - 1])
-    result = np.vstack(faces)
+    """Return the outward faces of a cap, (6 rings^2, 3): those of a disc with rings of equal distances."""
+    ring, turn = _rings(rings)
+    result = _triangles(np.column_stack([ring * np.cos(turn), ring * np.sin(turn)]))
     result.flags.writeable = False
     return result
+
+
+def _rings(count: int) -> tuple[IntArray, FloatArray]:
+    """Return the ring and the angle [rad] of each vertex of a cap."""
+    size = np.maximum(6 * np.arange(count + 1), 1)
+    ring = np.repeat(np.arange(count + 1), size)
+    first = np.cumsum(size) - size
+    return ring, 2.0 * math.pi * (np.arange(len(ring)) - first[ring]) / size[ring]

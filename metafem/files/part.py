@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 
 from metafem import _validate as check
-from metafem._validate import FloatArray
 from metafem._values import MICROMETRES
 from metafem.caps import SPHERE, Caps
 from metafem.errors import InvalidInput, refuse_if
@@ -20,11 +19,8 @@ from metafem.files.mesh import block_mesh, mirrored, mould_mesh
 from metafem.files.summits import caps_column, csv
 from metafem.inversion import Design
 from metafem.notes import Note, information
-from metafem.progress import doing, message
+from metafem.progress import doing
 from metafem.surface import Block, Surface
-
-# Names of the solids.
-FILES = ("block.stl", "mould.stl")
 
 # Default chord error as a fraction of the smallest radius. For the source paper's radius of 526 um it is
 # 0.2 um, a quarter of the 0.9 um accuracy of the paper's moulds (doi:10.1126/science.adk4234).
@@ -85,10 +81,8 @@ class PartOptions:
     safe_height: float = SAFE
 
     def __post_init__(self) -> None:
-        for name in ("alignment_height", "chord_error"):
-            check.member(self, name, optional=True, above=0.0)
-        for name in ("feed", "spindle", "safe_height"):
-            check.member(self, name, above=0.0)
+        for name in ("alignment_height", "chord_error", "feed", "spindle", "safe_height"):
+            check.member(self, name, optional=name in ("alignment_height", "chord_error"), above=0.0)
         check.member(self, "dwell", at_least=0.0)
 
 
@@ -101,21 +95,15 @@ class Part:
     block: Block
     chord_error: float  # [mm]
 
-    def record(self) -> dict[str, Any]:
-        """Return chord error and names of the files, for JSON."""
-        return {"chord_error_mm": self.chord_error, "files": [*FILES]}
-
     @doing("writing the part")
     def write(self, folder: Path) -> None:
-        """Write the solids into a folder as binary STL, in millimetres."""
+        """Write the solids block.stl and mould.stl into a folder as binary STL, in millimetres."""
         import meshio
 
         block = block_mesh(self.surface, self.block, self.chord_error)
-        megabytes = (84 + 50 * len(block[1])) / 1e6  # the head and the triangles of binary STL
-        depth = f"at most {self.chord_error * MICROMETRES:.2g} um below the caps"
-        message(f"{', '.join(FILES)}: {len(block[1]):,} triangles and {megabytes:.3g} MB each, {depth}")
-        for mesh, name in zip((block, mould_mesh(block, self.surface, self.block)), FILES, strict=True):
-            meshio.Mesh(mesh[0], [("triangle", mesh[1])]).write(folder / name, "stl", binary=True)
+        mould = mould_mesh(block, self.surface, self.block)
+        for name, (vertices, faces) in {"block.stl": block, "mould.stl": mould}.items():
+            meshio.Mesh(vertices, [("triangle", faces)]).write(folder / name, "stl", binary=True)
 
 
 def planned(surface: Surface, template: Surface, options: PartOptions) -> Part | None:
@@ -147,43 +135,33 @@ def part_notes(part: Part | None) -> tuple[Note, ...]:
     return () if drilled(part.surface) else (information(words),)
 
 
-def alignment_positions(template: Surface) -> FloatArray:
-    """Return the positions of four alignment asperities, (4, 2) [mm].
-
-    They lie one pitch outside the corners of the template, along x and along y. The pitch is the smallest
-    distance between two sites of the template.
-    """
-    from scipy.spatial import KDTree
-
-    words = "needs a template of at least two sites, for its pitch; omit it"
-    refuse_if(template.count < 2, words, key="part.alignment_height")
-    distance, _ = KDTree(template.position).query(template.position, k=2)
-    pitch = float(distance[:, 1].min())
-    west, south = template.position.min(axis=0) - pitch
-    east, north = template.position.max(axis=0) + pitch
-    return np.array([(west, south), (east, south), (west, north), (east, north)])
-
-
 def with_alignment(surface: Surface, template: Surface, height: float | None) -> Surface:
     """Return the asperities of a part, followed by four alignment asperities of `height` [mm].
 
-    If `height` is None, the part has no alignment asperities. Otherwise these have the cap and the
-    radius in use with the smallest radius with which a cap can have this height (a sphere needs a radius of
-    at least the height). The part then needs no further tool. Raise InvalidInput
-    if the height does not exceed the tallest summit, or if no cap can have this height.
+    They lie one pitch outside the corners of the template, along x and along y; the pitch is the smallest
+    distance between two sites of the template. They have the cap and the radius in use with the smallest
+    radius with which a cap can have this height (a sphere needs a radius of at least the height), so that the
+    part needs no further tool. If `height` is None, there are none. Raise InvalidInput if the height does not
+    exceed the tallest summit, or if no cap can have this height.
     """
+    from scipy.spatial import KDTree
+
     if height is None:
         return surface
-    tallest, most = float(surface.height.max()), surface.cap.tallest(surface.radius)
+    site, tallest, most = template.position, float(surface.height.max()), surface.cap.tallest(surface.radius)
+    words = "needs a template of at least two sites, for its pitch; omit it"
+    refuse_if(len(site) < 2, words, key="part.alignment_height")
     given: dict[str, Any] = {"key": "part.alignment_height", "value": f"{height:g} mm"}
     words = f"must exceed the tallest summit, {tallest:g} mm, so that the alignment asperities touch first"
     refuse_if(height <= tallest, words, **given)
     words = f"exceeds {most.max():.4g} mm, the largest height of a cap of the radii in use"
     refuse_if(height > most.max(), words, **given)
+    pitch = float(KDTree(site).query(site, k=2)[0][:, 1].min())
+    (west, south), (east, north) = site.min(axis=0) - pitch, site.max(axis=0) + pitch
     high = np.flatnonzero(most >= height)
     used = int(high[surface.radius[high].argmin()])
     return surface.replaced(
-        position=np.vstack([surface.position, alignment_positions(template)]),
+        position=[*surface.position, (west, south), (east, south), (west, north), (east, north)],
         height=np.append(surface.height, [height] * 4),
         radius=np.append(surface.radius, [surface.radius[used]] * 4),
         cap=Caps.of(surface.cap.one(i) for i in (*range(surface.count), *[used] * 4)),
@@ -211,9 +189,8 @@ def refuse_impossible(surface: Surface, block: Block, asperities: int) -> None:
         raise InvalidInput(f"does not suit the part: the asperities at {places} {words}", key=key)
 
     for i in np.flatnonzero((base <= 2.0 * apart) | (h > most))[:1]:
-        words = f"have a cap of radius {R[i]:g} mm and height {h[i]:g} mm"
-        limits = f"it must be higher than 0 in single precision, and at most {most[i]:.4g} mm"
-        refuse([i], f"{words}; {limits}", "limits.max_height")
+        words = f"have a cap of radius {R[i]:g} mm and height {h[i]:g} mm; it must be higher than 0 in single"
+        refuse([i], f"{words} precision, and at most {most[i]:.4g} mm", "limits.max_height")
     ends = np.abs(surface.position) + base[:, None] + apart
     for i in np.flatnonzero((ends >= room).any(axis=1))[:1]:
         needed = " by ".join(f"{LARGER * 2.0 * end:.3g}" for end in ends.max(axis=0))

@@ -1,4 +1,4 @@
-"""Writing and reading of the result folder of a design."""
+"""Writing and reading of the result folder of a design, whose values become plain dicts for JSON."""
 
 from __future__ import annotations
 
@@ -6,25 +6,23 @@ import json
 import math
 import os
 import platform
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import fields, is_dataclass
+from enum import Enum
+from importlib import import_module
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from metafem import _validate as check
-from metafem import studies
+from metafem import fe, studies
 from metafem._given import printable
+from metafem.contact import TabulatedContact
 from metafem.errors import InvalidInput, refuse_if
-from metafem.files.disk import (
-    RECORD,
-    STUDIES,
-    file_label,
-    read_bytes,
-    refuse_existing,
-    staged,
-    write_text,
-)
+from metafem.files.disk import RECORD, STUDIES, file_label, read_bytes, refuse_existing, staged, write_text
 from metafem.files.part import (
     PartOptions,
     drilling_program,
@@ -33,10 +31,10 @@ from metafem.files.part import (
     with_alignment,
     with_tolerance,
 )
-from metafem.files.records import from_record, to_record
 from metafem.files.specification.read import Specification
 from metafem.files.summits import heights_table, law_table, write_surface
 from metafem.inversion import Design
+from metafem.models.curve import ModelError
 from metafem.notes import from_lines
 from metafem.progress import doing
 
@@ -44,7 +42,30 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
 # Value of the first member of design.json: the kind of file and its version.
-FORMAT = "metafem design 1"
+FORMAT = "metafem design 2"
+
+# Classes whose values may occur in a record: the dataclasses and enums of these modules.
+MODULES = (
+    *("surface", "caps", "contact", "substrate", "models", "prediction", "notes"),
+    *("inversion", "inversion.problem", "inversion.density", "inversion.wording"),
+)
+TYPES: Mapping[str, Any] = {
+    name: kind
+    for module in MODULES
+    for name, kind in vars(import_module(f"metafem.{module}")).items()
+    if isinstance(kind, type) and (is_dataclass(kind) or issubclass(kind, Enum))
+} | {"ModelError": ModelError}
+# A class whose module is imported only when a record contains it.
+LATE = "Block3D"
+# Functions that build a value from its members if its constructor takes other arguments.
+MAKERS: Mapping[str, Callable[..., Any]] = {
+    "TabulatedContact": lambda table, material: TabulatedContact(*table, material=material),
+    "ModelError": lambda value, **rest: ModelError(math.nan if value is None else value, **rest),
+}
+ARRAYS = ("float64", "int64")
+
+# Errors of a constructor that gets members of wrong types or values.
+WRONG = (ValueError, KeyError, TypeError, AttributeError, ArithmeticError)
 
 NO_PAGES: Mapping[str, str] = {}
 
@@ -97,25 +118,18 @@ def save(
     True
     """
     check.instance("design", design, Design, "a metafem.Design")
-    options, hardness, given = PartOptions(), None, dict[str, bytes]()
+    options, hardness, files = PartOptions(), None, dict[str, bytes]()
     if specification is not None:
-        options, hardness, given = specification.part, specification.hardness, {**specification.files}
+        options, hardness, files = specification.part, specification.hardness, {**specification.files}
     with doing("writing the files"), staged(folder, force, folder=True) as fresh:
-        made = planned(design.surface, design.template, options)
-        record = {
-            "format": FORMAT,
-            "versions": versions(),
-            "hardness": hardness,
-            "part": made and made.record(),
-            "design": to_record(design),
-        }
-        text = json.dumps(record, indent=1, allow_nan=False) + "\n"
-        texts = {"design.json": text, **result_tables(design, options), **pages}
-        if made is not None:
-            made.write(fresh)
-            texts |= drilling_program(design, made.surface, options)
-        given |= {name: text.encode("utf-8") for name, text in texts.items()}
-        for name, content in given.items():
+        part = planned(design.surface, design.template, options)
+        record = {"format": FORMAT, "versions": versions(), "hardness": hardness, "design": design}
+        texts = {"design.json": written(record), **result_tables(design, options), **pages}
+        if part is not None:
+            part.write(fresh)
+            texts |= drilling_program(design, part.surface, options)
+        files |= {name: text.encode("utf-8") for name, text in texts.items()}
+        for name, content in files.items():
             (fresh / name).write_bytes(content)
         write_surface(design, fresh / "surface.vtu")
 
@@ -161,10 +175,9 @@ def load(folder: str | Path) -> Design:
     """
     record = read_result(folder)
     with damaged(Path(folder) / "design.json"):
-        design = from_record(record.get("design"), "design")
-        if isinstance(design, Design):
-            return design
-        raise InvalidInput("it holds no design")
+        design: Design = from_record(record.get("design"))
+        check.instance("design", design, Design, "a design")
+    return design
 
 
 def stored_hardness(folder: str | Path) -> float | None:
@@ -182,7 +195,8 @@ def read_result(folder: str | Path) -> dict[str, Any]:
     with damaged(path):
         record = json.loads(content)
     if not isinstance(record, dict) or record.get("format") != FORMAT:
-        raise InvalidInput(f"{file_label(path)} is not a design of this version of metafem ({FORMAT})")
+        remedy = "design it again from its spec.toml"
+        raise InvalidInput(f"{file_label(path)} is not of the format that is read, {FORMAT!r}; {remedy}")
     return record
 
 
@@ -191,7 +205,7 @@ def damaged(path: Path) -> Iterator[None]:
     """Raise InvalidInput, which calls the file damaged, if the body cannot use the content of the file."""
     try:
         yield
-    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
+    except (OSError, RecursionError, *WRONG) as error:
         raise InvalidInput(f"{file_label(path)} is damaged: {printable(str(error))}") from None
 
 
@@ -199,6 +213,60 @@ def versions() -> dict[str, str]:
     """Return the versions of Python and of the libraries that affect the numbers of a design."""
     names = ("metafem", "numpy", "scipy", "numba", "meshio")
     return {"python": platform.python_version(), **{name: version(name) for name in names}}
+
+
+def written(record: Any) -> str:
+    """Return the JSON text of a record.
+
+    A dataclass becomes ``{"type": its name, field: ...}``, an array ``{"float64": [...]}`` or
+    ``{"int64": [...]}``, an enum ``{"type": ..., "name": ..., "message": ...}``, and a tuple becomes a list.
+    """
+    return json.dumps(record, default=_members, indent=1, allow_nan=False) + "\n"
+
+
+def _members(value: Any) -> Any:
+    """Return the members of a value for which JSON has no type."""
+    title = type(value).__name__
+    if isinstance(value, np.generic):
+        return value.item()
+    if isinstance(value, Mapping):
+        return dict(value)
+    if isinstance(value, np.ndarray) and value.dtype.name in ARRAYS:
+        return {value.dtype.name: value.tolist()}
+    unknown = title not in (*TYPES, LATE)
+    refuse_if(unknown, f"{value!r:.80} cannot be written to a record; give a function as a table")
+    if isinstance(value, Enum):
+        return {"type": title, "name": value.name, "message": value.value}
+    members = {field.name: getattr(value, field.name) for field in fields(value)}
+    for name, error in members.items():
+        if isinstance(error, ModelError):  # which is a number for JSON
+            number = None if math.isnan(error) else float(error)
+            members[name] = {"type": "ModelError", "value": number, **vars(error)}
+    return {"type": title, **members}
+
+
+def from_record(record: Any) -> Any:
+    """Return the value of a record that `written` wrote; the constructor of a class checks its members."""
+    if isinstance(record, list):
+        return tuple(map(from_record, record))
+    if not isinstance(record, dict):
+        return record
+    for dtype in ARRAYS:
+        if [*record] == [dtype]:
+            array = np.array(record[dtype], dtype)
+            array.flags.writeable = False
+            return array
+    title = record.get("type")
+    if title is None:
+        return {int(key) if key.isdecimal() else key: from_record(each) for key, each in record.items()}
+    members = {key: from_record(each) for key, each in record.items() if key != "type"}
+    try:
+        kind: Any = fe.Block3D if title == LATE else TYPES[title]
+        return kind[members["name"]] if issubclass(kind, Enum) else MAKERS.get(title, kind)(**members)
+    except WRONG as error:
+        raise InvalidInput(
+            f"its {printable(str(title), 40)} cannot be made: {printable(str(error))}"
+        ) from None
 
 
 def study_path(folder: str | Path, name: str, force: bool) -> Path:

@@ -73,6 +73,11 @@ def named(title: str) -> tuple[str, str]:
     return (name, unit) if base_of(name) in QUANTITIES else (title, "")
 
 
+def known(title: str) -> bool:
+    """Return whether a title is that of a column of one of the package's own tables."""
+    return base_of(named(title)[0]) in QUANTITIES or title in TEXTS
+
+
 def _split(title: str) -> tuple[str, str]:
     """Return a title without its unit in brackets, and this unit."""
     label = LABEL.fullmatch(title)
@@ -170,17 +175,17 @@ def _header(lines: list[str], stated: str, own: set[str]) -> tuple[int, str]:
     for i, line in enumerate(lines[:PREAMBLE]):
         separator = stated or next((sign for sign in ";\t" if sign in line), ",")
         titles = [title.strip(' "\n') for title in line.split(separator)]
-        known = sum(base_of(named(title)[0]) in QUANTITIES or title in TEXTS for title in titles)
-        known += ENOUGH * sum(bool(own & {title, _split(title)[0]}) for title in titles)
+        count = sum(map(known, titles))
+        count += ENOUGH * sum(bool(own & {title, _split(title)[0]}) for title in titles)
         if line.strip():
-            best = max(best, (min(known, ENOUGH), -i, separator))
+            best = max(best, (min(count, ENOUGH), -i, separator))
     return -best[1], best[2]
 
 
 def _is_of_units(entries: list[str]) -> bool:
     """Return whether a line holds the units of the names above it: at least one, and no number."""
-    known = {plain for units in UNITS.values() for plain in units if plain}
-    return any(plain_unit(_bare(entry)) in known for entry in entries) and not any(
+    units = {plain for names in UNITS.values() for plain in names if plain}
+    return any(plain_unit(_bare(entry)) in units for entry in entries) and not any(
         re.fullmatch(NUMBER, entry.strip().replace(",", ".")) for entry in entries
     )
 
@@ -215,7 +220,7 @@ class Columns:
         return frozenset(title for title in self.titles.split(",") if not named(title)[1])
 
     def read(self, source: str | Path | Table) -> Entries:
-        """Return the entries of a file or table, and report which columns are not read."""
+        """Return the entries of a file or table, and report which columns of unknown names are not read."""
         table, found = read_table(source), dict[str, tuple[int, Fraction]]()
         for index, (name, unit) in enumerate(table.quantities):
             if name in self.plain or name in self.units:
@@ -229,7 +234,7 @@ class Columns:
             of = name.removesuffix("_sd")
             words = f"without {of}; add its column or leave this one out"
             refuse_if(of not in found, f"{table.name} has the column {entries.title(name)} {words}")
-        if unread := [printable(title, 40) for title in entries.unread]:
+        if unread := [printable(title, 40) for title in entries.unread if not known(title)]:
             what = f"column {unread[0]} is" if len(unread) == 1 else f"columns {', '.join(unread)} are"
             message(f"{table.name}: the {what} not read")
         refuse_if(not table.rows, f"{table.name} names columns but holds no {self.entry}")
@@ -287,6 +292,11 @@ class Entries:
         """Return the location of an entry: file, line and title of the column."""
         return f"{self.places()[row]}: {self.title(name)}"
 
+    def refuse(self, name: str, wrong: Any, must: str) -> None:
+        """Raise InvalidInput for the first row of a column for which `wrong`, (k,), is true."""
+        for row in np.flatnonzero(wrong)[:1].tolist():
+            raise InvalidInput(f"{self.cell(row, name)} = {shown(self.texts(name)[row], 40)} {must}")
+
     def texts(self, name: str) -> list[str]:
         """Return the entries of a column; if the table lacks the column, the entries are empty."""
         if name not in self.columns:
@@ -310,10 +320,8 @@ class Entries:
     def whole(self, name: str, least: int) -> list[int]:
         """Return the entries of a column, which must be whole numbers of at least `least`."""
         found = self.texts(name)
-        for row, text in enumerate(found):
-            if not re.fullmatch(r"\d{1,9}", text, re.ASCII) or int(text) < least:
-                words = f"{shown(text, 40)} must be a whole number of at least {least}"
-                raise InvalidInput(f"{self.cell(row, name)} = {words}")
+        wrong = [not re.fullmatch(r"\d{1,9}", text, re.ASCII) or int(text) < least for text in found]
+        self.refuse(name, wrong, f"must be a whole number of at least {least}")
         return [int(text) for text in found]
 
     def refuse(self, name: str, wrong: Any, must: str) -> None:

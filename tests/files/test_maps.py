@@ -31,9 +31,9 @@ def test_a_map_in_x3p(topography, tmp_path):
         heights, sides = read_height_map(tmp_path / "map.x3p")
     assert sides == pytest.approx((2e-3, 3e-3), rel=1e-12)
     np.testing.assert_allclose(heights, 1e-3 * (HEIGHTS - MIDDLE), atol=1e-9)  # single precision of 15 um
-    for option in ({"pixel": "2 um"}, {"height_unit": "um"}):
-        with pytest.raises(mf.InvalidInput, match="leave --"):
-            read_height_map(tmp_path / "map.x3p", **option)
+    other, sides = read_height_map(tmp_path / "map.x3p", 4e-3, "mm")  # what the user says counts
+    assert sides == (4e-3, 4e-3)
+    np.testing.assert_allclose(other, 1e-3 * heights, rtol=1e-5)  # the file says metres
 
 
 @pytest.mark.parametrize("name", ["map.sur", "map.x3p"])

@@ -82,7 +82,7 @@ export default {
     // kind with it.
     sections() {
       const { values, present } = this;
-      const radius = "lattice.radius" in values || !present.includes("tools") || "tools.exponent_range" in values;
+      const radius = "lattice.radius" in values || !present.includes("tools");
       return this.parts.filter(({ inner }) => !inner || values[inner.key] === inner.kind).map((part) => {
         const [kinded, kind] = [Object.keys(part.kinds).length > 0, values[`${part.name}.kind`] ?? ""];
         const has = part.always || present.includes(part.name);

@@ -106,8 +106,3 @@ def test_a_stack_without_forces(run, tmp_path):
     text = run("images", "stack.tif", "--pixel", "20 um", *picture).told
     assert "stack.tif:3 9" in " ".join(text.split())
     assert "stack.tif:3" in Path("one.svg").read_text(encoding="utf-8")
-
-
-def test_a_drawing_into_the_folder_of_the_images_is_refused(run, pictures):
-    arguments = ("images", "pictures", "--pixel", "20 um", "--picture", "pictures/found.png")
-    assert "--picture is in the folder of the images" in run(*arguments).refusal

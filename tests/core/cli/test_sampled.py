@@ -51,7 +51,6 @@ def test_a_refusal_writes_the_nearest_law_which_is_met(run):
     assert not Path("part").exists()
     table = np.genfromtxt("part-nearest.csv", delimiter=",", skip_header=2)
     assert (np.diff(table, axis=0) > 0.0).all()
-    assert Path(error["nearest"]["file"]).name == "part-nearest.csv"
     # a second refusal replaces its own table, and no other
     assert run("design", "spec.toml", "-o", "part").exit_code == 1
     Path("part-nearest.csv").rename("nearest.csv")

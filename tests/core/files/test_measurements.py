@@ -13,13 +13,12 @@ from PIL import Image
 import metafem as mf
 from metafem import files
 from metafem.calibration import fit_compression, shear
-from metafem.drawing import new_figure
 from metafem.files.calibrated import calibration_data
 from metafem.files.images import natural
 from metafem.progress import listening
 from tests.calibration.contacts import table_of
 from tests.core.files.specs import spec
-from tests.core.files.test_files import CONTACTS, PRESSED, SHEARED, A
+from tests.core.files.test_files import CONTACTS, MIXED, PRESSED, SHEARED, A
 
 MATERIAL, FRICTION = mf.Material(1.36), mf.Friction(0.404, 0.85)
 
@@ -174,6 +173,20 @@ def test_sites_are_read_with_and_without_numbers(tmp_path):
         assert (position.tolist(), number.tolist()) == ([[0.0, 1.5], [1.5, 0.0]], numbers)
 
 
+def test_columns_of_own_tables_that_are_not_read_are_not_mentioned(tmp_path):
+    heard, path = [], tmp_path / "own.csv"
+    lattice = MIXED.replaced(cell=mf.PeriodicCell(4.5, 5.0), block=None)
+    law = mf.friction_law(lattice, mf.Independent(mf.Elastic()), load=[0.1, 0.2])
+    with listening(lambda step, done: None, heard.append):
+        for table, read in (
+            (files.heights_table(MIXED, np.arange(4)), files.read_sites),
+            (files.law_table(law), files.read_law),
+        ):
+            path.write_text(table, "utf-8")
+            read(path)
+    assert heard == []
+
+
 def load_of(energy):
     """Return exact loads with an adhesion energy [N/mm]."""
     return 1.36 * 4.0 / 3.0 * A**3 / 0.526 - math.sqrt(8.0 * math.pi * energy * 1.36) * A**1.5
@@ -288,7 +301,7 @@ HEIGHTS[0, 1] = HEIGHTS[4, 3] = np.nan
 
 def test_height_maps_are_read_from_arrays(tmp_path):
     np.save(tmp_path / "map.npy", HEIGHTS)
-    for pixel, unit in (("2 um", "um"), ("0.002 mm", "nm")):
+    for pixel, unit in ((2e-3, "um"), (2e-3, "nm")):
         heights, sides = files.read_height_map(tmp_path / "map.npy", pixel, unit)
         size = {"um": 1e-3, "nm": 1e-6}[unit]
         assert sides == pytest.approx((2e-3, 2e-3), rel=1e-12)
@@ -296,22 +309,9 @@ def test_height_maps_are_read_from_arrays(tmp_path):
     (tmp_path / "t.npy").write_text("no")
     for name, options, words in (
         ("none.npy", (), "no such file"), ("map.npy", (), '--pixel "2 um"'),
-        ("map.npy", ("2", "um"), "--pixel"), ("map.npy", ("-2 um", "um"), "-0.002"),
-        ("map.npy", ("2 um", "N"), '"N"'),
-        ("t.npy", ("2 um", "um"), "read as a height map"),
+        ("map.npy", (2e-3,), '--height-unit "um"'), ("map.npy", (2e-3, "N"), '"N"'),
+        ("t.npy", (2e-3, "um"), "read as a height map"),
     ):  # fmt: skip
         with pytest.raises(mf.InvalidInput) as error:
             files.read_height_map(tmp_path / name, *options)
         assert words in str(error.value), name
-
-
-def test_figures_are_written_and_replaced_by_force(tmp_path):
-    figure = new_figure(2.0, 1.0)
-    for name in ("a.svg", "a.png"):
-        for force in (False, True):
-            files.write_figure(tmp_path / name, figure, "A title", force=force)
-            with pytest.raises(mf.InvalidInput, match=f"{name} exists"):
-                files.refuse_figure(tmp_path / name, False)
-    assert "<svg" in (tmp_path / "a.svg").read_text("utf-8")
-    with Image.open(tmp_path / "a.png") as image:
-        assert image.size == (400, 200)  # 200 pixels per inch

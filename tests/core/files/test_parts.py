@@ -15,7 +15,7 @@ from metafem.files.mesh import (
     mould_mesh,
     ring_count,
 )
-from metafem.files.part import USUAL, alignment_positions, with_alignment
+from metafem.files.part import USUAL, with_alignment
 
 MATERIAL, BLOCK = mf.Material(1.36), mf.Block(8.0, 7.0, 3.0)
 HEIGHTS = np.array([0.02, 0.05, 0.1, 0.2, 0.3, 0.4])
@@ -97,7 +97,7 @@ def test_what_is_written_is_watertight_in_single_precision(gap, height, tmp_path
         assert trimesh.load(tmp_path / name).is_watertight
 
 
-def test_a_plan_states_its_files_which_are_solids(tmp_path):
+def test_the_files_of_a_plan_are_solids(tmp_path):
     part = planned(PART, PART, PartOptions(chord_error=1e-3))
     assert part_notes(part) == ()
     triangles = len(block_mesh(PART, BLOCK, 1e-3)[1])
@@ -105,7 +105,6 @@ def test_a_plan_states_its_files_which_are_solids(tmp_path):
         "block.stl": [[-4.0, -3.5, -3.0], [4.0, 3.5, 0.4]],
         "mould.stl": [[-4.0, -3.5, -3.4], [4.0, 3.5, 0.0]],
     }
-    assert part.record() == {"chord_error_mm": 1e-3, "files": [*files]}
     part.write(tmp_path)
     for name, bounds in files.items():
         solid = trimesh.load(tmp_path / name)
@@ -123,15 +122,14 @@ def test_a_plan_states_its_files_which_are_solids(tmp_path):
 
 
 def test_alignment_asperities_stand_one_pitch_outside_and_are_the_tallest():
-    corners = {(x, y) for x in (-3.0, 3.0) for y in (-2.25, 2.25)}
-    assert {tuple(place) for place in alignment_positions(PART)} == corners
+    corners = [(x, y) for y in (-2.25, 2.25) for x in (-3.0, 3.0)]
     radii = np.array([0.3, 0.526, 0.8, 0.8, 0.3, 0.526])
     part = LOW.replaced(radius=radii, friction=mf.Friction(0.4), cell=mf.PeriodicCell(4.5, 3.0))
     for top, tool in ((0.25, 0.3), (0.4, 0.526), (0.6, 0.8)):  # the smallest tool that is large enough
         whole = with_alignment(part, PART, top)
         assert (whole.radius[6:].tolist(), whole.height[6:].tolist()) == ([tool] * 4, [top] * 4)
         assert (whole.friction, whole.cell) == (None, None)
-        np.testing.assert_array_equal(whole.position[6:], alignment_positions(PART))
+        np.testing.assert_array_equal(whole.position[6:], corners)
     assert with_alignment(part, PART, None) is part
     for wrong in (0.1, 0.12, 0.81):
         with pytest.raises(mf.InvalidInput) as error:

@@ -12,7 +12,7 @@ import metafem as mf
 from metafem import files
 from metafem.files.disk import SPECIFICATION, TABLE
 from metafem.files.laws import columns_of
-from metafem.files.records import from_record, to_record
+from metafem.files.result import written
 from metafem.files.specification import model_named
 from metafem.files.specification.forms import whole_schema
 from tests.core.files.specs import SHAPE, spec, text
@@ -205,14 +205,15 @@ BORDERS = {
         (of_value(files.demo_text, "lineal"), "lineal", "linear"),
     ],
     "results": [
-        (design_json("[]"), "design.json", "metafem design 1"),
+        (design_json("[]"), "design.json", "metafem design 2"),
+        (design_json('{"format": "metafem design 1"}'), "design.json", "metafem design 2"),
         (of_file(mf.load, "", "design.json"), "design.json", "a file"),
-        (design_json('{"format": "metafem design 1", "design": 3}'), "design.json", "no design"),
-        (design_json('{"format": "metafem design 1", "hardness": -1}', files.stored_hardness),
+        (design_json('{"format": "metafem design 2", "design": 3}'), "design.json", "design = 3"),
+        (design_json('{"format": "metafem design 2", "hardness": -1}', files.stored_hardness),
         "hardness", "-1"),
         (lambda folder: mf.save("design", folder / "out"), "design", "'design'"),
+        (of_value(written, mf.Profile(np.square, extent=0.3)), "square", "function as a table"),
         (lambda folder: files.study_path(folder, "interaction", False), "design.json", "no such file"),
-        (lambda folder: files.refuse_figure(folder / "a.pdf", False), "a.pdf", ".svg or .png"),
         (of_file(files.read_parameters, "{}"), "t.csv", "metafem calibrate"),
         (planned(PART.replaced(height=[0.1, 0.1, 0.0, 0.1, 0.1, 0.1])), "(1.5, -0.75)", "height 0 mm"),
         (planned(PART.replaced(height=[0.1, 0.6, 0.1, 0.1, 0.1, 0.1])), "(0, -0.75)", "height 0.6"),
@@ -286,7 +287,7 @@ TABLES = {
         (f"{FIRST}b,.05,1,3,1,0,.1,.01\n", "line 2: x_mm", "'0'"),
         (f"{FIRST}a,.05,2,3,1,0,.1,.01\n", "line 2: site", "'3'"),
         ("image,load_N,contact,x_mm,y_mm,area_error_mm2,area_mm2,sheared_area_mm2\na,1,1,0,0,1,1,1\n",
-        "line 2: sheared_area_error", "empty"),
+        "line 2: sheared_area_mm2", "sheared_area_error is empty"),
     ],
     calibration: [
         ("load_mN,height_um\n1,2\n", "height_um", "load_mN,area_mm2"),
@@ -307,26 +308,3 @@ TABLES = {
 def test_a_wrong_table_is_refused_by_its_line_column_and_entry(read, tmp_path):
     rows = [(of_file(read, content), key, value) for content, key, value in TABLES[read]]
     assert faults(of(rows, tmp_path)) == []
-
-
-# Records that are not those of a value, with the member and its wrong content.
-SHEAR = {"type": "Friction", "area_ratio": 1.0}
-RECORDS = [
-    ({"type": "os.system", "command": "ls"}, "record", "os.system"),
-    ({"type": "Status", "name": "FINE"}, "record", "FINE"),
-    ({"type": "Friction", "area_ratio": 1.0}, "Friction", "shear_strength"),
-    ({"type": "Friction", "area_ratio": 1.0, "shear_strength": 1.0, "way": 2}, "Friction", "way"),
-    ({**SHEAR, "shear_strength": "much"}, "record.shear_strength", "much"),
-    ({**SHEAR, "shear_strength": -1.0}, "shear_strength", "-1"),
-    ({"float64": [[1.0], [2.0, 3.0]]}, "record", "float64"), ({"int64": [1.5]}, "record", "int64"),
-    ({"float64": [1e999]}, "record", "finite"),
-]  # fmt: skip
-
-
-def test_a_foreign_record_is_refused():
-    profile = mf.Profile(np.square, extent=0.3)
-    assert faults((partial(from_record, given), key, value) for given, key, value in RECORDS) == []
-    assert faults([
-        (partial(to_record, object()), "object", "record"),
-        (partial(to_record, profile), "square", "function as a table"),
-    ]) == []  # fmt: skip

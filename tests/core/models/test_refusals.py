@@ -85,7 +85,6 @@ REFUSALS = [
     (partial(mf.equilibrium, SOME, "independent", load=1.0), "model", "independent"),
     (lambda: mf.Independent().curve(SOME), "load", "approach"),
     (curves([], 0.5, [1.0]), "height", "empty"),
-    (curves([[0.1], [0.1, 0.2]], 0.5, [1.0]), "height", "array"),
     (curves([0.1], -0.5, [1.0]), "radius", "-0.5"),
     (curves([0.1, 0.2], [0.5, 0.5, 0.5], [1.0]), "radius", "(3,)"),
     (curves([0.1], 0.5, [-1.0]), "rescaled_load", "-1"),

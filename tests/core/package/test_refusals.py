@@ -1,6 +1,5 @@
 """What materials, surfaces and numbers of any kind refuse: the argument and the value are in the message."""
 
-import datetime
 import math
 import pickle
 
@@ -13,7 +12,6 @@ import xarray as xr
 import metafem as mf
 from metafem._extras import refuse_missing
 from metafem._given import shown, spoken, unit_of
-from metafem._validate import plain
 
 U = pint.UnitRegistry()
 MATERIAL = mf.Material(1.36)
@@ -75,17 +73,9 @@ REFUSALS = {
         (lambda: mf.OperatingPoints([1e-200], [1]), "rescaled_load[0]", "1e-200"),
     ],
     "numbers": [
-        *((material(value), "composite_modulus", "not a number") for value in (
-            True, np.True_, 1 + 0j, "1.36", b"1", None, np.array([1.36]), 10**400, 10**5000, [],
-            datetime.datetime(2020, 1, 1), np.datetime64("2020"), np.timedelta64(5),
-        )),
-        *((pair(height=value), "height", "not an array of numbers") for value in (
-            np.array([1, 2], dtype="m8[s]"), [datetime.date(2020, 1, 1), 0.1],
-            np.array([True, False]), ["0.1", "0.2"], np.array([0.1, 0.2 + 1j]),
-            {0.1, 0.2}, [[0.1], [0.2, 0.3]],
-        )),
+        (material([]), "composite_modulus", "single number"),
+        (pair(height=[[0.1], [0.2]]), "height", "(2, 1)"),
         (pair(height=U.Quantity([100, 120], "N")), "height", "newton"),
-        (pair(height=[0.1, 1 * U.N]), "height", "not an array of numbers"),
         (pair(height=xr.DataArray([100.0, 120.0], attrs={"units": "um"})), "height", "um"),
         (pair(height=pd.Series([0.1, None])), "height", "entry 2 of height = nan"),
         (pair(height=np.ma.array([0.1, 0.2], mask=[0, 1])), "height", "masked"),
@@ -120,5 +110,4 @@ def test_any_value_is_shown_on_one_line_and_names_know_their_units():
     assert shown(Rude()) == "a Rude"
     assert shown("a\nb\x85") == r"'a\nb\x85'"
     assert len(shown("x" * 10**6)) == 60
-    assert plain("slope", 3) == 3
     assert [unit_of(name) for name in ("height[3]", "part.alignment_height", "slope")] == ["mm", "mm", "1"]
