@@ -324,11 +324,6 @@ class Entries:
         self.refuse(name, wrong, f"must be a whole number of at least {least}")
         return [int(text) for text in found]
 
-    def refuse(self, name: str, wrong: Any, must: str) -> None:
-        """Raise InvalidInput for the first row of a column for which `wrong`, (k,), is true."""
-        for row in np.flatnonzero(wrong)[:1]:
-            raise InvalidInput(f"{self.cell(row, name)} = {self.texts(name)[row]} {must}")
-
     @contextmanager
     def located(self) -> Iterator[None]:
         """Make errors of array arguments in the body, such as ``load[3]``, name the entry of this table."""

@@ -261,7 +261,7 @@ TABLES = {
     partial(files.read_measured_law, material=MATERIAL, sites=np.arange(2)): [(FIRST, "site", "3")],
     files.read_sites: [
         ("x_mm,y_mm,depth_mm\n", "t.csv", "heights.csv"), ("site,x_mm,y_mm\n1.5,1,1\n", "site", "'1.5'"),
-        ("site,x_mm,y_mm\n1,1,1\n1,2,2\n", "line 3: site", "1 is"), (large(TABLE), "t.csv", "64 MiB"),
+        ("site,x_mm,y_mm\n1,1,1\n1,2,2\n", "line 3: site", "'1' is"), (large(TABLE), "t.csv", "64 MiB"),
     ],
     partial(columns_of, kind="sampled"): [
         ("load_N,area_mm2\n0,2\n", "line 2: load_N", "0"),

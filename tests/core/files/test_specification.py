@@ -13,9 +13,8 @@ from pydantic import create_model
 import metafem as mf
 from metafem import files
 from metafem.explorer import form as page_form
-from metafem.files.specification import forms, read
+from metafem.files.specification import forms, read, sections
 from metafem.files.specification.forms import Sections, as_toml, section_forms, whole_schema
-from metafem.files.specification.sections import ChecksSection, key, measured, optional
 from metafem.models.model import contact_of, with_contact
 from tests.core.files.specs import SHAPE, spec, text
 
@@ -340,12 +339,12 @@ def test_forms_describe_the_values_of_keys():
 def wider(monkeypatch):
     """The sections of a specification, in which `checks` has one key more."""
 
-    class Wider(ChecksSection):
-        gap: measured("mm", gt=0.001, le=0.5) | None = optional("between the plates", "20 um")
+    class Wider(sections.ChecksSection):
+        gap: sections.measured("mm", gt=0.001, le=0.5) | None = sections.optional("between", "20 um")
 
-    sections = create_model("Wider", __base__=Sections, checks=(Wider, key("further checks", default=Wider())))
+    checks = (Wider, sections.key("further checks", default=Wider()))
     for module in (forms, read):
-        monkeypatch.setattr(module, "Sections", sections)
+        monkeypatch.setattr(module, "Sections", create_model("Wider", __base__=Sections, checks=checks))
     for cached in (whole_schema, section_forms):
         cached.cache_clear()
     yield
@@ -359,7 +358,7 @@ def test_a_field_of_a_section_is_all_that_a_new_key_needs():
     (part,) = [each for each in page_form.form() if each["name"] == "checks"]
     field = part["keys"][""][-1]
     assert (field["label"], field["example"], "um" in field["units"]) == ("gap", "20 um", True)
-    assert "between the plates; greater than 0.001 mm, at most 0.5 mm" in field["help"]
+    assert "between; greater than 0.001 mm, at most 0.5 mm" in field["help"]
     assert 'gap = "20 um"' in files.manual()
     assert files.parsed(text() + '[checks]\ngap = "30 um"').sections.checks.gap == pytest.approx(0.03)
     for given, words in (("1 um", "greater than 0.001 mm"), ("501 um", "less than or equal to 0.5 mm")):
