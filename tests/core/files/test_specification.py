@@ -13,7 +13,8 @@ from pydantic import create_model
 import metafem as mf
 from metafem import files
 from metafem.explorer import form as page_form
-from metafem.files.specification import forms, read, sections
+from metafem.files.specification import forms, read
+from metafem.files.specification import sections as own
 from metafem.files.specification.forms import Sections, as_toml, section_forms, whole_schema
 from metafem.models.model import contact_of, with_contact
 from tests.core.files.specs import SHAPE, spec, text
@@ -339,10 +340,10 @@ def test_forms_describe_the_values_of_keys():
 def wider(monkeypatch):
     """The sections of a specification, in which `checks` has one key more."""
 
-    class Wider(sections.ChecksSection):
-        gap: sections.measured("mm", gt=0.001, le=0.5) | None = sections.optional("between", "20 um")
+    class Wider(own.ChecksSection):
+        gap: own.measured("mm", gt=0.001, le=0.5) | None = own.optional("between", "20 um")
 
-    checks = (Wider, sections.key("further checks", default=Wider()))
+    checks = (Wider, own.key("further checks", default=Wider()))
     for module in (forms, read):
         monkeypatch.setattr(module, "Sections", create_model("Wider", __base__=Sections, checks=checks))
     for cached in (whole_schema, section_forms):
