@@ -31,9 +31,6 @@ from metafem.inversion.target_law import TargetLaw
 # Smallest and largest indentation over R in the table of contacts, and number of tabulated contacts.
 TABLE, TABULATED = (1e-18, 10.0), 800
 
-# Indentations, loads and areas of a contact.
-Table = tuple[FloatArray, FloatArray, FloatArray]
-
 # Number of depths of the plane among which that of a sample is bracketed, and number of times.
 ZOOM, ZOOMS = 32, 2
 
@@ -53,6 +50,10 @@ LOADS, GAPS = 30, 40
 
 # Largest number of iterations of the least squares, and of its guesses that are used, the nearest ones.
 MOST_STEPS, USED = 2000, 20
+
+# Up to this number of sites, random initial guesses come first, and their number; their heights are drawn to
+# this multiple of the indentation of half of the sites.
+FEW, RANDOM, DEEP = 12, 40, 4.0
 
 
 def frictions(law: TargetLaw, bounds: Bounds) -> list[FloatArray]:
@@ -77,7 +78,8 @@ def of_one_tool(
 ) -> Iterator[Asperities]:
     """Yield asperities of one tool whose law is near frictions at loads, (k,) each [mm^2]."""
     span = problem.limits.span
-    height = in_order(*problem.tools.laws[tool], load, friction, problem.count)
+    law, summit = problem.tools.laws[tool]
+    height, _ = in_order(law, load, friction, np.full(len(load), summit), problem.count)
     inside = int((height >= height[0] - span).sum())
     # if heights are deeper than the span, further guesses have fewer of these heights
     for number in dict.fromkeys(inside + round(part * (len(height) - inside)) for part in LOW_FRACTIONS):
@@ -85,6 +87,26 @@ def of_one_tool(
 
 
 def of_several_tools(
+    problem: Problem, load: FloatArray, friction: FloatArray, rng: np.random.Generator
+) -> Iterator[Asperities]:
+    """Yield asperities of several tools whose law is near frictions at loads, (k,) each [mm^2]."""
+    tools, count = problem.tools, problem.count
+    if count <= FEW:
+        law, summit = tools.laws[len(tools) // 2]
+        depth, _ = at_load(law.without_adhesion, load[-1:] / max(1.0, 0.5 * count), summit)
+        for number in rng.integers((count + 1) // 2, count + 1, size=RANDOM).tolist():
+            height = -rng.uniform(0.0, min(DEEP * float(depth[0]), problem.limits.span), number)
+            yield problem.placed(height, rng.integers(len(tools), size=number), rng)
+    if tools.same_shape:  # radii that increase or decrease with the depth
+        order = np.argsort([tool.radius for tool in tools.all], kind="stable")
+        ramp = order[np.linspace(0.0, len(tools) - 1.0, len(load)).round().astype(np.int64)]
+        for which in (ramp, ramp[::-1]):
+            height, sample = in_order(tools.law, load, friction, tools.summits[which], count)
+            yield problem.placed(height, which[sample], rng)
+    yield from by_least_squares(problem, load, friction, rng)
+
+
+def by_least_squares(
     problem: Problem, load: FloatArray, friction: FloatArray, rng: np.random.Generator
 ) -> list[Asperities]:
     """Return asperities of the tried tools whose law is near frictions at loads (k,), the nearest first."""
@@ -126,54 +148,63 @@ def _rounded(gap: FloatArray, which: IntArray, number: FloatArray, count: int) -
     return gap[rows[0]] - gap[rows], which[rows]
 
 
-def in_order(law: Contact, radius: float, load: FloatArray, friction: FloatArray, count: int) -> FloatArray:
-    """Return at most `count` heights [mm] of asperities of one radius whose law is near the samples.
+def in_order(
+    law: Contact, load: FloatArray, friction: FloatArray, radius: FloatArray, count: int
+) -> tuple[FloatArray, IntArray]:
+    """Return at most `count` heights [mm] whose law is near the samples, and the samples they are added for.
 
-    The tallest height is first and equal to 0.
+    The tallest height is first and equal to 0. Asperities added for sample k have the k-th radius.
     """
-    table = _table(law, radius)
-    first, loads, areas = table
+    tables = {size: _Table(law, size) for size in np.unique(radius).tolist()}
+    first = tables[radius[0]]
     if law.power == 1.0:
         # cones have the same P/A at any depth, so the first load is divided among all asperities
-        depth = float(at_load(law, load[:1] / count, radius)[0][0])
+        depth = float(at_load(law, load[:1] / count, radius[0])[0][0])
     else:  # P/A increases with the indentation
-        depth = float(np.interp(load[0] / friction[0], loads / areas, first))
-    levels, numbers, plane = [0.0], [friction[0] / float(_contacts(table, depth)[1])], -depth
-    for p, f in zip(load[1:], friction[1:], strict=True):
-        depth, number = _entering(table, np.array(levels) - plane, np.array(numbers), p, f)
+        depth = float(np.interp(load[0] / friction[0], first.load / first.area, first.depth))
+    levels, numbers, at, plane = [0.0], [friction[0] / float(first.contacts(depth)[1])], [0], -depth
+    for k, (p, f, new) in enumerate(zip(load[1:], friction[1:], radius[1:], strict=True), start=1):
+        above, kinds, many = np.array(levels) - plane, radius[at], np.array(numbers)
+        parts = [(tables[size], above[kinds == size], many[kinds == size]) for size in set(kinds.tolist())]
+        depth, number = _entering(tables[new], parts, p, f)
         if number > 0.0:
             levels.append(plane)
             numbers.append(number)
+            at.append(k)
         plane -= depth
-    return _spread(np.array(levels), np.array(numbers), plane, count)
+    return _spread(np.array(levels), np.array(numbers), np.array(at), plane, count)
 
 
-def _table(law: Contact, radius: float) -> Table:
-    """Return indentations [mm], loads and areas [mm^2] of contacts with summits of one radius [mm]."""
-    most = min(float(law.largest_indentation(radius)), TABLE[1] * radius)
-    depth = np.geomspace(TABLE[0] * radius, most, TABULATED)
-    found = law.contacts(depth, np.full(TABULATED, radius))
-    return depth, found.load, found.area
+class _Table:
+    """Indentations [mm], loads and areas [mm^2] of contacts with summits of one radius [mm]."""
 
+    def __init__(self, law: Contact, radius: float) -> None:
+        most = min(float(law.largest_indentation(radius)), TABLE[1] * radius)
+        self.depth = np.geomspace(TABLE[0] * radius, most, TABULATED)
+        found = law.contacts(self.depth, np.full(TABULATED, radius))
+        self.load, self.area, self.logarithm = found.load, found.area, np.log(self.depth)
 
-def _contacts(table: Table, depth: Any) -> tuple[FloatArray, FloatArray]:
-    """Return loads and areas [mm^2] at indentations above 0."""
-    at, known = np.log(depth), np.log(table[0])
-    return np.interp(at, known, table[1]), np.interp(at, known, table[2])
+    def contacts(self, depth: Any) -> tuple[FloatArray, FloatArray]:
+        """Return loads and areas [mm^2] at indentations above 0."""
+        at = np.log(depth)
+        return np.interp(at, self.logarithm, self.load), np.interp(at, self.logarithm, self.area)
 
 
 def _entering(
-    table: Table, above: FloatArray, many: FloatArray, load: float, friction: float
+    new: _Table, earlier: list[tuple[_Table, FloatArray, FloatArray]], load: float, friction: float
 ) -> tuple[float, float]:
     """Return the depth [mm] of the plane below the new level at a sample, and the number of new asperities.
 
-    above, many: heights above the new level and numbers of the asperities that are in contact.
+    earlier: tables, heights above the new level and numbers of the asperities that are in contact.
     """
-    low, high = table[0][0], table[0][-1]
+    low, high = new.depth[0], new.depth[-1]
     for _ in range(ZOOMS):
         depth = np.geomspace(low, high, ZOOM)
-        carried, area = (many @ part for part in _contacts(table, above[:, None] + depth))
-        one_load, one_area = _contacts(table, depth)
+        carried = area = np.zeros(ZOOM)
+        for table, above, many in earlier:
+            loads, areas = table.contacts(above[:, None] + depth)
+            carried, area = carried + many @ loads, area + many @ areas
+        one_load, one_area = new.contacts(depth)
         number = np.maximum(friction - area, 0.0) / one_area  # eq. S1
         missing = load - carried - number * one_load
         i = int((missing <= 0.0).argmax()) if missing[-1] <= 0.0 else ZOOM - 1
@@ -184,12 +215,16 @@ def _entering(
     return float(low + share * (high - low)), float(number[i - 1] + share * (number[i] - number[i - 1]))
 
 
-def _spread(levels: FloatArray, numbers: FloatArray, plane: float, count: int) -> FloatArray:
-    """Return the heights [mm] of an integer number of asperities.
+def _spread(
+    levels: FloatArray, numbers: FloatArray, at: IntArray, plane: float, count: int
+) -> tuple[FloatArray, IntArray]:
+    """Return the heights [mm] of an integer number of asperities, and the samples they are added for.
 
     The asperities of a level are spread evenly over the heights up and down to half-way to the next levels.
     """
     ends = np.append(np.insert(0.5 * (levels[1:] + levels[:-1]), 0, levels[0]), 0.5 * (levels[-1] + plane))
     total = np.insert(np.cumsum(numbers), 0, 0.0)
     most = min(count, max(1, math.ceil(total[-1])))
-    return np.asarray(np.interp((np.arange(most) + 0.5) / most * total[-1], total, ends))
+    middle = (np.arange(most) + 0.5) / most * total[-1]
+    level = np.minimum(np.searchsorted(total[1:], middle), len(at) - 1)
+    return np.interp(middle, total, ends), at[level]

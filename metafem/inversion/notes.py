@@ -46,9 +46,14 @@ def _heights(problem: Problem, candidate: Candidate, found: Design) -> list[Note
     """Return notes on height steps, on heights that use the whole range, and on summits that are too low."""
     limits, height, before, notes = problem.limits, found.surface.height, candidate.unrounded, list[Note]()
     if before is not None:
-        sizes = (misfit_text(size, 3) for size in (found.misfit, before))
-        words = "heights are on steps of {:.4g} um: the misfit is {}; before rounding to them it was {}"
-        notes.append(information(words.format(1e3 * (limits.height_step or 0.0), *sizes)))
+        aside = f"; a smaller height_step brings it below {percent(REACHED, 'g')}"
+        notes.append(
+            information(
+                f"heights are on steps of {1e3 * (limits.height_step or 0.0):.4g} um: the misfit is "
+                f"{misfit_text(found.misfit, 3)}; before rounding to them it was {misfit_text(before, 3)}"
+                f"{aside if found.misfit > REACHED >= before else ''}"
+            )
+        )
     allowed = limits.span if limits.height_step is None else float(np.ptp(limits.levels))
     full = float(np.ptp(height)) >= allowed * (1.0 - ALL_OF_IT)
     if full and found.status is DesignStatus.MISSED and not (before is not None and before <= REACHED):
@@ -86,10 +91,14 @@ def _doubt(problem: Problem, candidate: Candidate, found: Design) -> list[Note]:
 
 def _outside(problem: Problem) -> list[Note]:
     """Return a note on samples that no surface meets."""
-    distance, _ = nearest_law(problem.law, problem.bounds, problem.margin)
+    law = problem.law
+    distance, friction = nearest_law(law, problem.bounds, problem.margin)
     if distance <= ROUNDING:
         return []
-    words = f"they are outside the bounds by up to {percent(distance)}"
+    difference = np.abs(friction / law.lower - 1.0)
+    most, many = int(difference.argmax()), int((difference > ROUNDING).sum())
+    far = f"by up to {percent(float(difference[most]))} (sample {most + 1})"
+    words = f"{many} of {len(difference)} differ from the nearest law within the bounds, {far}"
     return [
         information(f"no surface meets all samples: {words}; the design has the least rms difference found")
     ]

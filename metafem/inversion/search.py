@@ -82,10 +82,10 @@ PAIRED, TRIED_EXCHANGES = 300, 12
 
 # Damping c of the first step, and largest number of steps. A descent ends when a step lowers the sum of
 # squares by less than a fraction: a descent along kinks is slow, and a random change is faster.
-DAMPING, STEPS, LEAST_GAIN = 0.1, 40, 0.02
+DAMPING, STEPS, LEAST_GAIN = 1e-2, 40, 0.02
 
 # Sizes of random changes, relative to the mean spacing of the heights.
-SIZES = (0.1, 0.3, 1.0)
+SIZES = (0.1, 0.3, 1.0, 3.0)
 
 # Largest number of steps of a descent that must converge to rounding.
 EXACT_STEPS = 40

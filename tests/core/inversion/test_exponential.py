@@ -48,3 +48,9 @@ def test_heights_of_a_bilinear_law_are_those_of_table_s2(template):
     assert middle == pytest.approx(0.015338, abs=5e-7)
     parts = middles(scale, 0.0, middle, 58), middles(scale, middle, 0.12, 6)
     assert_allclose(np.sort(found.surface.height) - 0.05, np.concatenate(parts), rtol=1e-11)
+
+
+def test_the_finest_scale_bounds_the_friction_coefficient_as_printed(template):
+    """From 1.10 to 3.03 with heights of 0.9 µm precision, in the paper; all digits by quadrature."""
+    found = mf.achievable_friction_coefficients(template, mf.Limits(0.12, height_sd=0.9e-3))
+    assert found == pytest.approx((1.104, 3.032), abs=5e-4)

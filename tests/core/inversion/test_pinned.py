@@ -43,6 +43,14 @@ def made_law(model=None):
     return made, mf.SampledLaw(law.rescaled_load, law.rescaled_friction)
 
 
+def test_given_heights_of_a_design_meet_its_target_again():
+    for name, most in (("points", 1e-9), ("linear", 0.1), ("power", 0.01)):
+        pinned = dict(list(heights(designed(TARGETS[name])).items())[::5])
+        after = designed(TARGETS[name], pinned)
+        assert_kept(after, pinned)
+        assert after.misfit <= most
+
+
 def test_the_other_height_of_two_follows_the_given_one():
     """The law of two asperities determines the difference of their heights."""
     for given in [0.17, TOP]:
@@ -62,6 +70,13 @@ def test_heights_of_a_surface_are_completed_for_its_law(model):
     result = designed(target, pinned, model)
     assert_kept(result, pinned)
     assert result.misfit < 0.002
+
+
+def test_a_height_below_the_contacts_changes_nothing_where_sites_are_left():
+    target = mf.SampledLaw([0.005, 0.01, 0.02], [0.05, 0.1, 0.2])
+    after = designed(target, {4: 0.09})
+    assert_kept(after, {4: 0.09})
+    assert after.misfit < 1e-3
 
 
 def test_the_others_are_adjusted_no_worse_than_left_alone():

@@ -123,6 +123,6 @@ def test_no_asperity_enters_where_the_earlier_ones_have_load_and_area():
     for law in (mf.Elastic(mf.Power(3.7)), mf.KogutEtsion(14.0).for_material(MATERIAL)):
         for depth in np.random.default_rng(0).uniform(1e-3, 0.02, 20):
             one = law.contacts(depth * np.geomspace(0.01, 1.0, 6), np.array(0.526))
-            height = in_order(law, 0.526, one.load, one.area, 4)
-            assert len(height) >= 1
+            height, at = in_order(law, one.load, one.area, np.full(6, 0.526), 4)
+            assert len(height) == len(at) >= 1
             assert ((-depth <= height) & (height <= 0.0)).all()

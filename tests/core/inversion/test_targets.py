@@ -26,6 +26,11 @@ def test_a_target_states_its_law_up_to_its_last_load():
     assert (mf.LinearLaw(7.0).last_load, mf.LinearLaw(7.0).branches) == (None, ())
 
 
+def test_branches_share_an_intercept_where_they_meet():
+    joined, apart = (mf.MultilinearLaw([7.0, 9.0], [c], (0.1, 0.2)).curve() for c in (0.15, (0.14, 0.16)))
+    assert (joined.free.shape[1], apart.free.shape[1]) == (1, 2)
+
+
 def test_a_friction_coefficient_is_a_slope():
     law = mf.LinearLaw.from_friction_coefficient(1.4, *PAIR, load_range_N=(0.068, 0.272))
     assert law.slope == pytest.approx(1.4 / PER_SLOPE, rel=1e-15)
