@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 import warnings
-from bisect import bisect_left
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
+from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -42,7 +42,7 @@ INSIDE = 1e-3
 
 # Factors of the number of sites, and of the radius and its inverse, among which a hint is looked for; and
 # largest number of those within the bounds of which the first is stated with which a design meets the target.
-FACTORS, TRIED = np.geomspace(1.02, 30.0, 31).tolist(), 4
+FACTORS, TRIED = np.geomspace(1.02, 30.0, 30).tolist(), 4
 
 # A range of loads is sought between these loads over the largest one, of this number, by this number of
 # bisections on a logarithmic scale. Between the loads of the first contacts, a law differs from the line by
@@ -198,9 +198,8 @@ def _remedies(problem: Problem) -> str:
     ways: list[Callable[[Problem, float], Problem]]
     ways = [_with_count, partial(_with_radius, 1.0), partial(_with_radius, -1.0)]
     for way in ways if len(problem.tools) == 1 else ways[:1]:
-        first = bisect_left(FACTORS, True, key=lambda factor: _possible(way(problem, factor)))
-        tried = (way(problem, factor) for factor in FACTORS[first : first + TRIED])
-        met = next((each for each in tried if _meets(each)), None)
+        possible = (each for factor in FACTORS if _possible(each := way(problem, factor)))
+        met = next((each for each in islice(possible, TRIED) if _meets(each)), None)
         if met is not None:
             radius = f"a radius of {met.tools.all[0].radius:.4g} mm"
             words.append(radius if met.count == problem.count else f"{met.count} sites in all")

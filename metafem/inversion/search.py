@@ -26,6 +26,7 @@ from metafem.errors import InvalidInput
 from metafem.inversion.problem import NONE, Asperities, Branch, Problem
 from metafem.inversion.target_law import LateResidual, TargetLaw
 from metafem.models.independent import load_equation
+from metafem.models.model import has_paraboloids
 from metafem.progress import each
 
 # Misfit at which a search ends: height errors of 1 um change A0 by more than this.
@@ -80,12 +81,24 @@ RANGE_DAMPINGS = (1.0, 0.1, 1e-2, 1e-3, 1e-4, 1e-5)
 PAIRED, TRIED_EXCHANGES = 300, 12
 
 
-# Damping c of the first step, and largest number of steps. A descent ends when a step lowers the sum of
-# squares by less than a fraction: a descent along kinks is slow, and a random change is faster.
-DAMPING, STEPS, LEAST_GAIN = 1e-2, 40, 0.02
+@dataclass(frozen=True)
+class Descent:
+    """Options of descents and random changes."""
 
-# Sizes of random changes, relative to the mean spacing of the heights.
-SIZES = (0.1, 0.3, 1.0, 3.0)
+    damping: float  # c of the first step
+    # a descent ends when a step lowers the sum of squares by less than this fraction: a descent along kinks
+    # is slow, and a random change is faster
+    least_gain: float
+    steps: int  # largest number of steps
+    sizes: tuple[float, ...]  # sizes of random changes, relative to the mean spacing of the heights
+
+
+HERTZ = Descent(damping=1e-2, least_gain=0.05, steps=20, sizes=(0.3, 1.0, 3.0))
+
+# Options for other contact laws. If a cap is flatter than a paraboloid, its area as a function of the
+# indentation begins with an infinite slope; with adhesion the area jumps. New contacts then cause sharper
+# kinks, and the gradient is not valid beyond a kink.
+OTHERS = Descent(damping=1.0, least_gain=0.01, steps=40, sizes=(0.1, 0.3, 1.0))
 
 # Largest number of steps of a descent that must converge to rounding.
 EXACT_STEPS = 40
@@ -194,7 +207,7 @@ class Residual:
             return PATIENCE_DRAFT
         coupled = COUPLED * asperities * (self.model is not None)
         each = (ADHESIVE if self.problem.tools.law.adhesive else 1.0) + coupled
-        contacts = STEPS * asperities * (len(self.law.load) + 1) * each
+        contacts = HERTZ.steps * asperities * (len(self.law.load) + 1) * each
         return min(PATIENCE, max(LEAST_PATIENCE, int(CONTACTS / contacts)))
 
 
@@ -207,13 +220,14 @@ def descend(
     most: largest number of steps, if it is below the usual one.
     """
     problem = residual.problem
+    options = HERTZ if has_paraboloids(problem.model) else OTHERS
     low, high = problem.foot, problem.limits.top
     near, some = AT_LIMIT * problem.limits.span, start.sites
     held = np.isin(some, list(problem.held))
-    height, at, damping = start.height[some], start, DAMPING
+    height, at, damping = start.height[some], start, options.damping
     r, jacobian = residual(at)
     squares, known = float(r @ r), None
-    for _ in each("step", range(min(EXACT_STEPS if exact else STEPS, most)), at_most=True):
+    for _ in each("step", range(min(EXACT_STEPS if exact else options.steps, most)), at_most=True):
         if residual.misfit(r) <= goal or damping > MOST_DAMPING or not np.isfinite(squares):
             break
         if known is None:
@@ -229,7 +243,7 @@ def descend(
         new_r, new_jacobian = residual(moved)
         new = float(new_r @ new_r)
         if new < squares:
-            stalled = squares - new < LEAST_GAIN * squares and not exact
+            stalled = squares - new < options.least_gain * squares and not exact
             height, at, r, jacobian, known, squares = trial, moved, new_r, new_jacobian, None, new
             damping = max(damping / DAMPING_FACTOR, LEAST_DAMPING)
             if stalled:
@@ -323,12 +337,13 @@ def _changed(residual: Residual, best: Found, goal: float, rng: np.random.Genera
 
 def changed(at: Asperities, problem: Problem, rng: np.random.Generator) -> Asperities:
     """Return asperities after a random change: some move, are added or removed, or change their tool."""
+    sizes = (HERTZ if has_paraboloids(problem.model) else OTHERS).sizes
     height, tool, on = at.height.copy(), at.tool.copy(), at.sites
     free = np.setdiff1d(on, list(problem.held)) if problem.held else on
     if not free.size:
         return at
     low, high = problem.foot, problem.limits.top
-    spacing = (float(np.ptp(height[on])) or problem.limits.span) / len(on) * rng.choice(SIZES)
+    spacing = (float(np.ptp(height[on])) or problem.limits.span) / len(on) * rng.choice(sizes)
     moves = rng.random(len(free)) < rng.choice(FRACTIONS)
     height[free] += spacing * rng.standard_normal(len(free)) * moves
     if rng.random() < ANYWHERE:

@@ -32,7 +32,7 @@ MOST_STEPPED, REPETITIONS = 512, 60
 
 # Misfit at which a search over steps ends, a little above that without steps, and number of random changes
 # that are tried above it.
-STEP_GOAL, RANDOM = 1.5e-3, 15
+STEP_GOAL, RANDOM = 1.5e-3, 20
 
 # If the misfit is the largest difference, the sum of this power of the differences is minimised. For a
 # hundred differences, the corresponding root of the sum is at most 1.8 times the largest difference.
@@ -94,8 +94,7 @@ class _Steps:
 
     def _residual(self, at: Asperities) -> FloatArray:
         """Return the residual of asperities, (k,) [-]."""
-        found: FloatArray = self._residuals(self.problem.surface(at), at.height[at.sites][None])[0]
-        return found
+        return self._residuals(self.problem.surface(at), at.height[at.sites][None])[0]
 
     def _residuals(self, surface: Surface, height: FloatArray, independent: bool = False) -> FloatArray:
         """Return the residuals (m, k) [-] for heights (m, n); inf where the model does not converge."""
