@@ -185,11 +185,11 @@ from metafem.cli import main
 from metafem.files import Specification
 from metafem.progress import doing
 
-def endless(self, model=None, *, draft=False):
+def endless(self, *given, draft=False):
     while type(self.model).__name__ == "BoundaryElements" and not draft:
         with doing("a search without an end"):
             time.sleep(0.01)
-    return design(self, model, draft=draft)
+    return design(self, *given, draft=draft)
 
 design, Specification.design = Specification.design, endless
 main()
