@@ -94,7 +94,8 @@ class _Steps:
 
     def _residual(self, at: Asperities) -> FloatArray:
         """Return the residual of asperities, (k,) [-]."""
-        return self._residuals(self.problem.surface(at), at.height[at.sites][None])[0]
+        found: FloatArray = self._residuals(self.problem.surface(at), at.height[at.sites][None])[0]
+        return found
 
     def _residuals(self, surface: Surface, height: FloatArray, independent: bool = False) -> FloatArray:
         """Return the residuals (m, k) [-] for heights (m, n); inf where the model does not converge."""
