@@ -2,7 +2,8 @@
 
 The change of the law by each single change is that of independent asperities, and the changes of two
 asperities are added. The best ones so predicted are evaluated under the model, as long as one lowers the
-misfit. Random changes of the best asperities follow.
+misfit. Random changes of the best asperities follow. All surfaces have the same sites, with absent asperities
+far below, because the influence between sites can take a minute.
 """
 
 from __future__ import annotations
@@ -38,6 +39,9 @@ STEP_GOAL, RANDOM = 1.5e-3, 20
 # hundred differences, the corresponding root of the sum is at most 1.8 times the largest difference.
 LARGEST_POWER = 8
 
+# Number of vacant sites to which asperities may be added.
+SPARE = 3
+
 # Largest number of levels to which an asperity is added, evenly spaced, and depth of an absent asperity below
 # the lowest level over the span of the heights.
 ADDED_TO, ABSENT = 60, 100.0
@@ -68,6 +72,18 @@ class _Steps:
         levels = self.problem.limits.levels
         return np.asarray(levels[levels >= self.problem.foot])
 
+    @cached_property
+    def within(self) -> Problem:
+        """Problem whose open sites are those of all surfaces: the candidate's and a few vacant ones."""
+        vacant = np.setdiff1d(self.problem.open, self.candidate.asperities.sites)[SPARE:]
+        pinned = {**self.problem.pinned, **dict.fromkeys(vacant.tolist(), None)}
+        return replace(self.problem, pinned=pinned)
+
+    @cached_property
+    def absent(self) -> float:
+        """Height of an absent asperity [mm]."""
+        return float(self.levels[0] - ABSENT * self.problem.limits.span)
+
     def best(self, rng: np.random.Generator) -> Asperities:
         """Return the asperities on steps with the smallest sum that was found."""
         tried = [self._rounded(self.candidate.asperities, shift) for shift in SHIFTS]
@@ -78,7 +94,7 @@ class _Steps:
         for _ in each("random change", range(0 if self.problem.draft else RANDOM), at_most=True):
             if self._total(residual) <= self._total(np.full_like(residual, STEP_GOAL)):
                 break
-            found = self._descended(self._rounded(changed(at, self.problem, rng)))
+            found = self._descended(self._rounded(changed(at, self.within, rng)))
             if self._total(found[1]) < self._total(residual):
                 at, residual = found
         return at
@@ -94,8 +110,15 @@ class _Steps:
 
     def _residual(self, at: Asperities) -> FloatArray:
         """Return the residual of asperities, (k,) [-]."""
-        found: FloatArray = self._residuals(self.problem.surface(at), at.height[at.sites][None])[0]
+        whole = self._whole(at)
+        found: FloatArray = self._residuals(self.problem.surface(whole), whole.height[whole.sites][None])[0]
         return found
+
+    def _whole(self, at: Asperities) -> Asperities:
+        """Return asperities on all open sites; the absent ones have the tool of the lowest."""
+        on, tool = at.sites, at.tool.copy()
+        tool[np.setdiff1d(self.within.open, on)] = at.tool[on[at.height[on].argmin()]]
+        return Asperities(np.where(at.exists, at.height, self.absent), tool)
 
     def _residuals(self, surface: Surface, height: FloatArray, independent: bool = False) -> FloatArray:
         """Return the residuals (m, k) [-] for heights (m, n); inf where the model does not converge."""
@@ -118,22 +141,16 @@ class _Steps:
         """Return asperities after changes that lower the sum, and their residual (k,)."""
         residual = self._residual(at)
         for _ in each("change of steps", range(1 if self.problem.draft else REPETITIONS), at_most=True):
-            absent = self.levels[0] - ABSENT * self.problem.limits.span
-            on, spare = at.sites, np.setdiff1d(self.problem.open, at.sites)[:1]
-            if not getattr(self.problem.model.gradient_model, "ignores_open", True):
-                spare = spare[:0]
-            whole = Asperities(np.where(at.exists, at.height, absent), at.tool.copy())
-            whole.tool[spare] = at.tool[on[at.height[on].argmin()]]
+            whole = self._whole(at)
             sites, surface = whole.sites, self.problem.surface(whole)
-            trials = self._predicted(
-                surface, whole.height[sites], np.isin(sites, list(self.problem.held)), residual
-            )
+            held = np.isin(sites, list(self.problem.held))
+            trials = self._predicted(surface, whole.height[sites], held, residual)
             residuals = self._residuals(surface, trials)
             if not len(trials) or not self._total(residuals).min() < self._total(residual):
                 break
             row = int(self._total(residuals).argmin())
             at, residual = whole.with_heights(trials[row]), residuals[row]
-            at.tool[at.height <= absent] = NONE
+            at.tool[at.height <= self.absent] = NONE
         return at, residual
 
     def _predicted(
@@ -163,9 +180,8 @@ class _Steps:
 
     def _changes(self, height: FloatArray, held: NDArray[np.bool_]) -> tuple[IntArray, FloatArray]:
         """Return the asperities of all single changes, and their new heights [mm]."""
-        levels, exists = self.levels, height > self.levels[0] - self.problem.limits.span
-        absent, step = levels[0] - ABSENT * self.problem.limits.span, self.problem.limits.height_step or 1.0
-        on, off = np.flatnonzero(exists & ~held), np.flatnonzero(~exists)
+        levels, exists, step = self.levels, height > self.absent, self.problem.limits.height_step or 1.0
+        on, off = np.flatnonzero(exists & ~held), np.flatnonzero(~exists)[:1]
         index = np.rint((height[on] - levels[0]) / step).astype(np.int64)
         up, down = index < len(levels) - 1, index > 0
         removed = on if len(on) > 1 else on[:0]
@@ -173,5 +189,5 @@ class _Steps:
             np.unique(np.linspace(0, len(levels) - 1, min(len(levels), ADDED_TO)).round().astype(int))
         ]
         which = np.concatenate([on[up], on[down], removed, np.repeat(off, len(some))])
-        to = [levels[index[up] + 1], levels[index[down] - 1], np.full(len(removed), absent)]
+        to = [levels[index[up] + 1], levels[index[down] - 1], np.full(len(removed), self.absent)]
         return which, np.concatenate([*to, np.tile(some, len(off))])

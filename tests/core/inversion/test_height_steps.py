@@ -5,6 +5,9 @@ import pytest
 
 import metafem as mf
 from metafem.inversion import DesignStatus
+from metafem.inversion.problem import Problem
+from metafem.inversion.refinement import inverted
+from metafem.inversion.steps import on_steps
 from tests.models.scenes import said
 
 STEP = 0.006
@@ -44,3 +47,18 @@ def test_coarse_steps_miss_and_say_so(template):
         assert len(limits.levels) == levels
         assert set(result.surface.height) <= set(limits.levels)
         assert result.status is DesignStatus.MISSED
+
+
+def test_a_search_on_steps_stays_on_one_set_of_sites(template, monkeypatch):
+    """The influence on the real block takes a minute for each set."""
+    problem = Problem.checked(TARGETS["power"], template, limits=mf.Limits(0.27, height_step=0.02))
+    rng = np.random.default_rng(0)
+    candidate, seen, surface = inverted(problem, rng), set(), Problem.surface
+
+    def recorded(self, at):
+        seen.add(at.sites.tobytes())
+        return surface(self, at)
+
+    monkeypatch.setattr(Problem, "surface", recorded)
+    on_steps(problem, candidate, rng)
+    assert len(seen | {candidate.asperities.sites.tobytes()}) <= 2
