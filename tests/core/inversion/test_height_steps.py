@@ -26,7 +26,7 @@ SLOW = pytest.param("multilinear", marks=pytest.mark.slow)
 
 @pytest.mark.parametrize("name", [*(name for name in TARGETS if name != "multilinear"), SLOW])
 def test_heights_stand_on_steps_and_the_loss_is_told(template, name):
-    model = mf.Independent() if name == "sampled" else mf.Interacting(order=1)
+    model = mf.Independent() if name in ("sampled", "power") else mf.Interacting(order=1)
     result = mf.design(TARGETS[name], template, model, LIMITS)
     steps = (result.surface.height - LIMITS.foot) / STEP - 0.5
     np.testing.assert_allclose(steps, np.rint(steps), atol=1e-9)
