@@ -33,6 +33,7 @@ def dense():
 
 def others():
     """Solve independent, many and resolved contacts."""
+    mf.friction_law(SMALL, mf.Independent(mf.JKR(1e-5)), load=LOAD)
     for contact in (mf.Hertz(), mf.KogutEtsion(20.0)):
         model = mf.Independent(contact)
         mf.friction_law(SMALL, model, load=LOAD)

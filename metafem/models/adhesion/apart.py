@@ -12,33 +12,37 @@ from typing import Any
 
 import numpy as np
 
+from metafem._kernels import adhesion as kernel
 from metafem._kernels.newton import TOLERANCE
 from metafem._validate import FloatArray
 from metafem.contact import JKR
 from metafem.models.adhesion.contacts import Scene, States
 
-# Number of contacts in a table, and largest number of steps of Newton's method: far above the load, each step
-# with the tables divides the approach by three.
+# Number of contacts in a table, whose linear interpolation has errors of the square of its inverse, and
+# largest number of steps of Newton's method: far above the load, a step with tables divides x by three.
 TABULATED, MOST_STEPS = 400, 60
+
+# Step of Newton's method over the approach, after which the next one would be near rounding.
+NEAR = 1e-6
 
 
 def loaded_apart(scene: Scene, load: FloatArray) -> States | None:
     """Return the states at increasing loads (k,), or None if some are beyond the range of the law."""
     gap, start = scene.gap, np.unique(scene.gap)
-    closed, ends = gap <= start[:, None], np.append(start[1:], np.inf)
-    most = np.where(closed, gap + scene.law.largest_indentation(scene.radius), np.inf).min(axis=1)
+    sizes, which = np.unique(scene.radius, return_inverse=True)
+    table = np.array([_table(scene.law, size.tobytes(), sizes.dtype) for size in sizes])
+    most = scene.law.largest_indentation(scene.radius)
+    ends = np.append(start[1:], np.inf)
+    most = np.where(gap <= start[:, None], gap + most, np.inf).min(axis=1)
     last = int((ends >= most).argmax())
-    contacts = _Tables(scene)
-    carried = contacts(ends[:last], closed[:last])[1].sum(axis=1)
+    carried = kernel.loads(table, which, gap, start[:last], ends[:last])
     piece = np.searchsorted(np.maximum.accumulate(carried), load)
-    now, high = closed[piece], np.minimum(ends, most)[piece]
-    x = high = np.minimum(high, gap.min() + contacts.alone(load))
-    for _ in range(MOST_STEPS):
-        a, carried, rate = contacts(x, now)
-        step = (load - carried.sum(axis=1)) / rate.sum(axis=1)
-        x = x + step
-        if (TABULATED * np.abs(step) <= x).all():  # the next one would be below the error of the tables
-            break
+    reach, high = start[piece], np.minimum(ends, most)[piece]
+    # the others pull by at most the loads after their jumps into contact
+    pulled, tallest = table[which, 2, 0].sum(), table[which[gap.argmin()]]
+    high = np.minimum(high, gap.min() + np.interp(load - pulled, tallest[2], tallest[0], right=np.inf))
+    x, now = high.copy(), gap <= reach[:, None]
+    a = kernel.approached(table, which, gap, reach, load, x, 1.0 / TABULATED**2, MOST_STEPS)
     for _ in range(MOST_STEPS):
         a = np.maximum(a, scene.entry_radius)
         at = scene.fields(a, now)
@@ -46,38 +50,11 @@ def loaded_apart(scene: Scene, load: FloatArray) -> States | None:
         rate = at.rise / at.slope
         step = (load - (at.load + rate * missing).sum(axis=1)) / rate.sum(axis=1)
         a, x = a + (missing + step[:, None]) / at.slope, x + step
-        if (np.abs(step) <= TOLERANCE * x).all():
-            break
-    found = States(scene, now, np.where(now, a, 0.0), x, scene.at_load(load))
-    return found if (found.residual <= TOLERANCE).all() and (x <= high * (1.0 + TOLERANCE)).all() else None
-
-
-class _Tables:
-    """Radii [mm], loads [mm^2] and dP/dd [mm] of contacts, interpolated."""
-
-    def __init__(self, scene: Scene) -> None:
-        self.gap, radius = scene.gap, scene.radius
-        sizes, which = np.unique(radius, return_inverse=True)
-        self.parts = [
-            (which == i, _table(scene.law, size.tobytes(), sizes.dtype)) for i, size in enumerate(sizes)
-        ]
-        # the others pull by at most the loads after their jumps into contact
-        self.pulled = sum(-table[2][0] * members.sum() for members, table in self.parts)
-        self.tallest = next(table for members, table in self.parts if members[scene.gap.argmin()])
-
-    def __call__(self, x: FloatArray, closed: np.ndarray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return the contacts at approaches (k,) [mm], (k, n) each; loads and rates of open ones are 0."""
-        depth = np.maximum(x[:, None] - self.gap, 0.0)
-        found = np.empty((3, *depth.shape))
-        for members, (d, *values) in self.parts:
-            for value, result in zip(values, found, strict=True):
-                result[:, members] = np.interp(depth[:, members], d, value)
-        return found[0], found[1] * closed, found[2] * closed
-
-    def alone(self, load: FloatArray) -> FloatArray:
-        """Return upper bounds of the approaches at loads (k,) [mm]."""
-        depth, _, carried, _ = self.tallest
-        return np.asarray(np.interp(load + self.pulled, carried, depth, right=np.inf))
+        if (np.abs(step) <= NEAR * x).all():
+            found = States(scene, now, np.where(now, a, 0.0), x, scene.at_load(load))
+            if (found.residual <= TOLERANCE).all():
+                return found if (x <= high * (1.0 + TOLERANCE)).all() else None
+    return None
 
 
 @lru_cache(maxsize=64)
