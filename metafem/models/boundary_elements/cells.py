@@ -7,7 +7,6 @@ the surface. Cell (i, j) has its centre at (i, j).
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -33,6 +32,12 @@ SLOWEST_RATE = 2.4
 NARROW = 4
 
 
+# A rectangle of cells around one contact or several close ones: the grid indices of its first cell (2,), the
+# depths of the undeformed surface below the tallest summit, and the asperity with the highest surface in each
+# cell, both (rows, columns).
+Patch = tuple[IntArray, FloatArray, IntArray]
+
+
 class Summits:
     """Positions (n, 2), summit depths (n,) and radii (n,) of asperities, in cells, and their cap."""
 
@@ -52,7 +57,7 @@ class Summits:
         return np.asarray(self.cap.contact_radius(deepest, self.of_law) / self.cell)
 
     def patch(self, members: IntArray, first: IntArray, last: IntArray) -> Patch:
-        """Return the patch with the cells from `first` to `last`, on which these summits have contacts."""
+        """Return the `Patch` with the cells from `first` to `last`, on which these summits have contacts."""
         inside = np.flatnonzero(((self.position >= first) & (self.position <= last)).all(axis=1))
         x, y = (np.arange(a, b + 1, dtype=np.float64) for a, b in zip(first, last, strict=True))
         gap = np.full((len(x), len(y)), np.inf)
@@ -64,7 +69,7 @@ class Summits:
             higher = depth < gap
             gap[higher] = depth[higher]
             owner[higher] = i
-        return Patch(first, gap, owner)
+        return first, gap, owner
 
     def areas(self, spread: FloatArray, load: FloatArray, shift: FloatArray) -> FloatArray:
         """Return the areas of contacts with loads P and second moments M = 2 s P of the pressure, (n,).
@@ -100,15 +105,6 @@ class Summits:
         return np.where(closed, math.pi * (a / self.cell) ** 2 * change, 0.0)
 
 
-@dataclass(frozen=True, eq=False)
-class Patch:
-    """A rectangle of cells around one contact or several close contacts."""
-
-    corner: IntArray  # grid indices of the first cell, (2,)
-    gap: FloatArray  # depth of the undeformed surface below the tallest summit, (rows, columns)
-    owner: IntArray  # index of the asperity with the highest surface in each cell, (rows, columns)
-
-
 def boxes(position: FloatArray, half_width: FloatArray) -> tuple[list[IntArray], IntArray, IntArray]:
     """Return the members (summits), first cells (m, 2) and last cells (m, 2) of m patches, sorted by shape.
 
@@ -134,31 +130,26 @@ def boxes(position: FloatArray, half_width: FloatArray) -> tuple[list[IntArray],
     return [members[k] for k in place], first[place], last[place]
 
 
-@dataclass(frozen=True, eq=False)
-class Contacts:
-    """Loads and areas of the asperities (n,); lengths are in cells."""
+def measure(
+    patches: list[Patch], pressure: list[FloatArray], summits: Summits
+) -> tuple[FloatArray, FloatArray, NDArray[np.bool_], IntArray, int]:
+    """Return what the pressures on the cells of each patch carry.
 
-    load: FloatArray  # sum of p/E* over the cells in which the asperity is the highest
-    area: FloatArray  # contact area on these cells
-    # whether the area is the area within the edge instead of the law's area for the second moments
-    deformed: NDArray[np.bool_]
-    merged: IntArray  # pairs of asperities with adjacent cells in contact, (m, 2)
-    grooves: int  # pairs of cells in contact of two asperities, `NARROW` cells apart
-
-
-def measure(patches: list[Patch], pressure: list[FloatArray], summits: Summits) -> Contacts:
-    """Return the loads and areas of the asperities, and the merged contacts."""
+    The loads and the contact areas on the cells in which each asperity is the highest, (n,); whether its area
+    is that within the edge instead of the law's for the second moments, (n,); the pairs of asperities with
+    adjacent cells in contact, (m, 2); and the number of pairs of cells of two asperities, `NARROW` apart.
+    """
     count = len(summits.radius)
     sums, area, pairs, grooves = np.zeros((7, count)), np.zeros(count), [], 0
-    for patch, p in zip(patches, pressure, strict=True):
-        closed, owner = p > 0.0, patch.owner
+    for (corner, _, owner), p in zip(patches, pressure, strict=True):
+        closed = p > 0.0
         for a, b in _neighbours(1):
             met = closed[a] & closed[b] & (owner[a] != owner[b])
             pairs.append(np.stack([owner[a][met], owner[b][met]], axis=1))
         for a, b in _neighbours(NARROW):
             grooves += int((closed[a] & closed[b] & (owner[a] != owner[b])).sum())
         cells, of = np.argwhere(closed), owner[closed]
-        x, y = (cells + patch.corner - summits.position[of]).T
+        x, y = (cells + corner - summits.position[of]).T
         for k, factor in enumerate((1.0, x, y, x**2, y**2, x * y, p[closed])):
             sums[k] += np.bincount(of, p[closed] * factor, count)
         area += _within_edges(p, owner, count)
@@ -177,7 +168,7 @@ def measure(patches: list[Patch], pressure: list[FloatArray], summits: Summits) 
         # .3 to 1.3 cells less for Hertz contacts of 5 to 80 cells per radius
         deformed |= np.abs(ellipse - lawful + 0.6) > 1.1 + 0.003 * np.sqrt(4.0 * math.pi * lawful)
     deformed[merged.ravel()] = True
-    return Contacts(load, np.where(deformed, area, lawful), deformed, merged, grooves)
+    return load, np.where(deformed, area, lawful), deformed, merged, grooves
 
 
 def _neighbours(apart: int) -> tuple[tuple[Any, Any], ...]:

@@ -17,7 +17,7 @@ from metafem._values import Value, span
 from metafem.contact import Contact
 from metafem.contact.elastic import PARABOLOID
 from metafem.errors import InvalidInput
-from metafem.models.boundary_elements.cells import Contacts, allowed
+from metafem.models.boundary_elements.cells import allowed
 from metafem.models.boundary_elements.solve import COARSEST, TOLERANCE, Scene, Solution
 from metafem.models.curve import Curve, ModelError, RescaledState, controlled
 from metafem.models.error import order_3_error
@@ -258,30 +258,29 @@ class BoundaryElements(WithoutGradients):
     def _point(self, scene: Scene, guess: Curve, value: float, by_load: bool) -> Curve:
         """Return the equilibrium at one load [mm^2] or approach [mm] as a curve."""
         solution, h = scene.solve(guess, value if by_load else None), scene.cell
-        load, area = (h**2 * math.fsum(part) for part in (solution.contacts.load, solution.contacts.area))
+        load, area = (h**2 * math.fsum(part) for part in (solution.load, solution.area))
         residual = max(solution.residual, abs(load - value) / value if by_load else 0.0)
-        approach = h * solution.minimum.multiplier
-        row = np.array([approach, load, area, h * solution.stiffness, residual])[:, None]
+        row = np.array([h * solution.approach, load, area, h * solution.stiffness, residual])[:, None]
         last, error = partial(self._last, scene, solution), _cell_error(solution, scene)
         return Curve(row[0], row[1], row[2], row[3], row[4], TOLERANCE, last, guess.notes, error)
 
     def _last(self, scene: Scene, solution: Solution) -> RescaledState:
-        surface, h, found, patches = scene.surface, scene.cell, solution.minimum, solution.patches
-        undeformed = np.concatenate([p.gap.ravel() for p in patches]) - found.multiplier
+        surface, h, (corner, gaps, _) = scene.surface, scene.cell, zip(*solution.patches, strict=True)
+        undeformed = np.concatenate([gap.ravel() for gap in gaps]) - solution.approach
         low, high = surface.position.min(axis=0), surface.position.max(axis=0)
         return RescaledState(
-            load=h**2 * solution.contacts.load,
-            area=h**2 * solution.contacts.area,
+            load=h**2 * solution.load,
+            area=h**2 * solution.area,
             indentation=solution.of_points,
             base_gap=float((surface.height - solution.of_points).min()),
             model=self,
-            notes=_notes(scene, solution.contacts),
+            notes=_notes(scene, solution),
             field=ContactField(
                 cell=h,
-                corner=low + 0.5 * (high - low) + h * np.array([p.corner for p in patches]),
-                shape=np.array([p.gap.shape for p in patches]),
-                pressure=found.pressure,
-                gap=h * found.gap,
+                corner=low + 0.5 * (high - low) + h * np.array(corner),
+                shape=np.array([gap.shape for gap in gaps]),
+                pressure=solution.pressure,
+                gap=h * solution.gap,
                 undeformed_gap=h * undeformed,
             ),
         )
@@ -332,34 +331,33 @@ def _cell_error(solution: Solution, scene: Scene) -> ModelError:
 
     In cells, the area of one contact has an error of up to 1 if its pressure has the shape of its law
     (measured to .8), 5 if it has another shape (up to 4 on layers from .1 to 1 mm), 8 if it has merged (up to
-    5 in random scenes), and up to .1 for each pair of cells of `Contacts.grooves` parallel to the grid. Near
+    5 in random scenes), and up to .1 for each pair of cells of `grooves` parallel to the grid. Near
     the edges of other caps the pressure has other shapes.
     """
-    contacts = solution.contacts
-    other = 5.0 if scene.summits.paraboloids else allowed(contacts.area, False)
-    cells = np.where(contacts.deformed, other, 1.0)
+    other = 5.0 if scene.summits.paraboloids else allowed(solution.area, False)
+    cells = np.where(solution.deformed, other, 1.0)
     if scene.summits.paraboloids:
-        cells[contacts.merged.ravel()] = 8.0
-    error = 0.1 * contacts.grooves + cells[contacts.area > 0.0].sum()
-    return ModelError(float(error / contacts.area.sum()), "the number of cells in contact")
+        cells[solution.merged.ravel()] = 8.0
+    error = 0.1 * solution.grooves + cells[solution.area > 0.0].sum()
+    return ModelError(float(error / solution.area.sum()), "the number of cells in contact")
 
 
-def _notes(scene: Scene, contacts: Contacts) -> tuple[Note, ...]:
+def _notes(scene: Scene, solution: Solution) -> tuple[Note, ...]:
     """Return notes on contacts that are deformed, merged or of few cells."""
-    notes, radius = [], np.sqrt(contacts.area / math.pi)
-    coarse = (contacts.load > 0.0) & (radius < COARSEST)
-    if contacts.deformed.any():
-        hertz, merged = scene.law == PARABOLOID, len(contacts.merged)
+    notes, radius = [], np.sqrt(solution.area / math.pi)
+    coarse = (solution.load > 0.0) & (radius < COARSEST)
+    if solution.deformed.any():
+        hertz, merged = scene.law == PARABOLOID, len(solution.merged)
         law = "a Hertzian ellipse" if hertz else f"{scene.law!r} on a surface of constant curvature"
         text = (
-            f"the pressure of {contacts.deformed.sum()} contacts is not that of {law}: their areas are those "
+            f"the pressure of {solution.deformed.sum()} contacts is not that of {law}: their areas are those "
             "within their edges, with an error of a few cells each and up to 1 %"
         )
         if merged:
             text += f"; {merged} pairs have merged, and their areas are split where the summits' caps cross"
         notes.append(information(text))
     if coarse.any():
-        share = contacts.load[coarse].sum() / contacts.load.sum()
+        share = solution.load[coarse].sum() / solution.load.sum()
         text = (
             f"{coarse.sum()} contacts have fewer than {COARSEST:g} cells per radius and carry "
             f"{share:.2g} of the load; the error of their areas is 1 % and more"

@@ -7,14 +7,15 @@ from dataclasses import dataclass
 from typing import cast
 
 import numpy as np
+from numpy.typing import NDArray
 
-from metafem._validate import FloatArray
+from metafem._validate import FloatArray, IntArray
 from metafem.contact import Contact, Elastic, Hertz
 from metafem.errors import MetafemError, refuse_if
 from metafem.models._resources import require_memory
-from metafem.models.boundary_elements.cells import Contacts, Patch, Summits, boxes, measure
+from metafem.models.boundary_elements.cells import Patch, Summits, boxes, measure
 from metafem.models.boundary_elements.influence import Influence, convergence_rate, orders
-from metafem.models.boundary_elements.quadratic_program import Minimum, Program
+from metafem.models.boundary_elements.quadratic_program import Program
 from metafem.models.curve import Curve
 from metafem.models.independent import Independent
 from metafem.models.interacting.model import Interacting
@@ -39,16 +40,22 @@ MAX_GROWTHS = 10
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """Solution at one load; all lengths are in cells."""
+    """Solution at one load; lengths are in cells unless stated."""
 
-    minimum: Minimum
-    contacts: Contacts
     patches: list[Patch]
+    pressure: FloatArray  # on the cells of all patches, not negative
+    gap: FloatArray  # of these cells, recomputed
+    approach: float
+    stiffness: float  # derivative of the load by the approach, with fixed cells under pressure
+    load: FloatArray  # of the asperities, (n,), with `area`, `deformed`, `merged`, `grooves`: see `measure`
+    area: FloatArray
+    deformed: NDArray[np.bool_]
+    merged: IntArray
+    grooves: int
     # error relative to the largest indentation of isolated contacts with these areas; infinite if a contact
     # reaches the edge of its patch, or an asperity without cells is in contact
     residual: float
     of_points: FloatArray  # indentation if all other loads act at points, (n,) [mm]
-    stiffness: float  # derivative of the load by the approach, with fixed cells under pressure
 
 
 class Scene:
@@ -103,33 +110,36 @@ class Scene:
         half_width = self._reach(d, guess.last.load, 1.0 + MARGIN_SHARE, 0.01 * d.max())
         for _ in range(MAX_GROWTHS):
             patches = self._patches(half_width)
-            corner, shapes = np.array([p.corner for p in patches]), [p.gap.shape for p in patches]
-            operator = Influence(corner, shapes, *self.of_cells)
-            gap = np.concatenate([p.gap.ravel() for p in patches])
-            pressure = self._expected(d, patches, gap)
+            corner, gaps, owners = zip(*patches, strict=True)
+            operator = Influence(np.array(corner), [part.shape for part in gaps], *self.of_cells)
+            gap, owner = (np.concatenate([part.ravel() for part in parts]) for parts in (gaps, owners))
+            pressure = self._expected(d, gap, owner)
             if total is not None:
                 pressure *= total / pressure.sum()
             # half of the tolerance, as the final indentation may be smaller than the expected one
-            minimum = Program(operator, gap, total, 0.5 * TOLERANCE * indentation).minimum(
-                pressure, multiplier
-            )
-            parts = [part for group in operator.split(minimum.pressure) for part in group]
-            contacts = measure(patches, parts, self.summits)
-            radius = np.minimum(np.sqrt(contacts.area / math.pi), self.summits.widest())
+            program = Program(operator, gap, total, 0.5 * TOLERANCE * indentation)
+            pressure, opening, multiplier, error = program.minimum(pressure, multiplier)
+            parts = [part for group in operator.split(pressure) for part in group]
+            carried, area, deformed, merged, grooves = measure(patches, parts, self.summits)
+            radius = np.minimum(np.sqrt(area / math.pi), self.summits.widest())
             deepest = self.law.indentation(self.cell * radius, self.summits.of_law).max()
-            indentation, multiplier = float(deepest) / self.cell, minimum.multiplier
-            d = multiplier * self.cell - self.surface.gap - self.coupling @ (self.cell**2 * contacts.load)
-            larger = self._enlarged(half_width, patches, parts, d, self.cell**2 * contacts.load)
+            indentation = float(deepest) / self.cell
+            d = multiplier * self.cell - self.surface.gap - self.coupling @ (self.cell**2 * carried)
+            larger = self._enlarged(half_width, patches, parts, d, self.cell**2 * carried)
             covered = bool((larger == half_width).all())
-            if covered and minimum.error <= TOLERANCE * indentation:
+            if covered and error <= TOLERANCE * indentation:
                 break
             half_width = larger
-        self.require_extent(contacts)
-        zero, face = np.zeros(gap.size), minimum.pressure > 0.0
+        self.require_extent(area)
+        zero = np.zeros(gap.size)
         # the relative error of the stiffness is the square of that of the equations
-        rise, _, _ = Program(operator, zero, None, 2e-3).on_face(face, zero, zero - 1.0, 0.0, 0.0, 1000)
-        residual = minimum.error / indentation if covered else math.inf
-        return Solution(minimum, contacts, patches, residual, d, float(rise.sum()))
+        program = Program(operator, zero, None, 2e-3)
+        rise, _, _ = program.on_face(pressure > 0.0, zero, zero - 1.0, 0.0, 0.0, 1000)
+        residual = error / indentation if covered else math.inf
+        return Solution(
+            patches, pressure, opening, multiplier, float(rise.sum()),
+            carried, area, deformed, merged, grooves, residual, d,
+        )  # fmt: skip
 
     def _reach(self, d: FloatArray, load: FloatArray, factor: float, margin: float) -> FloatArray:
         """Return the extent of the cells around summits with indentations d, (n,) [cells]; 0 if not needed.
@@ -145,9 +155,9 @@ class Scene:
         radius = self.law.contact_radius(d, self.summits.of_law)
         return np.asarray(np.where(d + margin > 0.0, factor * (radius / self.cell) + MARGIN_CELLS, 0.0))
 
-    def require_extent(self, contacts: Contacts) -> None:
-        """Raise InvalidInput if a contact is wider than its profile."""
-        radius, most = self.cell * np.sqrt(contacts.area / math.pi), self.cell * self.summits.widest()
+    def require_extent(self, area: FloatArray) -> None:
+        """Raise InvalidInput if a contact with an area (n,) [cells] is wider than its profile."""
+        radius, most = self.cell * np.sqrt(area / math.pi), self.cell * self.summits.widest()
         i = int((radius / most).argmax())
         refuse_if(
             radius[i] > most[i],
@@ -166,9 +176,8 @@ class Scene:
         require_memory(needed, f"cell = {self.cell:g} mm, with {cells.sum():.3g} cells,")
         return [self.summits.patch(*box) for box in zip(members, first, last, strict=True)]
 
-    def _expected(self, d: FloatArray, patches: list[Patch], gap: FloatArray) -> FloatArray:
+    def _expected(self, d: FloatArray, gap: FloatArray, owner: IntArray) -> FloatArray:
         """Return Hertz's pressure for indentations d [mm]: 2/(pi R) sqrt(a^2 - rho^2) with a^2 = R d."""
-        owner = np.concatenate([p.owner.ravel() for p in patches])
         depth = gap - self.summits.depth[owner]
         height = np.maximum(d[owner] / self.cell - 2.0 * depth, 0.0)
         pressure = 2.0 / math.pi * np.sqrt(height / self.summits.radius[owner])
@@ -185,10 +194,10 @@ class Scene:
     ) -> FloatArray:
         """Return half widths (n,), increased where a contact reaches the edge or a summit lacks cells."""
         result = np.where(half_width == 0.0, self._reach(d, load, 1.0, 0.0), half_width)
-        for region, p in zip(patches, pressure, strict=True):
+        for (corner, _, owners), p in zip(patches, pressure, strict=True):
             rim = p > 0.0
             rim[1:-1, 1:-1] = False
-            cells, owner = np.argwhere(rim) + region.corner, region.owner[rim]
+            cells, owner = np.argwhere(rim) + corner, owners[rim]
             # if a summit lies within the cells of others, its contact belongs to their patch
             reach = np.maximum(half_width[owner], np.abs(cells - self.summits.position[owner]).max(axis=1))
             np.maximum.at(result, owner, 1.25 * reach + MARGIN_CELLS)

@@ -8,7 +8,6 @@ import pytest
 import metafem as mf
 from metafem.caps.shapes import sphere_profile
 from metafem.models._resources import require_memory
-from metafem.models.boundary_elements.cells import Contacts
 from metafem.models.boundary_elements.solve import Scene
 from tests.models.scenes import HEIGHT, lattice, scene
 from tests.refusals import faults
@@ -51,8 +50,7 @@ def capped(cap):
 
 def wide_contact():
     """A contact of cells that is wider than the profile."""
-    contacts = Contacts(np.ones(1), np.full(1, 1500.0), np.zeros(1, bool), np.zeros((0, 2), np.int64), 0)
-    Scene(FLAT, 0.01, mf.HalfSpace(), NARROW).require_extent(contacts)
+    Scene(FLAT, 0.01, mf.HalfSpace(), NARROW).require_extent(np.full(1, 1500.0))
 
 
 def scattered():
