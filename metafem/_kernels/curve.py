@@ -54,16 +54,12 @@ class Results(NamedTuple):
     steps: np.ndarray  # number of Newton steps, including those from rejected predictions
 
 
-class Memory(NamedTuple):
-    """The last equilibria of a curve, the latest first."""
-
-    approach: np.ndarray  # (REMEMBERED,)
-    z: np.ndarray  # (REMEMBERED, n)
+# The last equilibria of a curve, the latest first, are a pair: approaches (REMEMBERED,) and z (REMEMBERED, n).
 
 
-def empty_memory(count: int) -> Memory:
+def empty_memory(count: int) -> tuple[np.ndarray, np.ndarray]:
     """Return an empty memory for `count` asperities."""
-    return Memory(np.zeros(REMEMBERED), np.zeros((REMEMBERED, count)))
+    return np.zeros(REMEMBERED), np.zeros((REMEMBERED, count))
 
 
 @inlined
@@ -105,17 +101,18 @@ def uniform_approach(gap, law, load):
 @compiled
 def remember(memory, x, z):
     """Let an equilibrium become the latest in the memory."""
+    at, kept = memory
     for k in range(REMEMBERED - 1, 0, -1):
-        memory.approach[k] = memory.approach[k - 1]
-        copy(memory.z[k - 1], memory.z[k])
-    memory.approach[0] = x
-    copy(z, memory.z[0])
+        at[k] = at[k - 1]
+        copy(kept[k - 1], kept[k])
+    at[0] = x
+    copy(z, kept[0])
 
 
 @compiled
 def extrapolate(memory, points, x, law, z):
     """Fill the z predicted at the approach x from the last `points` equilibria; return load and dP/dx."""
-    at = memory.approach
+    at, kept = memory
     near = x - at[0]
     bend = turn = 0.0
     if points == REMEMBERED and near <= REACH * (at[0] - at[1]):
@@ -127,10 +124,10 @@ def extrapolate(memory, points, x, law, z):
     for i in range(z.size):  # Newton's form of the interpolating polynomial
         rate = 1.0
         if points > 1:
-            rate = first * (memory.z[0, i] - memory.z[1, i])
-            turn = bend * (rate - second * (memory.z[1, i] - memory.z[2, i]))
+            rate = first * (kept[0, i] - kept[1, i])
+            turn = bend * (rate - second * (kept[1, i] - kept[2, i]))
         ahead = x - at[1]
-        z[i] = memory.z[0, i] + near * (rate + ahead * turn)
+        z[i] = kept[0, i] + near * (rate + ahead * turn)
         if z[i] > 0.0:
             own, own_rate = load_and_rate(law, i, z[i])
             load += own
@@ -146,7 +143,7 @@ def predict(memory, points, x, target, law, z):
         for _ in range(PREDICTOR_STEPS):
             if not slope > 0.0 or abs(load - target) <= 1e-4 * target:  # below the error of the prediction
                 break
-            x = max(memory.approach[0], x - (load - target) / slope)
+            x = max(memory[0][0], x - (load - target) / slope)
             load, slope = extrapolate(memory, points, x, law, z)
     return x
 
@@ -182,7 +179,8 @@ def curves(field, order, law, self_term, gap, control, by_load, found, s, closed
     """
     n = gap.shape[1]
     results = Results(found[0], found[1], found[2], found[3], found[4], found[5], found[6])
-    memory = Memory(np.zeros(REMEMBERED), s[KEPT : KEPT + REMEMBERED])
+    reached = np.zeros(REMEMBERED)
+    memory = reached, s[KEPT : KEPT + REMEMBERED]
     load_rate = np.zeros(n)
     for row in range(gap.shape[0]):
         points = 0
@@ -211,7 +209,7 @@ def curves(field, order, law, self_term, gap, control, by_load, found, s, closed
                     x = control[j]
                     if by_load:
                         ahead = (target - results.load[row, j - 1]) / results.stiffness[row, j - 1]
-                        x = memory.approach[0] + ahead
+                        x = reached[0] + ahead
                     start = predict(memory, points, x, target, law_of_row, s[Z])
                 new, count, load, residual, steps = settle(
                     field, order, law_of_row, self_term[row], gap[row], start, target, tolerance, alone, s,
@@ -230,7 +228,7 @@ def curves(field, order, law, self_term, gap, control, by_load, found, s, closed
             if residual > tolerance or count == 0:
                 points = 0
                 continue
-            if points > 0 and not new > memory.approach[0]:
+            if points > 0 and not new > reached[0]:
                 points = 0
             remember(memory, new, s[Z])
             copy(load_rate, s[STEP_LOADS])

@@ -141,7 +141,7 @@ def refresh(field, order, self_term, s, closed, count, matrix, always):
         own = self_term[i] + s[BEND, i] / s[RATE, i]
         s[DIAGONAL, i] = own if s[Z, i] > 0.0 else 0.0
     if order == 1:
-        return field.source
+        return field[0]
     for i in range(self_term.size):
         slope = s[SLOPE_X, i] * s[SLOPE_X, i] + s[SLOPE_Y, i] * s[SLOPE_Y, i]
         s[DIAGONAL, i] -= 0.5 * s[LEVER_BEND, i] * slope if s[Z, i] > 0.0 else 0.0

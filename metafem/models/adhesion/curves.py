@@ -18,7 +18,8 @@ from metafem.errors import InvalidInput, NotConverged, refuse_if
 from metafem.models.adhesion.contacts import Scene, States
 from metafem.models.adhesion.path import loaded, loading, unloading
 from metafem.models.curve import Curve, RescaledState, Sensitivity
-from metafem.models.interacting.influence import Coupled, close_pairs, coupling_between, refuse_wide
+from metafem.models.interacting.elastic import ElasticCoupling
+from metafem.models.interacting.influence import close_pairs, coupling_between, refuse_wide
 from metafem.models.load_equation import LoadEquation
 from metafem.notes import Note, information
 from metafem.surface import Surface
@@ -29,7 +30,9 @@ class AdhesiveAsperities(LoadEquation):
     """Asperities with an adhesive law, alone or coupled by order 1."""
 
     law: JKR
-    coupled: Coupled | None = None  # the asperities with their influence on each other; None for no influence
+    coupled: ElasticCoupling | None = (
+        None  # the asperities with their influence on each other; None for no influence
+    )
 
     def path(self, values: FloatArray, by_load: bool, unloading: bool) -> Curve:
         """Return equilibria at increasing loads or approaches (k,), on loading or on unloading."""
@@ -82,9 +85,9 @@ class AdhesiveAsperities(LoadEquation):
             f"{len(gap)} adhesive asperities with interaction are too many: at most 1000; "
             "use Independent, or fewer asperities",
         )
-        coupling, regular = coupling_between(self.coupled.surface, self.coupled.substrate, 1)
+        (influence, _), regular = coupling_between(self.coupled.surface, self.coupled.substrate, 1)
         own = regular + self.coupled.pedestals(height, sizes_of(summits))
-        return Scene(self.law, summits, gap, coupling.influence.T + np.diag(own))
+        return Scene(self.law, summits, gap, influence.T + np.diag(own))
 
     def _curve(self, found: States, height: FloatArray, notes: tuple[Note, ...] = ()) -> Curve:
         def last() -> RescaledState:

@@ -18,7 +18,6 @@ from metafem.errors import InvalidInput, refuse_if
 from metafem.models.adhesion.curves import AdhesiveAsperities, adhesive_law
 from metafem.models.curve import Curve, Sensitivity, areas_one_by_one, controlled
 from metafem.models.interacting.elastic import ElasticCoupling
-from metafem.models.interacting.influence import Coupled
 from metafem.substrate import HalfSpace, Radial, Substrate
 from metafem.surface import Surface
 
@@ -141,11 +140,10 @@ class Interacting:
             key="pedestal",
         )
         law = self.contact.bound(surface)
-        given = self, surface, law, self.substrate.for_surface(surface), self.order, self.pedestal
+        bound = self.substrate.for_surface(surface)
+        coupled = ElasticCoupling(self, surface, law, bound, self.order, self.pedestal)
         adhesive = adhesive_law(law)
-        if adhesive is not None:
-            return AdhesiveAsperities(self, adhesive, surface, Coupled(*given))
-        return ElasticCoupling(*given)
+        return coupled if adhesive is None else AdhesiveAsperities(self, adhesive, surface, coupled)
 
     def curve(
         self,

@@ -18,7 +18,7 @@ from metafem._validate import FloatArray
 from metafem.errors import NotConverged
 from metafem.models.interacting.influence import MOST_KEPT_SUMS, cached
 from metafem.models.interacting.scattered import fast_sums
-from metafem.models.interacting.sums import Coarse, Sums
+from metafem.models.interacting.sums import Preconditioner, Sums, coarse_model
 from metafem.progress import each
 from metafem.substrate import Radial
 from metafem.surface import Surface
@@ -43,7 +43,7 @@ class Iterate:
     residual: float
     error: FloatArray  # of their equations, (n,) [mm]
     self_term: FloatArray
-    coarse: Coarse
+    coarse: Preconditioner
     steps: int = 0  # of Newton's method
 
     @cached_property
@@ -66,7 +66,7 @@ class Iterate:
     def precondition(self) -> Callable[[FloatArray], FloatArray]:
         """Preconditioner of the Jacobian of the contacts."""
         none = np.zeros_like(self.diagonal)
-        return self.coarse.preconditioner(np.divide(1.0, self.diagonal, out=none, where=self.closed))
+        return self.coarse(np.divide(1.0, self.diagonal, out=none, where=self.closed))
 
     @cached_property
     def uniform(self) -> FloatArray:
@@ -87,7 +87,7 @@ class ContactEquations:
     law: Law
     self_term: FloatArray  # with that of the substrate, (n,) [1/mm]
     gap: FloatArray
-    coarse: Coarse
+    coarse: Preconditioner
 
     def respond(self, z: FloatArray, approach: float, target: float) -> Iterate:
         """Return the contacts at nominal indentations z (n,) [mm], with their residual."""
@@ -277,7 +277,7 @@ class ContactEquations:
         return np.array([self.area_gradient(at) if at.closed.any() else none for at in states])
 
 
-def large_scene(surface: Surface, substrate: Radial, order: int) -> tuple[Sums, Coarse]:
+def large_scene(surface: Surface, substrate: Radial, order: int) -> tuple[Sums, Preconditioner]:
     """Return the fast sums of a surface, the last of which are cached, and its coarse model."""
     sums = cached(fast_sums, substrate, order, surface, 0, MOST_KEPT_SUMS)
-    return sums, Coarse(surface.position, substrate)
+    return sums, coarse_model(surface.position, substrate)

@@ -19,8 +19,8 @@ CAPS = [mf.Hertz(), mf.Elastic(mf.Power(1.5))]
 
 
 def scene_of(surface, substrate=mf.HalfSpace(), law=mf.JKR(ENERGY)):  # noqa: B008
-    coupling, regular = coupling_between(surface, substrate.for_surface(surface), 1)
-    influence = coupling.influence.T + np.diag(regular)
+    (source, _), regular = coupling_between(surface, substrate.for_surface(surface), 1)
+    influence = source.T + np.diag(regular)
     summits = np.broadcast_to(surface.radius, surface.gap.shape)
     return Scene(law.for_material(surface.material), summits, surface.gap, influence)
 
