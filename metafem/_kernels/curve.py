@@ -54,7 +54,7 @@ class Results(NamedTuple):
     steps: np.ndarray  # number of Newton steps, including those from rejected predictions
 
 
-# The last equilibria of a curve, the latest first, are a pair: approaches (REMEMBERED,) and z (REMEMBERED, n).
+# The memory of a curve is its last equilibria, the latest first: approaches (REMEMBERED,), z (REMEMBERED, n).
 
 
 def empty_memory(count: int) -> tuple[np.ndarray, np.ndarray]:

@@ -131,10 +131,6 @@ class Independent:
         """
         return self._equation(surface).areas(height, radius, load)
 
-    def curve_of(self, height: FloatArray, radius: FloatArray, load: FloatArray) -> Curve:
-        """Return the curve at increasing loads (k,) for unchecked heights and radii (n,)."""
-        return load_equation(self.contact, self).curve(height, load, radius)
-
     def sensitivity_of(self, height: FloatArray, radius: FloatArray, load: FloatArray) -> Sensitivity:
         """Return the sensitivity at increasing loads (k,) for unchecked heights and radii (n,)."""
         return load_equation(self.contact, self).sensitivity(height, load, radius)

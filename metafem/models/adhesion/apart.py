@@ -21,6 +21,8 @@ from metafem.models.adhesion.contacts import Scene, States
 # with the tables divides the approach by three.
 TABULATED, MOST_STEPS = 400, 60
 
+Table = tuple[np.ndarray, tuple[FloatArray, ...]]
+
 
 def loaded_apart(scene: Scene, load: FloatArray) -> States | None:
     """Return the states at increasing loads (k,), or None if some are beyond the range of the law."""
@@ -28,13 +30,16 @@ def loaded_apart(scene: Scene, load: FloatArray) -> States | None:
     closed, ends = gap <= start[:, None], np.append(start[1:], np.inf)
     most = np.where(closed, gap + scene.law.largest_indentation(scene.radius), np.inf).min(axis=1)
     last = int((ends >= most).argmax())
-    contacts = _Tables(scene)
-    carried = contacts(ends[:last], closed[:last])[1].sum(axis=1)
-    piece = np.searchsorted(np.maximum.accumulate(carried), load)
+    tables = _tables(scene)
+    _, carried, _ = _contacts(tables, gap, ends[:last], closed[:last])
+    piece = np.searchsorted(np.maximum.accumulate(carried.sum(axis=1)), load)
     now, high = closed[piece], np.minimum(ends, most)[piece]
-    x = high = np.minimum(high, gap.min() + contacts.alone(load))
+    # the tallest at least carries the load and what the others pull, the most after their jumps into contact
+    pulled = sum(-table[2][0] * members.sum() for members, table in tables)
+    depth, _, alone, _ = next(table for members, table in tables if members[gap.argmin()])
+    x = high = np.minimum(high, gap.min() + np.interp(load + pulled, alone, depth, right=np.inf))
     for _ in range(MOST_STEPS):
-        a, carried, rate = contacts(x, now)
+        a, carried, rate = _contacts(tables, gap, x, now)
         step = (load - carried.sum(axis=1)) / rate.sum(axis=1)
         x = x + step
         if (TABULATED * np.abs(step) <= x).all():  # the next one would be below the error of the tables
@@ -52,32 +57,25 @@ def loaded_apart(scene: Scene, load: FloatArray) -> States | None:
     return found if (found.residual <= TOLERANCE).all() and (x <= high * (1.0 + TOLERANCE)).all() else None
 
 
-class _Tables:
-    """Radii [mm], loads [mm^2] and dP/dd [mm] of contacts, interpolated."""
+def _tables(scene: Scene) -> list[Table]:
+    """Return which contacts (n,) have a table, and the table, for each of their radii."""
+    sizes, which = np.unique(scene.radius, return_inverse=True)
+    return [(which == i, _table(scene.law, size.tobytes(), sizes.dtype)) for i, size in enumerate(sizes)]
 
-    def __init__(self, scene: Scene) -> None:
-        self.gap, radius = scene.gap, scene.radius
-        sizes, which = np.unique(radius, return_inverse=True)
-        self.parts = [
-            (which == i, _table(scene.law, size.tobytes(), sizes.dtype)) for i, size in enumerate(sizes)
-        ]
-        # the others pull by at most the loads after their jumps into contact
-        self.pulled = sum(-table[2][0] * members.sum() for members, table in self.parts)
-        self.tallest = next(table for members, table in self.parts if members[scene.gap.argmin()])
 
-    def __call__(self, x: FloatArray, closed: np.ndarray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return the contacts at approaches (k,) [mm], (k, n) each; loads and rates of open ones are 0."""
-        depth = np.maximum(x[:, None] - self.gap, 0.0)
-        found = np.empty((3, *depth.shape))
-        for members, (d, *values) in self.parts:
-            for value, result in zip(values, found, strict=True):
-                result[:, members] = np.interp(depth[:, members], d, value)
-        return found[0], found[1] * closed, found[2] * closed
+def _contacts(
+    tables: list[Table], gap: FloatArray, x: FloatArray, closed: np.ndarray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return radii [mm], loads [mm^2] and dP/dd [mm] at approaches (k,) [mm], (k, n) each, interpolated.
 
-    def alone(self, load: FloatArray) -> FloatArray:
-        """Return upper bounds of the approaches at loads (k,) [mm]."""
-        depth, _, carried, _ = self.tallest
-        return np.asarray(np.interp(load + self.pulled, carried, depth, right=np.inf))
+    Loads and rates of open contacts are 0.
+    """
+    depth = np.maximum(x[:, None] - gap, 0.0)
+    found = np.empty((3, *depth.shape))
+    for members, (d, *values) in tables:
+        for value, result in zip(values, found, strict=True):
+            result[:, members] = np.interp(depth[:, members], d, value)
+    return found[0], found[1] * closed, found[2] * closed
 
 
 @lru_cache(maxsize=64)

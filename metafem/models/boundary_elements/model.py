@@ -17,8 +17,8 @@ from metafem._values import Value, span
 from metafem.contact import Contact
 from metafem.contact.elastic import PARABOLOID
 from metafem.errors import InvalidInput
-from metafem.models.boundary_elements.cells import allowed
-from metafem.models.boundary_elements.solve import COARSEST, TOLERANCE, Scene, Solution
+from metafem.models.boundary_elements.cells import Scene, allowed
+from metafem.models.boundary_elements.solve import COARSEST, TOLERANCE, Solution, initial_guess, solve
 from metafem.models.curve import Curve, ModelError, RescaledState, controlled
 from metafem.models.error import order_3_error
 from metafem.models.model import WithoutGradients
@@ -234,9 +234,10 @@ class BoundaryElements(WithoutGradients):
         because the contacts are far smaller than their distances.
         """
         values, by_load = controlled(load, approach)
-        scene = Scene(surface, self.cell, self.substrate, self.contact)
-        guesses = [scene.initial_guess(value, by_load) if value > 0.0 else None for value in values.tolist()]
-        fine = [guess is not None and scene.largest(guess) >= COARSEST * self.cell for guess in guesses]
+        scene = Scene(surface, self.cell, self.substrate, self.contact.bound(surface))
+        guesses = [initial_guess(scene, value, by_load) if value > 0.0 else None for value in values.tolist()]
+        least = COARSEST * self.cell
+        fine = [guess is not None and scene.largest(guess.last.indentation) >= least for guess in guesses]
         light = fine.index(True) if True in fine else guesses.count(None)
         parts = [self._light(surface, values[:light], by_load)] if light else []
         for k in each("resolved contacts: load", list(range(light, len(values)))):
@@ -257,7 +258,7 @@ class BoundaryElements(WithoutGradients):
 
     def _point(self, scene: Scene, guess: Curve, value: float, by_load: bool) -> Curve:
         """Return the equilibrium at one load [mm^2] or approach [mm] as a curve."""
-        solution, h = scene.solve(guess, value if by_load else None), scene.cell
+        solution, h = solve(scene, guess, value if by_load else None), scene.cell
         load, area = (h**2 * math.fsum(part) for part in (solution.load, solution.area))
         residual = max(solution.residual, abs(load - value) / value if by_load else 0.0)
         row = np.array([h * solution.approach, load, area, h * solution.stiffness, residual])[:, None]
@@ -304,9 +305,9 @@ def within(
     """
     values, by_load = controlled(load, approach)
     ends = values[values > 0.0][[0, -1]]
-    scene = Scene(surface, 1.0, substrate, contact)  # [mm], before the contacts are known
+    scene = Scene(surface, 1.0, substrate, contact.bound(surface))  # [mm], before the contacts are known
     # ten cells per radius of the largest contact, also the minimum number
-    cell = scene.largest(scene.initial_guess(ends[0], by_load)) / 10.0
+    cell = scene.largest(initial_guess(scene, ends[0], by_load).last.indentation) / 10.0
     coarse = BoundaryElements(cell, substrate, contact)
     halved = replace(coarse, cell=0.5 * coarse.cell)
     given = (ends, None) if by_load else (None, ends)
@@ -334,9 +335,9 @@ def _cell_error(solution: Solution, scene: Scene) -> ModelError:
     5 in random scenes), and up to .1 for each pair of cells of `grooves` parallel to the grid. Near
     the edges of other caps the pressure has other shapes.
     """
-    other = 5.0 if scene.summits.paraboloids else allowed(solution.area, False)
+    other = 5.0 if scene.paraboloids else allowed(solution.area, False)
     cells = np.where(solution.deformed, other, 1.0)
-    if scene.summits.paraboloids:
+    if scene.paraboloids:
         cells[solution.merged.ravel()] = 8.0
     error = 0.1 * solution.grooves + cells[solution.area > 0.0].sum()
     return ModelError(float(error / solution.area.sum()), "the number of cells in contact")

@@ -8,7 +8,8 @@ import pytest
 import metafem as mf
 from metafem.caps.shapes import sphere_profile
 from metafem.models._resources import require_memory
-from metafem.models.boundary_elements.solve import Scene
+from metafem.models.boundary_elements.cells import Scene
+from metafem.models.boundary_elements.solve import require_extent
 from tests.models.scenes import HEIGHT, lattice, scene
 from tests.refusals import faults
 from validation.scenes.periodic import THREE
@@ -50,7 +51,7 @@ def capped(cap):
 
 def wide_contact():
     """A contact of cells that is wider than the profile."""
-    Scene(FLAT, 0.01, mf.HalfSpace(), NARROW).require_extent(np.full(1, 1500.0))
+    require_extent(Scene(FLAT, 0.01, mf.HalfSpace(), NARROW), np.full(1, 1500.0))
 
 
 def scattered():

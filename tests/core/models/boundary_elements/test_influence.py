@@ -8,7 +8,7 @@ import pytest
 
 import metafem as mf
 from metafem.models.boundary_elements import influence
-from metafem.models.boundary_elements.cells import Summits, boxes
+from metafem.models.boundary_elements.cells import Scene, boxes
 from metafem.models.boundary_elements.influence import Influence
 
 
@@ -27,8 +27,8 @@ def soft(r):
 
 def patches_of(place, half_width):
     surface = mf.Surface(place, np.ones(len(place)), 100.0, mf.Material(1.0))
-    summits = Summits(surface, mf.Hertz(), 1.0)
-    return [summits.patch(*box) for box in zip(*boxes(summits.position, np.asarray(half_width)), strict=True)]
+    scene = Scene(surface, 1.0, mf.HalfSpace(), mf.Hertz())
+    return [scene.patch(*box) for box in zip(*boxes(scene.position, np.asarray(half_width)), strict=True)]
 
 
 def operator_of(patches, regular=none):
