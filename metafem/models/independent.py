@@ -5,15 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar, Self
 
-import numpy as np
-from numpy.typing import ArrayLike
-
-from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.contact import Contact
 from metafem.contact.elastic import PARABOLOID
 from metafem.contact.law import checked_contact
-from metafem.errors import InvalidInput
 from metafem.models.adhesion.curves import AdhesiveAsperities, adhesive_law
 from metafem.models.curve import Curve, Sensitivity, controlled
 from metafem.models.interacting.model import Interacting
@@ -131,48 +126,10 @@ class Independent:
         """
         return self._equation(surface).areas(height, radius, load)
 
+    def curve_of(self, height: FloatArray, radius: FloatArray, load: FloatArray) -> Curve:
+        """Return the curve at increasing loads (k,) for unchecked heights and radii (n,)."""
+        return load_equation(self.contact, self).curve(height, load, radius)
+
     def sensitivity_of(self, height: FloatArray, radius: FloatArray, load: FloatArray) -> Sensitivity:
         """Return the sensitivity at increasing loads (k,) for unchecked heights and radii (n,)."""
         return load_equation(self.contact, self).sensitivity(height, load, radius)
-
-    def curves(
-        self, height: ArrayLike, radius: ArrayLike, rescaled_load: ArrayLike
-    ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-        """Return the friction laws of many surfaces, for Hertz contacts by one compiled kernel.
-
-        Parameters
-        ----------
-        height : array_like, (m, n) or (n,)
-            Lists of summit heights [mm].
-        radius : float or array_like, (n,) or (m, n)
-            Summit radii [mm].
-        rescaled_load : array_like, (k,)
-            Loads P/E* [mm^2], not negative, in any order.
-
-        Returns
-        -------
-        approach, load, area, stiffness : ndarray, (m, k)
-            Approach [mm], load recomputed at this approach [mm^2], real contact area [mm^2], and derivative
-            of the rescaled load with respect to the approach [mm].
-
-        Examples
-        --------
-        >>> approach, load, area, stiffness = Independent().curves([[0.1], [0.2]], 0.5, [0.01, 0.02])
-        >>> area.shape, bool((area[0] == area[1]).all())
-        ((2, 2), True)
-        """
-        heights = check.lists("height", height, None)
-        radii = check.lists("radius", radius, None).reshape(np.shape(radius))
-        if radii.shape not in ((), heights.shape[1:], heights.shape):
-            raise InvalidInput(
-                f"radius has shape {radii.shape}; it must be one number or have shape "
-                f"{heights.shape[1:]} or {heights.shape}"
-            )
-        if not (radii > 0.0).all():
-            raise InvalidInput(f"radius = {radius!r:.80} must be finite and greater than 0")
-        loads = check.loads("rescaled_load", rescaled_load)
-        order = np.argsort(loads, kind="stable")
-        back = np.argsort(order, kind="stable")
-        results = load_equation(self.contact, self).solve(heights, loads[order], radii)
-        approach, carried, area, slope = (part[:, back] for part in results)
-        return approach, carried, area, slope

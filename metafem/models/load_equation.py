@@ -61,14 +61,10 @@ class LoadEquation:
         last = partial(self._last, height, radius, 0.0, x[-1])
         return Curve(x, load, area, slope, residual, TOLERANCE, last)
 
-    def solve(self, height: FloatArray, load: FloatArray, radius: Any = None) -> tuple[FloatArray, ...]:
-        """Return approach, load, area and stiffness (m, k) of surfaces (m, n) at increasing loads (k,)."""
-        return self._solved(height, load, self.summits(radius))[0]
-
     def areas(self, height: FloatArray, radius: FloatArray | None, load: FloatArray) -> FloatArray:
         """Return A0 [mm^2] (m, k) for heights and radii (m, n); see `Model.areas`."""
         summits = self.law.summits(cast("Surface", self.surface), radius)
-        _, carried, area, _ = self.solve(height, load, summits)
+        (_, carried, area, _), _, _ = self._solved(height, load, summits)
         return np.where(solved(_error(carried, load), TOLERANCE, carried, area), area, np.nan)
 
     def sensitivity(self, height: FloatArray, load: FloatArray, radius: Any = None) -> Sensitivity:
@@ -96,7 +92,10 @@ class LoadEquation:
     def _solved(
         self, height: FloatArray, load: FloatArray, radius: FloatArray
     ) -> tuple[tuple[FloatArray, ...], FloatArray, FloatArray]:
-        """Return the results of `solve`, and the last approaches (m,) as gap and indentation of a contact."""
+        """Return approach, load, area and stiffness (m, k) of surfaces (m, n) at increasing loads (k,).
+
+        Also return the last approaches (m,) as gap and indentation of a contact.
+        """
         gap, table = self._sorted(height, radius)
         rising = np.array(load)
         results = tuple(np.empty((len(gap), len(load))) for _ in range(4))

@@ -46,13 +46,6 @@ class AdhesiveAsperities(LoadEquation):
         """Return the loading curve at increasing loads (k,) for heights and summits (n,)."""
         return self._curve(loaded(self._scene(height, radius), load), height)
 
-    def solve(self, height: FloatArray, load: FloatArray, radius: Any = None) -> tuple[FloatArray, ...]:
-        """Return approach, load, area and stiffness (m, k) of surfaces (m, n) at increasing loads (k,)."""
-        rows = zip(height, np.broadcast_to(self.summits(radius), height.shape), strict=True)
-        curves = [self.curve(own, load, size) for own, size in rows]
-        names = ("approach", "load", "area", "stiffness")
-        return tuple(np.array([getattr(curve, name) for curve in curves]) for name in names)
-
     def areas(self, height: FloatArray, radius: FloatArray | None, load: FloatArray) -> FloatArray:
         """Return A0 [mm^2] (m, k) for heights and radii (m, n); see `Model.areas`."""
         surface, area = cast("Surface", self.surface), np.full((len(height), len(load)), np.nan)

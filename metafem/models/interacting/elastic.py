@@ -18,7 +18,7 @@ from metafem._kernels.newton import ON_CURVE, TOLERANCE
 from metafem._validate import FloatArray
 from metafem.contact import Contact
 from metafem.contact.pedestal import TALLEST, pedestal_influence
-from metafem.errors import InvalidInput, NotConverged
+from metafem.errors import InvalidInput
 from metafem.models._resources import run_rows
 from metafem.models.contact_tables import deepest, rows_of, tables
 from metafem.models.curve import (
@@ -91,18 +91,6 @@ class ElasticCoupling:
         found = self._solve(self.surface.height[None, :], values, by_load)
         self._refuse_thin_layer(found[0])
         return self._curve(self.surface.height, found)
-
-    def solve(self, height: FloatArray, load: FloatArray) -> tuple[FloatArray, ...]:
-        """Return approach, load, area and stiffness (m, k) for heights (m, n) at increasing loads (k,)."""
-        results, tolerance, *_ = self._solve(height, load, by_load=True)
-        self._refuse_thin_layer(results)
-        failed = ~solved(results.residual, tolerance, results.load, results.area)
-        if failed.any():
-            worst = float(results.residual[failed].max())
-            raise NotConverged(
-                f"{int(failed.sum())} equilibria not converged: largest residual {worst:.2g}", results
-            )
-        return results.approach, results.load, results.area, results.stiffness
 
     def sensitivity(self, height: FloatArray, load: FloatArray) -> Sensitivity:
         """Return the curve at increasing loads (k,), and dA0/dh at fixed load [mm], (k, n)."""

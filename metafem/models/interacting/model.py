@@ -6,7 +6,6 @@ from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from metafem import _validate as check
 from metafem._validate import FloatArray
@@ -160,54 +159,6 @@ class Interacting:
         """
         values, by_load = controlled(load, approach)
         return self.bound(surface).path(values, by_load, unloading)
-
-    def curves(
-        self, surface: Surface, height: ArrayLike, rescaled_load: ArrayLike
-    ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-        """Return the friction laws of many lists of heights on the sites of one surface, by compiled code.
-
-        Parameters
-        ----------
-        surface : Surface
-            Surface with the positions, radii, material and block; its heights are not used.
-        height : array_like, (m, n) or (n,)
-            Lists of summit heights [mm].
-        rescaled_load : array_like, (k,)
-            Loads P/E* [mm^2], not negative, in any order.
-
-        Returns
-        -------
-        approach, load, area, stiffness : ndarray, (m, k)
-            Approach [mm], load recomputed at this approach [mm^2], real contact area [mm^2], and derivative
-            of the rescaled load with respect to the approach [mm].
-
-        Raises
-        ------
-        InvalidInput
-            If heights or loads are outside their range, or the layer is thinner than a contact radius.
-        NotConverged
-            If a residual exceeds 1e-12 (1e-10 at all but the last load), or 1e-9 if fast
-            sums are used: above 2000 asperities, and for order 3 on a lattice above 400. All results are
-            attached.
-
-        Examples
-        --------
-        >>> from metafem import Material
-        >>> surface = Surface([[0, 0], [1.5, 0]], [0.1, 0.1], 0.526, Material(1.36))
-        >>> approach, load, area, stiffness = Interacting().curves(
-        ...     surface, [[0.1, 0.1], [0.1, 0.2]], [0.01, 0.02]
-        ... )
-        >>> area.round(4)
-        array([[0.0988, 0.1568],
-               [0.0784, 0.1245]])
-        """
-        heights = check.lists("height", height, surface.count)
-        loads = check.loads("rescaled_load", rescaled_load)
-        order = np.argsort(loads, kind="stable")
-        back = np.argsort(order, kind="stable")
-        results = self.bound(surface).solve(heights, loads[order])
-        approach, carried, area, stiffness = (part[:, back] for part in results)
-        return approach, carried, area, stiffness
 
     def sensitivity(
         self, surface: Surface, load: FloatArray, height: FloatArray | None = None
