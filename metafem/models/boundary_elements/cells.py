@@ -35,6 +35,8 @@ SLOWEST_RATE = 2.4
 NARROW = 4
 
 
+BoolArray = NDArray[np.bool_]
+
 # A rectangle of cells around one contact or several close ones: the grid indices of its first cell (2,), the
 # depths of the undeformed surface below the tallest summit, and the asperity with the highest surface in each
 # cell, both (rows, columns).
@@ -155,7 +157,7 @@ def boxes(position: FloatArray, half_width: FloatArray) -> tuple[list[IntArray],
 
 def measure(
     patches: list[Patch], pressure: list[FloatArray], scene: Scene
-) -> tuple[FloatArray, FloatArray, NDArray[np.bool_], IntArray, int]:
+) -> tuple[FloatArray, FloatArray, BoolArray, IntArray, int]:
     """Return what the pressures on the cells of each patch carry.
 
     The loads and the contact areas on the cells in which each asperity is the highest, (n,); whether its area

@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from metafem._validate import FloatArray, IntArray
 from metafem.errors import MetafemError, refuse_if
 from metafem.models._resources import require_memory
-from metafem.models.boundary_elements.cells import Patch, Scene, boxes, measure
+from metafem.models.boundary_elements.cells import BoolArray, Patch, Scene, allowed, boxes, measure
+from metafem.models.boundary_elements.field import ContactField
 from metafem.models.boundary_elements.influence import Influence, convergence_rate, orders
 from metafem.models.boundary_elements.quadratic_program import Program
-from metafem.models.curve import Curve
+from metafem.models.curve import Curve, ModelError, RescaledState
 from metafem.models.independent import Independent
 from metafem.models.interacting.model import Interacting
-from metafem.notes import information
+from metafem.notes import Level, Note, information
 
 # Largest |gap| of a cell with pressure, or overlap of a cell without, relative to the largest indentation.
 TOLERANCE = 1e-9
@@ -32,26 +31,6 @@ MARGIN_CELLS, MARGIN_SHARE = 3.0, 0.03
 
 # Maximum number of solutions on patches that grow where a contact reaches their edge.
 MAX_GROWTHS = 10
-
-
-@dataclass(frozen=True, eq=False)
-class Solution:
-    """Solution at one load; lengths are in cells unless stated."""
-
-    patches: list[Patch]
-    pressure: FloatArray  # on the cells of all patches, not negative
-    gap: FloatArray  # of these cells, recomputed
-    approach: float
-    stiffness: float  # derivative of the load by the approach, with fixed cells under pressure
-    load: FloatArray  # of the asperities, (n,), with `area`, `deformed`, `merged`, `grooves`: see `measure`
-    area: FloatArray
-    deformed: NDArray[np.bool_]
-    merged: IntArray
-    grooves: int
-    # error relative to the largest indentation of isolated contacts with these areas; infinite if a contact
-    # reaches the edge of its patch, or an asperity without cells is in contact
-    residual: float
-    of_points: FloatArray  # indentation if all other loads act at points, (n,) [mm]
 
 
 def initial_guess(scene: Scene, value: float, by_load: bool) -> Curve:
@@ -69,51 +48,76 @@ def initial_guess(scene: Scene, value: float, by_load: bool) -> Curve:
         return alone.with_notes((information(text),))
 
 
-def solve(scene: Scene, guess: Curve, load: float | None = None) -> Solution:
-    """Return the solution at a load, or at the initial guess's approach, with cells on all contacts."""
-    largest = scene.largest(guess.last.indentation)
+def solve(scene: Scene, guess: Curve, value: float, by_load: bool, model: object) -> Curve:
+    """Return an equilibrium at a load [mm^2], or at the approach [mm] of `guess`, as a curve.
+
+    model: to which the state refers.
+    """
+    surface, h, largest = scene.surface, scene.cell, scene.largest(guess.last.indentation)
     refuse_if(
-        largest < COARSEST * scene.cell,
-        f"cell = {scene.cell:g} mm is too coarse for the largest contact, whose radius is about "
+        largest < COARSEST * h,
+        f"cell = {h:g} mm is too coarse for the largest contact, whose radius is about "
         f"{largest:.3g} mm; {COARSEST:g} cells per radius need cell <= {largest / COARSEST:.3g} mm",
     )
     d = guess.last.indentation
-    indentation, multiplier = float(d.max()) / scene.cell, float(guess.approach[0]) / scene.cell
-    total = None if load is None else load / scene.cell**2
+    indentation, approach = float(d.max()) / h, float(guess.approach[0]) / h
+    total = value / h**2 if by_load else None
     # summits whose gaps may close have cells too
     half_width = _reach(scene, d, guess.last.load, 1.0 + MARGIN_SHARE, 0.01 * d.max())
     for _ in range(MAX_GROWTHS):
         patches = _patches(scene, half_width)
         corner, gaps, owners = zip(*patches, strict=True)
         operator = Influence(np.array(corner), [part.shape for part in gaps], *scene.of_cells)
-        gap, owner = (np.concatenate([part.ravel() for part in parts]) for parts in (gaps, owners))
-        pressure = _expected(scene, d, gap, owner)
+        bare, owner = (np.concatenate([part.ravel() for part in parts]) for parts in (gaps, owners))
+        pressure = _expected(scene, d, bare, owner)
         if total is not None:
             pressure *= total / pressure.sum()
         # half of the tolerance, as the final indentation may be smaller than the expected one
-        program = Program(operator, gap, total, 0.5 * TOLERANCE * indentation)
-        pressure, opening, multiplier, error = program.minimum(pressure, multiplier)
+        program = Program(operator, bare, total, 0.5 * TOLERANCE * indentation)
+        pressure, gap, approach, error = program.minimum(pressure, approach)
         parts = [part for group in operator.split(pressure) for part in group]
-        carried, area, deformed, merged, grooves = measure(patches, parts, scene)
+        load, area, deformed, merged, grooves = measure(patches, parts, scene)
         radius = np.minimum(np.sqrt(area / math.pi), scene.widest())
-        deepest = scene.law.indentation(scene.cell * radius, scene.of_law).max()
-        indentation = float(deepest) / scene.cell
-        d = multiplier * scene.cell - scene.surface.gap - scene.coupling @ (scene.cell**2 * carried)
-        larger = _enlarged(scene, half_width, patches, parts, d, scene.cell**2 * carried)
+        # of isolated contacts with these areas
+        indentation = float(scene.law.indentation(h * radius, scene.of_law).max()) / h
+        d = approach * h - surface.gap - scene.coupling @ (h**2 * load)  # if all other loads act at points
+        larger = _enlarged(scene, half_width, patches, parts, d, h**2 * load)
         covered = bool((larger == half_width).all())
         if covered and error <= TOLERANCE * indentation:
             break
         half_width = larger
     require_extent(scene, area)
-    zero = np.zeros(gap.size)
+    zero = np.zeros(bare.size)
     # the relative error of the stiffness is the square of that of the equations
     program = Program(operator, zero, None, 2e-3)
     rise, _, _ = program.on_face(pressure > 0.0, zero, zero - 1.0, 0.0, 0.0, 1000)
+    # not converged if a contact reaches the edge of its patch, or an asperity without cells is in contact
     residual = error / indentation if covered else math.inf
-    return Solution(
-        patches, pressure, opening, multiplier, float(rise.sum()),
-        carried, area, deformed, merged, grooves, residual, d,
-    )  # fmt: skip
+    carried, real = h**2 * math.fsum(load), h**2 * math.fsum(area)
+    residual = max(residual, abs(carried - value) / value if by_load else 0.0)
+
+    def last() -> RescaledState:
+        low, high = surface.position.min(axis=0), surface.position.max(axis=0)
+        return RescaledState(
+            load=h**2 * load,
+            area=h**2 * area,
+            indentation=d,
+            base_gap=float((surface.height - d).min()),
+            model=model,
+            notes=_notes(scene, load, area, deformed, merged),
+            field=ContactField(
+                cell=h,
+                corner=low + 0.5 * (high - low) + h * np.array(corner),
+                shape=np.array([part.shape for part in gaps]),
+                pressure=pressure,
+                gap=h * gap,
+                undeformed_gap=h * (bare - approach),
+            ),
+        )
+
+    row = np.array([h * approach, carried, real, h * float(rise.sum()), residual])[:, None]
+    error_of_cells = _cell_error(scene, area, deformed, merged, grooves)
+    return Curve(row[0], row[1], row[2], row[3], row[4], TOLERANCE, last, guess.notes, error_of_cells)
 
 
 def _reach(scene: Scene, d: FloatArray, load: FloatArray, factor: float, margin: float) -> FloatArray:
@@ -181,3 +185,48 @@ def _enlarged(
         reach = np.maximum(half_width[owner], np.abs(cells - scene.position[owner]).max(axis=1))
         np.maximum.at(result, owner, 1.25 * reach + MARGIN_CELLS)
     return result
+
+
+def _cell_error(
+    scene: Scene, area: FloatArray, deformed: BoolArray, merged: IntArray, grooves: int
+) -> ModelError:
+    """Return the assumed relative error of A0 for the numbers of cells in contact.
+
+    In cells, the area of one contact has an error of up to 1 if its pressure has the shape of its law
+    (measured to .8), 5 if it has another shape (up to 4 on layers from .1 to 1 mm), 8 if it has merged (up to
+    5 in random scenes), and up to .1 for each pair of cells of `grooves` parallel to the grid. Near the edges
+    of other caps the pressure has other shapes.
+    """
+    other = 5.0 if scene.paraboloids else allowed(area, False)
+    cells = np.where(deformed, other, 1.0)
+    if scene.paraboloids:
+        cells[merged.ravel()] = 8.0
+    error = 0.1 * grooves + cells[area > 0.0].sum()
+    return ModelError(float(error / area.sum()), "the number of cells in contact")
+
+
+def _notes(
+    scene: Scene, load: FloatArray, area: FloatArray, deformed: BoolArray, merged: IntArray
+) -> tuple[Note, ...]:
+    """Return notes on contacts that are deformed, merged or of few cells."""
+    notes, radius = [], np.sqrt(area / math.pi)
+    coarse = (load > 0.0) & (radius < COARSEST)
+    if deformed.any():
+        shape = f"{scene.law!r} on a surface of constant curvature"
+        shape = "a Hertzian ellipse" if scene.paraboloids else shape
+        text = (
+            f"the pressure of {deformed.sum()} contacts is not that of {shape}: their areas are those "
+            "within their edges, with an error of a few cells each and up to 1 %"
+        )
+        if len(merged):
+            text += f"; {len(merged)} pairs have merged, whose areas are split where the summits' caps cross"
+        notes.append(information(text))
+    if coarse.any():
+        share = load[coarse].sum() / load.sum()
+        text = (
+            f"{coarse.sum()} contacts have fewer than {COARSEST:g} cells per radius and carry "
+            f"{share:.2g} of the load; the error of their areas is 1 % and more"
+        )
+        least = float(radius[coarse].min())
+        notes.append(Note(text, Level.WARNING, "cells per radius", least, COARSEST, ("cell",)))
+    return tuple(notes)

@@ -20,7 +20,7 @@ from metafem.contact import Contact
 from metafem.contact.pedestal import TALLEST, pedestal_influence
 from metafem.errors import InvalidInput
 from metafem.models._resources import run_rows
-from metafem.models.contact_tables import deepest, rows_of, tables
+from metafem.models.contact_tables import refuse_beyond, rows_of, tables
 from metafem.models.curve import (
     Curve,
     RescaledState,
@@ -52,9 +52,9 @@ PAIRS_PER_THREAD = 200_000
 PAIRS_PER_HALF = 4_000_000
 
 
-# Results (m, k) for m lists of heights, their tolerances (k,), the last state of the last list, a function
-# that returns its dA0/dh (k, n) without the change of the pedestals, and notes.
-Solved = tuple[kernel.Results, FloatArray | float, State, Callable[[], FloatArray], tuple[Note, ...]]
+# The results (6, m, k) of the kernel for m lists of heights, their tolerances (k,), the last state of the
+# last list, a function that returns its dA0/dh (k, n) without the change of the pedestals, and notes.
+Solved = tuple[FloatArray, FloatArray | float, State, Callable[[], FloatArray], tuple[Note, ...]]
 
 
 @dataclass(frozen=True)
@@ -112,12 +112,12 @@ class ElasticCoupling:
             return areas_one_by_one(self.model.curve, self.surface, load, height, radius, None)
         results, tolerance, *_ = self._solve(height, load, True, radius=radius)
         self._refuse_thin_layer(results)
-        good = solved(results.residual, tolerance, results.load, results.area)
-        return np.where(good, results.area, np.nan)
+        _, carried, area, _, residual, _ = results
+        return np.where(solved(residual, tolerance, carried, area), area, np.nan)
 
     def _curve(self, height: FloatArray, found: Solved) -> Curve:
         results, tolerance, last, _, notes = found
-        approach, load, area, stiffness, residual = (part[0] for part in results[:5])
+        approach, load, area, stiffness, residual, _ = results[:, 0]
 
         def state() -> RescaledState:
             return self.state(height, last.load, math.pi * last.footprint, last.indentation, notes)
@@ -145,13 +145,13 @@ class ElasticCoupling:
             return self._solve_dense(law, own, gap, control, by_load, indentation)
         sums, coarse = large_scene(self.surface, self.summed, self.order)
         own += sums.self_influence
-        found = np.zeros((len(kernel.Results._fields), len(gap), len(control)))
+        found = np.zeros((6, len(gap), len(control)))
         for row in range(len(gap)):
             equations = ContactEquations(sums, self.order, rows_of(law, row), own[row], gap[row], coarse)
-            last = equations.follow(control, by_load, kernel.Results(*found[:, row]), indentation)
-        self._refuse_deep(law, -1, last)
+            last = equations.follow(control, by_load, found[:, row], indentation)
+        refuse_beyond(rows_of(law, -1), last.z, self.law)
         gradients = partial(equations.area_gradients, indentation)
-        return kernel.Results(*found), FAST_TOLERANCE, last, gradients, (information(sums.note),)
+        return found, FAST_TOLERANCE, last, gradients, (information(sums.note),)
 
     def _solve_dense(
         self,
@@ -165,7 +165,7 @@ class ElasticCoupling:
         """Return the solution with dense matrices; own: self terms of the pedestals (m, n) [1/mm]."""
         coupling, regular = coupling_between(self.surface, self.substrate, self.order)
         own = own + regular
-        found = np.zeros((len(kernel.Results._fields), len(gap), len(control)))
+        found = np.zeros((6, len(gap), len(control)))
         tolerance = np.full(len(control), ON_CURVE)  # those of the kernel
         tolerance[-1] = TOLERANCE
         control = np.array(control)  # a read-only array would compile the kernel again
@@ -187,7 +187,7 @@ class ElasticCoupling:
         else:
             run_rows(partial(run, loads=slice(0, loads)), rows, pairs, PAIRS_PER_THREAD)
         for (end, _), state in states.items():
-            self._refuse_deep(law, end - 1, state)
+            refuse_beyond(rows_of(law, end - 1), state.z, self.law)
 
         def gradients() -> FloatArray:
             found = np.empty_like(indentation)
@@ -202,31 +202,20 @@ class ElasticCoupling:
             run_rows(run, len(found), len(found) * self.surface.count**2, PAIRS_PER_THREAD)
             return found
 
-        return kernel.Results(*found), tolerance, states[rows, loads], gradients, ()
+        return found, tolerance, states[rows, loads], gradients, ()
 
     def _matrix(self) -> FloatArray:
         """Return the matrix of one thread for Newton's method; order 1 needs none."""
         size = 0 if self.order == 1 else self.surface.count
         return np.zeros((size, size))
 
-    def _refuse_deep(self, law: Law, row: int, state: State) -> None:
-        """Raise InvalidInput if an indentation of a surface exceeds the range of the law."""
-        if not law.data.size:
-            return
-        limit = deepest(rows_of(law, row))
-        if (state.z > limit).any():
-            i = int((state.z > limit).argmax())
-            raise InvalidInput(
-                f"asperity {i} is indented by more than {limit[i]:.4g} mm, up to which "
-                f"{self.model.contact!r} is described; use lighter loads or a law with a larger range"
-            )
-
-    def _refuse_thin_layer(self, results: kernel.Results) -> None:
+    def _refuse_thin_layer(self, results: FloatArray) -> None:
         """Raise InvalidInput if a contact exceeds the layer thickness or the cell: the expansion fails."""
-        refuse_wide(self.surface, float(results.radius.max()))
+        widest = float(results[kernel.RADIUS].max())
+        refuse_wide(self.surface, widest)
         thickness = getattr(self.substrate, "thickness", None)
         # neither the solution nor its contact radii are accurate in this range
-        if thickness is not None and float(results.radius.max()) > thickness:
+        if thickness is not None and widest > thickness:
             raise InvalidInput(
                 f"the layer of {thickness:g} mm is thinner than the contacts: order {self.order} holds for "
                 f"contact radii up to {thickness:g} mm; use resolved contacts or a thicker layer"

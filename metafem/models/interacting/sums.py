@@ -12,7 +12,6 @@ import math
 from collections.abc import Callable, Sequence
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 from scipy.fft import irfft2, next_fast_len, rfft2
 from scipy.linalg.lapack import dpotrf, dpotrs
@@ -41,32 +40,21 @@ Preconditioner = Callable[[FloatArray], Callable[[FloatArray], FloatArray]]
 
 
 def find_lattice(position: FloatArray) -> Lattice | None:
-    """Return the square lattice, of any orientation, that contains the positions (n, 2), or None."""
-    if len(position) < 2:
+    """Return the square lattice along x and y that contains the positions (n, 2), or None."""
+    offset = (position - position.min(axis=0))[:, ::-1]
+    extent, rounding = float(offset.max()), 8.0 * np.finfo(float).eps * float(np.abs(position).max())
+    steps = np.diff(np.sort(offset, axis=0), axis=0)
+    steps = steps[steps > LATTICE_TOLERANCE * extent + rounding]  # between different rows or columns
+    if not steps.size:
         return None
-    centre = position - position.mean(axis=0)
-    # a tenth of the sites suffices: among the hundred in the middle, a third then have a nearest neighbour
-    middle = np.argsort(np.hypot(*centre.T), kind="stable")[:100]
-    distances, near = scipy.spatial.cKDTree(centre).query(centre[middle], k=2)
-    # the first of the nearest pairs, which are equal to rounding
-    k = int((distances[:, 1] <= distances[:, 1].min() * (1.0 + LATTICE_TOLERANCE)).argmax())
-    from_first = (centre - centre[middle[k]]) @ np.array([1.0, 1.0j])
-    step, extent = complex(from_first[near[k, 1]]), float(np.abs(from_first).max())
-    # refined with ever farther positions: a single step gives the direction of a long row inaccurately
-    for reach in (3.0 * abs(step), math.sqrt(abs(step) * extent), extent):
-        place = from_first[np.abs(from_first) <= reach] / step
-        whole = np.rint(place.real) + 1.0j * np.rint(place.imag)
-        step *= complex(np.vdot(whole, place) / np.vdot(whole, whole))
-    place = from_first / step
-    exact = np.column_stack([place.imag, place.real])
+    pitch = extent / float(np.rint(extent / steps.min()))
+    exact = offset / pitch
     site = np.rint(exact)
-    # the mean offset from whole numbers is the rounding of the position chosen as origin
-    offset = exact - site - (exact - site).mean(axis=0)
-    rounding = 8.0 * np.finfo(float).eps * float(np.abs(position).max()) / abs(step)
-    if float(np.abs(offset).max()) > LATTICE_TOLERANCE + rounding:
+    # the mean offset from whole numbers is the rounding of the lowest positions
+    error = exact - site - (exact - site).mean(axis=0)
+    if float(np.abs(error).max()) > LATTICE_TOLERANCE + rounding / pitch:
         return None
-    site = site - site.min(axis=0)
-    return _occupied(site, (int(site[:, 0].max()) + 1, int(site[:, 1].max()) + 1), abs(step))
+    return _occupied(site, (int(site[:, 0].max()) + 1, int(site[:, 1].max()) + 1), pitch)
 
 
 def find_grid(position: FloatArray, cell: PeriodicCell) -> Lattice | None:

