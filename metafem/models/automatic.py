@@ -165,7 +165,7 @@ class Automatic(WithoutGradients):
     def _resolved(self, surface: Surface, values: FloatArray, by_load: bool) -> Rung:
         """Return resolved contacts, with the same cells at all loads."""
         control, substrate = _control(values, by_load), cast("Radial", self.substrate)
-        model, curve = within(self.tolerance, surface, **control, substrate=substrate, contact=self.contact)
+        model, curve = within(self.tolerance, surface, substrate, self.contact, **control)
         errors = np.full(len(values), math.nan if curve.error is None else curve.error)
         return f"resolved contacts with cells of {model.cell:.3g} mm", curve, errors, "the number of cells"
 

@@ -67,7 +67,12 @@ class LoadEquation:
         return np.where(solved(_error(carried, load), TOLERANCE, carried, area), area, np.nan)
 
     def sensitivity(self, height: FloatArray, load: FloatArray, radius: Any = None) -> Sensitivity:
-        """Return the law at increasing loads (k,), and dA0/dh at fixed load [mm], (k, n)."""
+        """Return the law at increasing loads (k,), and dA0/dh at fixed load [mm], (k, n).
+
+        ``dA0/dh_i = A'_i - P'_i sum_j A'_j / sum_j P'_j`` for asperities in contact, where A' and P' are
+        derivatives with respect to the indentation. For Hertz contacts this is
+        ``pi R_i - sum_j pi R_j sqrt(R_i d_i) / sum_j sqrt(R_j d_j)``.
+        """
         radius = self.summits(radius)
         curve = self.curve(height, load, radius)
         indentation = curve.approach[:, None] - (height.max() - height)

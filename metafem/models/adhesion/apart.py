@@ -24,13 +24,21 @@ TABULATED, MOST_STEPS = 400, 60
 Table = tuple[np.ndarray, tuple[FloatArray, ...]]
 
 
+def loading_pieces(scene: Scene) -> tuple[np.ndarray, FloatArray, FloatArray, int]:
+    """Return the contacts (k, n) of the pieces of the loading path, whose gaps close one after the other.
+
+    Also return the approaches (k,) [mm] at their ends, those up to which the law describes their contacts,
+    and the index of the first piece in which the law ends.
+    """
+    start = np.unique(scene.gap)
+    closed, ends = scene.gap <= start[:, None], np.append(start[1:], np.inf)
+    most = np.where(closed, scene.gap + scene.law.largest_indentation(scene.radius), np.inf).min(axis=1)
+    return closed, ends, most, int((ends >= most).argmax())
+
+
 def loaded_apart(scene: Scene, load: FloatArray) -> States | None:
     """Return the states at increasing loads (k,), or None if some are beyond the range of the law."""
-    gap, start = scene.gap, np.unique(scene.gap)
-    closed, ends = gap <= start[:, None], np.append(start[1:], np.inf)
-    most = np.where(closed, gap + scene.law.largest_indentation(scene.radius), np.inf).min(axis=1)
-    last = int((ends >= most).argmax())
-    tables = _tables(scene)
+    gap, (closed, ends, most, last), tables = scene.gap, loading_pieces(scene), _tables(scene)
     _, carried, _ = _contacts(tables, gap, ends[:last], closed[:last])
     piece = np.searchsorted(np.maximum.accumulate(carried.sum(axis=1)), load)
     now, high = closed[piece], np.minimum(ends, most)[piece]

@@ -18,7 +18,7 @@ from scipy.optimize import elementwise
 from metafem._kernels.newton import TOLERANCE
 from metafem._validate import FloatArray, IntArray
 from metafem.errors import InvalidInput, NotConverged
-from metafem.models.adhesion.apart import loaded_apart
+from metafem.models.adhesion.apart import loaded_apart, loading_pieces
 from metafem.models.adhesion.contacts import BoolArray, Scene, States, joined
 from metafem.models.adhesion.walk import CLOSED, LOCATED, MOST_TRIALS, NODES, walk
 
@@ -84,11 +84,7 @@ def _on_path(nodes: States, sign: float, by_load: bool, values: FloatArray) -> S
 
 def _apart(scene: Scene, goal: float, by_load: bool) -> States:
     """Return the nodes of the loading path of asperities that do not interact."""
-    start = np.unique(scene.gap)
-    stop, closed = np.append(start[1:], np.inf), scene.gap <= start[:, None]
-    # the law may end before the next gap closes
-    most = np.where(closed, scene.gap + scene.law.largest_indentation(scene.radius), np.inf).min(axis=1)
-    last = int((stop >= most).argmax())
+    start, (closed, stop, most, last) = np.unique(scene.gap), loading_pieces(scene)
     ends = _pressed(scene, closed[:last], stop[:last])
     if (ends.load if by_load else ends.x).max(initial=-np.inf) < goal:
         ends = joined([ends, _beyond(scene, closed[[last]], start[last], most[last], goal, by_load)])

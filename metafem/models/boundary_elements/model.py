@@ -137,28 +137,26 @@ class BoundaryElements(WithoutGradients):
 def within(
     tolerance: float,
     surface: Surface,
-    load: FloatArray | None = None,
-    *,
-    approach: FloatArray | None = None,
     substrate: Radial,
     contact: Contact = PARABOLOID,
+    **control: FloatArray,
 ) -> tuple[BoundaryElements, Curve]:
-    """Return the model whose stated error of A0 at these loads or approaches is within a tolerance.
+    """Return the model whose stated error of A0 is within a tolerance, and its curve.
 
-    Its curve is also returned. The contacts are resolved by coarse cells and by half of them, at the first
-    and at the last value. The stated errors tell the side of the cells. It is chosen again if more contacts
-    are found deformed or merged by these cells. With more than 500,000 in contact, which take about ten
-    seconds on two cores, the error remains above the tolerance, as the state says.
+    control: loads or approaches (k,), by the name of the argument of `curve`. The contacts are resolved by
+    coarse cells and by half of them, at the first and at the last value. The stated errors tell the side of
+    the cells. It is chosen again if more contacts are found deformed or merged by these cells. With more than
+    500,000 in contact, which take about ten seconds on two cores, the error remains above the tolerance, as
+    the state says.
     """
-    values, by_load = controlled(load, approach)
+    ((name, values),) = control.items()
     ends = values[values > 0.0][[0, -1]]
     scene = Scene(surface, 1.0, substrate, contact.bound(surface))  # [mm], before the contacts are known
     # ten cells per radius of the largest contact, also the minimum number
-    cell = scene.largest(initial_guess(scene, ends[0], by_load).last.indentation) / 10.0
+    cell = scene.largest(initial_guess(scene, ends[0], name == "load").last.indentation) / 10.0
     coarse = BoundaryElements(cell, substrate, contact)
     halved = replace(coarse, cell=0.5 * coarse.cell)
-    given = (ends, None) if by_load else (None, ends)
-    curves = [model.curve(surface, given[0], approach=given[1]) for model in (coarse, halved)]
+    curves = [model.curve(surface, **{name: ends}) for model in (coarse, halved)]
     before, found = (float(curve.error or 0.0) for curve in curves)
     # along grooves the error is proportional to the cell, elsewhere to its square
     rate = min(max(math.log2(before / found), 1.0), 2.0)
@@ -166,9 +164,9 @@ def within(
     cell = 0.9 * halved.cell * (tolerance / found) ** (1.0 / rate)
     least = math.sqrt(float(curves[1].area.max()) / 5e5)
     model = replace(coarse, cell=min(coarse.cell, max(cell, least)))
-    curve = model.curve(surface, load, approach=approach)
+    curve = model.curve(surface, **control)
     error = float(curve.error or 0.0)
     if error > tolerance and model.cell > least:
         model = replace(model, cell=max(0.9 * model.cell * (tolerance / error) ** (1.0 / rate), least))
-        curve = model.curve(surface, load, approach=approach)
+        curve = model.curve(surface, **control)
     return model, curve

@@ -93,7 +93,11 @@ class ElasticCoupling:
         return self._curve(self.surface.height, found)
 
     def sensitivity(self, height: FloatArray, load: FloatArray) -> Sensitivity:
-        """Return the curve at increasing loads (k,), and dA0/dh at fixed load [mm], (k, n)."""
+        """Return the curve at increasing loads (k,), and dA0/dh at fixed load [mm], (k, n).
+
+        The derivatives by all heights need one solution of a linear system per load. If fast sums are used,
+        it is solved by conjugate gradients to 1e-9.
+        """
         indentation = np.zeros((len(load), self.surface.count))
         found = self._solve(height[None, :], load, True, indentation)
 

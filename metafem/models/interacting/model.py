@@ -3,26 +3,25 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
 from metafem import _validate as check
-from metafem._validate import FloatArray
 from metafem.caps import SPHERE
 from metafem.contact import Contact
 from metafem.contact.elastic import PARABOLOID
 from metafem.contact.law import checked_contact
 from metafem.errors import InvalidInput, refuse_if
 from metafem.models.adhesion.curves import AdhesiveAsperities, adhesive_law
-from metafem.models.curve import Curve, Sensitivity, areas_one_by_one, controlled
+from metafem.models.curve import WithGradients
 from metafem.models.interacting.elastic import ElasticCoupling
 from metafem.substrate import HalfSpace, Radial, Substrate
 from metafem.surface import Surface
 
 
 @dataclass(frozen=True)
-class Interacting:
+class Interacting(WithGradients):
     """Asperities coupled through an elastic substrate.
 
     The indentations are ``d_i = h_i - delta - u_i``, where ``u_i`` is the displacement by the other
@@ -85,7 +84,6 @@ class Interacting:
     """
 
     couples: ClassVar[bool] = True
-    unloads: ClassVar[bool] = True
 
     order: int = 3
     substrate: Substrate = field(default_factory=HalfSpace)
@@ -115,11 +113,6 @@ class Interacting:
         return f"{substrate}{order}{', with pedestals' if self.pedestal else ''}{law}"
 
     @property
-    def gradient_model(self) -> Interacting:
-        """The model itself."""
-        return self
-
-    @property
     def reference(self) -> Interacting:
         """The same model with the highest order that its contact law supports."""
         return replace(self, order=self.contact.largest_order)
@@ -143,43 +136,3 @@ class Interacting:
         coupled = ElasticCoupling(self, surface, law, bound, self.order, self.pedestal)
         adhesive = adhesive_law(law)
         return coupled if adhesive is None else AdhesiveAsperities(self, adhesive, surface, coupled)
-
-    def curve(
-        self,
-        surface: Surface,
-        load: FloatArray | None = None,
-        *,
-        approach: FloatArray | None = None,
-        unloading: bool = False,
-    ) -> Curve:
-        """Return equilibria at increasing rescaled loads P/E* [mm^2] or approaches [mm], (k,).
-
-        unloading: whether the values are reached by unloading from the largest one. If the contacts adhere,
-        loads may then be negative.
-        """
-        values, by_load = controlled(load, approach)
-        return self.bound(surface).path(values, by_load, unloading)
-
-    def sensitivity(
-        self, surface: Surface, load: FloatArray, height: FloatArray | None = None
-    ) -> Sensitivity:
-        """Return the law at increasing rescaled loads (k,), and dA0/dh at fixed load [mm], (k, n).
-
-        The derivatives by all heights need one solution of a linear system per load. If fast sums are used,
-        it is solved by conjugate gradients to 1e-9.
-        height: summit heights (n,) [mm] that replace the heights of the surface; they are not checked.
-        """
-        heights = surface.height if height is None else height
-        return self.bound(surface).sensitivity(heights, load)
-
-    def areas(
-        self, surface: Surface, load: FloatArray, height: FloatArray, radius: Any = None, position: Any = None
-    ) -> FloatArray:
-        """Return A0 [mm^2] of many surfaces at increasing rescaled loads (k,), (m, k); nan if not converged.
-
-        height, radius: (m, n) [mm]; position: (m, n, 2) [mm]; default: the surface's. Surfaces are solved one
-        by one if positions are passed, or if radii are passed and fast sums are used.
-        """
-        if position is not None:
-            return areas_one_by_one(self.curve, surface, load, height, radius, position)
-        return self.bound(surface).areas(height, radius, load)
