@@ -103,13 +103,6 @@ def array(name: str, value: Any, *, shape: tuple[int | None, ...], positive: boo
     return result
 
 
-def lists(name: str, value: Any, length: int | None) -> FloatArray:
-    """Return one list of numbers, or several, as a new, read-only, finite array (m, length)."""
-    while np.ndim(value) < 2:
-        value = [value]
-    return array(name, value, shape=(None, length))
-
-
 def loads(name: str, value: Any, *, negative: bool = False) -> FloatArray:
     """Return `value` as an array of loads (k,); negative ones are refused unless `negative`."""
     result = array(name, value, shape=(None,))

@@ -1,9 +1,9 @@
 """Approaches of adhesive contacts that do not interact, by tables of single contacts.
 
 A table (4, m) holds increasing indentations [mm], and contact radii [mm], loads P/E* [mm^2] and dP/dd [mm] at
-them. Contact i has the table ``which[i]`` and the indentation ``x - gap[i]`` at the approach x; those with
-gaps up to ``reach`` are closed. Between two jumps into contact the total load is an increasing and convex
-function of x, so that Newton's method converges from above.
+them. Contact i has the table ``which[i]`` and the indentation ``x - gap[i]`` at the approach x. Between two
+jumps into contact the total load of the closed ones is an increasing and convex function of x, so that
+Newton's method converges from above.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ def contact(table, depth):
 
 
 @compiled
-def total(tables, which, gap, reach, x):
+def total(tables, which, gap, closed, x):
     """Return P/E* [mm^2] and dP/dx [mm] at an approach x."""
     load = rate = 0.0
     for i in range(len(gap)):
-        if gap[i] <= reach:
+        if closed[i]:
             _, own, slope = contact(tables[which[i]], x - gap[i])
             load += own
             rate += slope
@@ -36,16 +36,16 @@ def total(tables, which, gap, reach, x):
 
 
 @compiled
-def loads(tables, which, gap, reach, x):
+def loads(tables, which, gap, closed, x):
     """Return P/E* (k,) [mm^2] at approaches (k,)."""
     load = np.empty(len(x))
     for k in range(len(x)):
-        load[k], _ = total(tables, which, gap, reach[k], x[k])
+        load[k], _ = total(tables, which, gap, closed[k], x[k])
     return load
 
 
 @compiled
-def approached(tables, which, gap, reach, load, x, goal, most):
+def approached(tables, which, gap, closed, load, x, goal, most):
     """Change upper bounds x (k,) [mm] to the approaches at loads (k,); return the contact radii (k, n) [mm].
 
     The last of at most `most` steps is below `goal` over the approach.
@@ -53,7 +53,7 @@ def approached(tables, which, gap, reach, load, x, goal, most):
     radius = np.empty((len(x), len(gap)))
     for k in range(len(x)):
         for _ in range(most):
-            carried, rate = total(tables, which, gap, reach[k], x[k])
+            carried, rate = total(tables, which, gap, closed[k], x[k])
             step = (load[k] - carried) / rate
             x[k] += step
             if abs(step) <= goal * x[k]:

@@ -7,7 +7,6 @@ prediction is the parabola through the last three equilibria.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
@@ -42,28 +41,16 @@ REACH = 3.0
 PREDICTOR_STEPS = 2
 
 
-class Results(NamedTuple):
-    """Results of the equilibria of m surfaces at k loads or approaches, (m, k): parts of one array."""
+# Rows of the results of equilibria, (6, k) for one surface: the approach [mm], the load P/E* [mm^2], the area
+# [mm^2], dP/dx [mm], the residual, and the radius of the largest contact [mm].
+APPROACH, CARRIED, AREA, STIFFNESS, RESIDUAL, RADIUS = range(6)
 
-    approach: np.ndarray  # [mm]
-    load: np.ndarray  # P/E* [mm^2]
-    area: np.ndarray  # [mm^2]
-    stiffness: np.ndarray  # dP/dx [mm]
-    residual: np.ndarray
-    radius: np.ndarray  # contact radius of the largest contact [mm]
-    steps: np.ndarray  # number of Newton steps, including those from rejected predictions
+# The memory of a curve is its last equilibria, the latest first: approaches (REMEMBERED,), z (REMEMBERED, n).
 
 
-class Memory(NamedTuple):
-    """The last equilibria of a curve, the latest first."""
-
-    approach: np.ndarray  # (REMEMBERED,)
-    z: np.ndarray  # (REMEMBERED, n)
-
-
-def empty_memory(count: int) -> Memory:
+def empty_memory(count: int) -> tuple[np.ndarray, np.ndarray]:
     """Return an empty memory for `count` asperities."""
-    return Memory(np.zeros(REMEMBERED), np.zeros((REMEMBERED, count)))
+    return np.zeros(REMEMBERED), np.zeros((REMEMBERED, count))
 
 
 @inlined
@@ -105,17 +92,18 @@ def uniform_approach(gap, law, load):
 @compiled
 def remember(memory, x, z):
     """Let an equilibrium become the latest in the memory."""
+    at, kept = memory
     for k in range(REMEMBERED - 1, 0, -1):
-        memory.approach[k] = memory.approach[k - 1]
-        copy(memory.z[k - 1], memory.z[k])
-    memory.approach[0] = x
-    copy(z, memory.z[0])
+        at[k] = at[k - 1]
+        copy(kept[k - 1], kept[k])
+    at[0] = x
+    copy(z, kept[0])
 
 
 @compiled
 def extrapolate(memory, points, x, law, z):
     """Fill the z predicted at the approach x from the last `points` equilibria; return load and dP/dx."""
-    at = memory.approach
+    at, kept = memory
     near = x - at[0]
     bend = turn = 0.0
     if points == REMEMBERED and near <= REACH * (at[0] - at[1]):
@@ -127,10 +115,10 @@ def extrapolate(memory, points, x, law, z):
     for i in range(z.size):  # Newton's form of the interpolating polynomial
         rate = 1.0
         if points > 1:
-            rate = first * (memory.z[0, i] - memory.z[1, i])
-            turn = bend * (rate - second * (memory.z[1, i] - memory.z[2, i]))
+            rate = first * (kept[0, i] - kept[1, i])
+            turn = bend * (rate - second * (kept[1, i] - kept[2, i]))
         ahead = x - at[1]
-        z[i] = memory.z[0, i] + near * (rate + ahead * turn)
+        z[i] = kept[0, i] + near * (rate + ahead * turn)
         if z[i] > 0.0:
             own, own_rate = load_and_rate(law, i, z[i])
             load += own
@@ -146,7 +134,7 @@ def predict(memory, points, x, target, law, z):
         for _ in range(PREDICTOR_STEPS):
             if not slope > 0.0 or abs(load - target) <= 1e-4 * target:  # below the error of the prediction
                 break
-            x = max(memory.approach[0], x - (load - target) / slope)
+            x = max(memory[0][0], x - (load - target) / slope)
             load, slope = extrapolate(memory, points, x, law, z)
     return x
 
@@ -174,15 +162,15 @@ def tangent(field, order, self_term, s, closed, count, warm, matrix):
 
 @compiled
 def curves(field, order, law, self_term, gap, control, by_load, found, s, closed, matrix, all_z):
-    """Fill `found` (7, m, k), the results of m surfaces, and `all_z` (k, n), z of the last one, unless empty.
+    """Fill `found` (6, m, k), the results of m surfaces, and `all_z` (k, n), z of the last one, unless empty.
 
     self_term, gap and the arrays of the law are (m, n); control (k,) has increasing loads or approaches. The
     last equilibrium of a surface is solved to TOLERANCE, the others to ON_CURVE. s: block of `equations`;
     matrix: (n, n), empty for order 1.
     """
     n = gap.shape[1]
-    results = Results(found[0], found[1], found[2], found[3], found[4], found[5], found[6])
-    memory = Memory(np.zeros(REMEMBERED), s[KEPT : KEPT + REMEMBERED])
+    reached = np.zeros(REMEMBERED)
+    memory = reached, s[KEPT : KEPT + REMEMBERED]
     load_rate = np.zeros(n)
     for row in range(gap.shape[0]):
         points = 0
@@ -190,10 +178,10 @@ def curves(field, order, law, self_term, gap, control, by_load, found, s, closed
             s[READY, i] = 0.0  # each surface has a matrix of its own
         law_of_row = contact.part(law, row)
         for j in range(control.size):
-            results.approach[row, j] = 0.0 if by_load else control[j]
+            found[APPROACH, row, j] = 0.0 if by_load else control[j]
             if control[j] <= 0.0:
                 for i in range(n):
-                    s[Z, i] = min(results.approach[row, j], 0.0) - gap[row, i]
+                    s[Z, i] = min(found[APPROACH, row, j], 0.0) - gap[row, i]
                     s[INDENTATION, i] = s[Z, i]
                     s[LOAD, i] = s[SQUARE, i] = s[FOOTPRINT, i] = 0.0
                 if all_z.size > 0:
@@ -210,34 +198,33 @@ def curves(field, order, law, self_term, gap, control, by_load, found, s, closed
                 else:
                     x = control[j]
                     if by_load:
-                        ahead = (target - results.load[row, j - 1]) / results.stiffness[row, j - 1]
-                        x = memory.approach[0] + ahead
+                        ahead = (target - found[CARRIED, row, j - 1]) / found[STIFFNESS, row, j - 1]
+                        x = reached[0] + ahead
                     start = predict(memory, points, x, target, law_of_row, s[Z])
-                new, count, load, residual, steps = settle(
+                new, count, load, residual = settle(
                     field, order, law_of_row, self_term[row], gap[row], start, target, tolerance, alone, s,
                     closed, matrix,
                 )  # fmt: skip
-                results.steps[row, j] += steps
                 if residual <= tolerance or alone:
                     break
                 alone = True  # a prediction can fail if new contacts form
             if all_z.size > 0:
                 copy(s[Z], all_z[j])
-            results.approach[row, j] = new
-            results.load[row, j] = load
-            results.residual[row, j] = residual
-            results.area[row, j], results.radius[row, j] = areas(order, law_of_row, s)
+            found[APPROACH, row, j] = new
+            found[CARRIED, row, j] = load
+            found[RESIDUAL, row, j] = residual
+            found[AREA, row, j], found[RADIUS, row, j] = areas(order, law_of_row, s)
             if residual > tolerance or count == 0:
                 points = 0
                 continue
-            if points > 0 and not new > memory.approach[0]:
+            if points > 0 and not new > reached[0]:
                 points = 0
             remember(memory, new, s[Z])
             copy(load_rate, s[STEP_LOADS])
             stiffness = tangent(field, order, self_term[row], s, closed, count, points > 0, matrix)
-            results.stiffness[row, j] = stiffness
+            found[STIFFNESS, row, j] = stiffness
             if stiffness == math.inf:  # the equilibrium is not a minimum of the energy
-                results.residual[row, j] = 1.0
+                found[RESIDUAL, row, j] = 1.0
                 points = 0
                 continue
             copy(s[STEP_LOADS], load_rate)

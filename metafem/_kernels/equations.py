@@ -26,7 +26,6 @@ curvature has the load p. If z < 0 the asperity is open, with the gap -z. In the
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
@@ -34,30 +33,12 @@ from metafem._kernels import law as contact
 from metafem._kernels.compiled import compiled
 from metafem._kernels.vectors import largest, total_of
 
-
-class Coupling(NamedTuple):
-    """Influence of n asperities on each other: G and, for order 3, its Laplacian and two slopes.
-
-    Row j of `source`, (n, 4 n), has the four fields of a unit load at j, one after another, with the
-    derivatives with respect to the place of the load. `displaced` has, instead, the derivatives at the other
-    end, the slopes with opposite signs: if G depends on distances alone, both are one array. Order 1 has G
-    alone, (n, n).
-    """
-
-    source: np.ndarray
-    displaced: np.ndarray
-
-    @property
-    def influence(self) -> np.ndarray:
-        """G, (n, n)."""
-        return self.source[:, : len(self.source)]
-
-    @property
-    def fields(self) -> np.ndarray:
-        """The parts of `source`: G, Laplacian and the slopes along x and y, (4 or 1, n, n)."""
-        count = len(self.source)
-        return self.source.reshape(count, -1, count).swapaxes(0, 1)
-
+# The influence of n asperities on each other is a pair `field` of arrays (n, 4 n), or (n, n) of G for order
+# 1. Row j of the first, the source, has the four fields of a unit load at j, one after another: G, its
+# Laplacian and its two slopes, with the derivatives with respect to the place of the load. Row j of the
+# second, the displaced, has the derivatives at the other end, the slopes with opposite signs: if G depends on
+# distances alone, both are one array.
+Coupling = tuple[np.ndarray, np.ndarray]
 
 # Rows of the block `s` (rows, n) that holds the contacts at nominal indentations z, and scratch of solvers.
 ROWS = (
@@ -266,11 +247,11 @@ def respond(field, order, law, self_term, s, closed):
     for i in range(4 * n):
         fields[i] = 0.0
     if order == 1:
-        add_rows(field.displaced, closed, count, load, u)
+        add_rows(field[1], closed, count, load, u)
         for i in range(n):
             u[i] += self_term[i] * load[i]
         return count
-    add_rows(field.displaced, closed, count, load, fields)
+    add_rows(field[1], closed, count, load, fields)
     gx, gy = s[SLOPE_X], s[SLOPE_Y]
     for i in range(n):
         u[i] += self_term[i] * load[i] - 0.5 * s[LEVER_RATE, i] * (gx[i] * gx[i] + gy[i] * gy[i])
@@ -279,7 +260,7 @@ def respond(field, order, law, self_term, s, closed):
         s[SIZE, i] = s[MOMENT, i]
         s[TURN_X, i] = s[LEVER, i] * gx[i]
         s[TURN_Y, i] = s[LEVER, i] * gy[i]
-    add_moments(field.source, closed, count, s[SIZE], s[TURN_X], s[TURN_Y], u)
+    add_moments(field[0], closed, count, s[SIZE], s[TURN_X], s[TURN_Y], u)
     return count
 
 
@@ -298,7 +279,7 @@ def assemble(field, s, closed, count, matrix):
     for k in range(count):
         j = closed[k]
         bend, x, y = third[j], tilt_x[j], tilt_y[j]
-        row, own, other = matrix[j], field.source[j], field.displaced[j]
+        row, own, other = matrix[j], field[0][j], field[1][j]
         for i in range(n):
             row[i] = (
                 own[i]
@@ -319,7 +300,7 @@ def linearise(field, order, self_term, s, closed, count, y, image):
     changes = s[CHANGE:SIZE].reshape(4 * n)[: n if order == 1 else 4 * n]
     for i in range(changes.size):
         changes[i] = 0.0
-    add_rows(field.displaced, closed, count, y, changes)
+    add_rows(field[1], closed, count, y, changes)
     total = 0.0
     for k in range(count):
         i = closed[k]

@@ -61,7 +61,7 @@ def area_gradients(field, order, law, self_term, indentation, s, closed, matrix,
                 s[SIZE, i] = 0.5 * math.pi * s[BY_CURVATURE, i]
                 s[TURN_X, i] = -2.0 * math.pi * s[BY_SLOPE, i] * s[SLOPE_X, i]
                 s[TURN_Y, i] = -2.0 * math.pi * s[BY_SLOPE, i] * s[SLOPE_Y, i]
-            add_moments(field.source, closed, count, s[SIZE], s[TURN_X], s[TURN_Y], by_load)
+            add_moments(field[0], closed, count, s[SIZE], s[TURN_X], s[TURN_Y], by_load)
         used = refresh(field, order, self_term, s, closed, count, matrix, True)
         done = False
         for _ in range(MAX_CORRECTIONS):
@@ -69,7 +69,7 @@ def area_gradients(field, order, law, self_term, indentation, s, closed, matrix,
                 s[IMAGE, i] = 0.0
             linearise(field, order, self_term, s, closed, count, found, s[IMAGE])
             if order > 1:
-                add_moments(field.source, closed, count, s[SIZE], s[TURN_X], s[TURN_Y], s[IMAGE])
+                add_moments(field[0], closed, count, s[SIZE], s[TURN_X], s[TURN_Y], s[IMAGE])
             mean = 0.0
             for i in range(n):
                 s[RHS, i] = by_load[i] - s[IMAGE, i] if s[Z, i] > 0.0 else 0.0

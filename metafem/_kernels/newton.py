@@ -141,7 +141,7 @@ def refresh(field, order, self_term, s, closed, count, matrix, always):
         own = self_term[i] + s[BEND, i] / s[RATE, i]
         s[DIAGONAL, i] = own if s[Z, i] > 0.0 else 0.0
     if order == 1:
-        return field.source
+        return field[0]
     for i in range(self_term.size):
         slope = s[SLOPE_X, i] * s[SLOPE_X, i] + s[SLOPE_Y, i] * s[SLOPE_Y, i]
         s[DIAGONAL, i] -= 0.5 * s[LEVER_BEND, i] * slope if s[Z, i] > 0.0 else 0.0
@@ -170,7 +170,7 @@ def newton(field, order, law, self_term, gap, approach, target, tolerance, s, cl
 
     A step is halved until the energy or the residual decreases enough; at a fixed load only the residual is
     used, because intermediate points do not have this load. Return the approach, the number of contacts, the
-    load, the residual and the number of steps.
+    load and the residual.
     """
     free = target > 0.0
     goal = max(0.3 * TOLERANCE, (tolerance - TOLERANCE))  # a state: below rounding on other processors, too
@@ -225,7 +225,7 @@ def newton(field, order, law, self_term, gap, approach, target, tolerance, s, cl
         if s[Z, i] <= 0.0:
             s[Z, i] = min(x - gap[i] - s[DISPLACEMENT, i], 0.0)
             s[INDENTATION, i] = s[Z, i]
-    return x, count, load, residual, steps
+    return x, count, load, residual
 
 
 @inlined
@@ -266,14 +266,12 @@ def settle(field, order, law, self_term, gap, approach, target, tolerance, rough
     low, high = 0.0, math.inf
     x = following = approach
     goal = target
-    steps = 0
     first = rough and order > 1
     for _ in range(2 * MAX_BRACKET + 2):
         stage, limit = (1, START) if first else (order, tolerance)
-        end, count, load, residual, more = newton(
+        end, count, load, residual = newton(
             field, stage, law, self_term, gap, x, goal, limit, s, closed, matrix
         )
-        steps += more
         if first:
             first = False
             if residual <= START:
@@ -295,4 +293,4 @@ def settle(field, order, law, self_term, gap, approach, target, tolerance, rough
             copy(s[Z], s[SAFE])
             following = 2.0 * max(low, x) if high == math.inf else 0.5 * (low + high)
             goal = target
-    return end, count, load, residual, steps
+    return end, count, load, residual

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from hashlib import sha256
 from pathlib import Path
-from typing import ClassVar, NamedTuple
+from typing import ClassVar
 from zipfile import BadZipFile
 
 import numpy as np
@@ -20,18 +20,6 @@ from metafem.errors import InvalidInput, MetafemWarning
 from metafem.progress import doing, message
 from metafem.substrate.radial import agreed
 from metafem.surface import Block, Surface
-
-
-class BlockInfluence(NamedTuple):
-    """Influence between the sites of a block, with error estimates."""
-
-    # (n, n), displacement at site i per load P/E* on site j [1/mm]: symmetric, with the regular self terms
-    matrix: FloatArray
-    gradient_x: FloatArray  # (n, n), derivative of `matrix` by x of site i [1/mm^2]
-    gradient_y: FloatArray
-    laplacian: FloatArray  # (n, n) [1/mm^3]
-    asymmetry: float  # largest difference between mirrored entries before averaging [1/mm]
-    error_estimate: float  # largest change of an entry with cells 1.6 times as large [1/mm]: error bound
 
 
 @dataclass(frozen=True)
@@ -109,25 +97,29 @@ class Block3D:
 
     def influence_matrix(self, surface: Surface) -> FloatArray:
         """Return the displacement at asperity i per load on j, (n, n) [1/mm], with w on the diagonal."""
-        return self.solution(surface).matrix.copy()
+        return np.array(self.solution(surface)[0][0])
 
     def influence_derivatives(self, surface: Surface) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return gradient [1/mm^2] and Laplacian [1/mm^3] at i of the displacement per load on j, (n, n)."""
-        result = self.solution(surface)
-        return result.gradient_x.copy(), result.gradient_y.copy(), result.laplacian.copy()
+        _, x, y, laplacian = self.solution(surface)[0].copy()
+        return x, y, laplacian
 
-    def solution(self, surface: Surface) -> BlockInfluence:
-        """Return the influence with its derivatives and errors.
+    def solution(self, surface: Surface) -> tuple[FloatArray, float, float]:
+        """Return the influence between the sites with its derivatives, (4, n, n), and two errors [1/mm].
 
-        Issue a `MetafemWarning` if the error estimate is large.
+        They are the displacement at site i per load P/E* on site j [1/mm], symmetric and with the regular
+        self terms, its derivatives by x and y of site i [1/mm^2], and its Laplacian [1/mm^3]. The errors are
+        the largest difference between mirrored displacements before averaging, and the largest change of one
+        with cells 1.6 times as large, an error bound; a `MetafemWarning` is issued if this is large.
         """
         bound = self.for_surface(surface)
         result = _solution(bound, surface.position.tobytes())
+        error = result[2]
         assert bound.block is not None
         limit = 0.01 / (math.pi * bound.block.thickness)  # 1 % of the effect of the base
-        if result.error_estimate > limit:
+        if error > limit:
             warnings.warn(
-                f"the block's influence has an estimated error of {result.error_estimate:.1e} /mm, above "
+                f"the block's influence has an estimated error of {error:.1e} /mm, above "
                 f"{limit:.1e}; loads near a side need smaller cells",
                 MetafemWarning,
                 stacklevel=2,
@@ -143,12 +135,12 @@ def _path(bound: Block3D, position: bytes) -> Path:
 
 
 @lru_cache(maxsize=16)
-def _solution(bound: Block3D, position: bytes) -> BlockInfluence:
+def _solution(bound: Block3D, position: bytes) -> tuple[FloatArray, float, float]:
     """Return an influence, read from disk, or computed and stored if possible."""
     try:
         with _path(bound, position).open("rb") as file, np.load(file) as stored:
-            return BlockInfluence(**{name: value[()] for name, value in stored.items()})
-    except (OSError, ValueError, EOFError, BadZipFile):  # absent or damaged
+            return stored["influence"], *stored["error"].tolist()
+    except (OSError, ValueError, KeyError, EOFError, BadZipFile):  # absent or damaged
         pass
     from metafem.fe.quarter import site_influence  # scikit-fem is loaded only if a solution is needed
 
@@ -156,12 +148,11 @@ def _solution(bound: Block3D, position: bytes) -> BlockInfluence:
     assert bound.poisson_ratio is not None
     site = np.frombuffer(position).reshape(-1, 2)
     with doing("solving the true block, once for these sites"):
-        found = site_influence(bound.block, bound.poisson_ratio, site, bound.cell, bound.edge_cell)
-    result = BlockInfluence(*found)
+        result = site_influence(bound.block, bound.poisson_ratio, site, bound.cell, bound.edge_cell)
     try:
         path = _path(bound, position)
         path.parent.mkdir(parents=True, exist_ok=True)
-        write_whole(path, lambda file: np.savez(file, **result._asdict()))
+        write_whole(path, lambda file: np.savez(file, influence=result[0], error=result[1:]))
         message(f"the solution of the true block is stored in {path}")
     except OSError as error:
         message(f"the solution of the true block is not stored on disk: {error}")

@@ -9,7 +9,7 @@ import math
 from collections.abc import Callable, Sequence
 from functools import partial, reduce
 from itertools import product
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
@@ -101,22 +101,13 @@ class Line:
         return left.T @ sp.diags_array(self.weight) @ right
 
 
-class Face(NamedTuple):
-    """Gauss points of the far face along an axis: positions (q, 3), weights, interpolation from nodes."""
+# The far face along an axis: the axis, its Gauss points (q, 3), their weights (3q, 1), and the interpolation
+# from the nodes, (3q, nodal values).
+Face = tuple[int, FloatArray, FloatArray, Any]
 
-    normal: int
-    point: FloatArray
-    weight: FloatArray  # (3q, 1)
-    interpolation: Any  # (3q, nodal values)
-
-
-class Remainder(NamedTuple):
-    """Solution of the block minus that of the half-space, for each of m mirrored loads."""
-
-    parity: tuple[int, int]
-    source: FloatArray
-    displacement: FloatArray  # (3 nodes, m) [1/mm]
-    reaction: FloatArray  # nodal forces of the base, (3 nodes of the base, m) [1]
+# Solution of the block minus that of the half-space, for each of m mirrored loads: their parity, their
+# positions (m, 2), the displacements (3 nodes, m) [1/mm], and the nodal forces of the base.
+Remainder = tuple[tuple[int, int], FloatArray, FloatArray, FloatArray]
 
 
 class Quarter:
@@ -169,7 +160,7 @@ class Quarter:
         load = np.zeros_like(value)
         value[self._base] = -self._displacement(self._base_node, source, parity)
         for side in self.faces[:2]:
-            load[:nodal] -= side.interpolation.T @ self._forces(side, source, parity)
+            load[:nodal] -= side[3].T @ self._forces(side, source, parity)
         fixed = [self._base]
         for k, sign in enumerate(parity):
             # on a symmetry plane, an even field has no normal and an odd field no tangential displacement
@@ -177,7 +168,7 @@ class Quarter:
             fixed.append(np.take(self._index[still], np.argmin(self.axes[k].node), axis=k + 1).ravel())
         value, _ = solve(self.matrix, np.concatenate(fixed), value, load)
         reaction = (self.matrix @ value - load)[self._base]
-        return Remainder(parity, source, value[:nodal], reaction)
+        return parity, source, value[:nodal], reaction
 
     def influence(self, field: Remainder, position: FloatArray) -> FloatArray:
         """Return the normal displacement of the top at (n, 2) minus the half-space's, (n, m) [1/mm].
@@ -187,14 +178,12 @@ class Quarter:
         its reaction: ``w_j(p) = -int_sides T_p (U_j + w_j) + int_base U_p (T_j + t(w_j))``. The result
         is symmetric and smooth in p, and the order of its error is twice that of w.
         """
-        parity, (*sides, base) = field.parity, self.faces
-        result = self._displacement(self._base_node, position, parity).T @ field.reaction
-        result += self._displacement(base.point, position, parity).T @ self._forces(
-            base, field.source, parity
-        )
+        (parity, source, inner, reaction), (*sides, base) = field, self.faces
+        result = self._displacement(self._base_node, position, parity).T @ reaction
+        result += self._displacement(base[1], position, parity).T @ self._forces(base, source, parity)
         for side in sides:
-            whole = self._displacement(side.point, field.source, parity)
-            whole += side.interpolation @ field.displacement
+            _, point, _, interpolation = side
+            whole = self._displacement(point, source, parity) + interpolation @ inner
             result -= self._forces(side, position, parity).T @ whole
         return result
 
@@ -204,8 +193,9 @@ class Quarter:
 
     def _forces(self, face: Face, source: FloatArray, parity: tuple[int, int]) -> FloatArray:
         """Return the half-space's tractions at the Gauss points of a face, times the weights, (3q, loads)."""
-        field = partial(traction, normal=face.normal, poisson_ratio=self.poisson_ratio)
-        return face.weight * mirrored(field, face.point, source, parity)
+        normal, point, weight, _ = face
+        field = partial(traction, normal=normal, poisson_ratio=self.poisson_ratio)
+        return weight * mirrored(field, point, source, parity)
 
     def _face(self, normal: int) -> Face:
         """Return the face at the far end of axis `normal`."""
@@ -215,7 +205,7 @@ class Quarter:
         parts[normal] = far, np.ones(1), sp.csr_array([(node == far).astype(float)])
         points, weights, values = zip(*parts, strict=True)
         weight = np.tile(np.einsum("i,j,k->ijk", *weights).ravel(), 3)[:, None]
-        return Face(normal, _points(*points), weight, sp.block_diag([_kron(values)] * 3, format="csr"))
+        return normal, _points(*points), weight, sp.block_diag([_kron(values)] * 3, format="csr")
 
 
 def _points(x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
@@ -229,26 +219,22 @@ def _kron(factors: Sequence[Any]) -> Any:
 
 def site_influence(
     block: Block, poisson_ratio: float, position: FloatArray, cell: float, edge_cell: float
-) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, float, float]:
-    """Return the fields of a `BlockInfluence` between sites (n, 2) [mm], computed on two meshes."""
+) -> tuple[FloatArray, float, float]:
+    """Return the influence between sites (n, 2) [mm] and its errors; see `Block3D.solution`."""
     lines, stretch = quarter_lines(block, position, cell, edge_cell)
     coarser = 1.6 * stretch
     fewer, _ = quarter_lines(block, position, coarser * cell, coarser * edge_cell)
-    (value, *slopes), (coarse, *_) = (
+    fine, coarse = (
         _remainder(block, Quarter(mesh, poisson_ratio), position) for mesh in each("mesh", (lines, fewer))
     )
+    value = fine[0].copy()
     dx, dy = (position[:, None] - position).transpose(2, 0, 1)
     r = np.hypot(dx, dy)
     np.fill_diagonal(r, math.inf)
     point = 1.0 / (math.pi * r)
-    return (
-        point + 0.5 * (value + value.T),
-        slopes[0] - point * dx / r**2,
-        slopes[1] - point * dy / r**2,
-        slopes[2] + point / r**2,
-        float(np.abs(value - value.T).max()),
-        float(np.abs(value - coarse).max()),
-    )
+    fine[0] = 0.5 * (value + value.T)
+    fine += np.stack([point, -point * dx / r**2, -point * dy / r**2, point / r**2])
+    return fine, float(np.abs(value - value.T).max()), float(np.abs(value - coarse[0]).max())
 
 
 def quarter_lines(

@@ -159,8 +159,9 @@ def at_load(law: Contact, load: FloatArray, radius: float) -> tuple[FloatArray, 
         deepest = np.array(law.largest_indentation(radius))
         if np.isfinite(deepest):
             load = np.minimum(load, law.contacts(deepest, np.array(radius)).load)
-        depth, _, area, _ = Independent(contact=law).curves(np.zeros(1), radius, load)
-        return depth[0], area[0]
+        rising, place = np.unique(load, return_inverse=True)
+        alone = Independent(contact=law).curve_of(np.zeros(1), np.array([radius]), rising)
+        return alone.approach[place], alone.area[place]
     unit = law.contacts(np.ones(1), np.array([radius]))
     relative = load / unit.load
     return relative ** (n / (n + 1.0)), unit.area * relative ** (2.0 / (n + 1.0))

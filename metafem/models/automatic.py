@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, ClassVar, cast
 
@@ -100,7 +100,7 @@ class Automatic(WithoutGradients):
         rungs = [self._independent] if by_load and self._resolvable else []
         rungs += [self._coupled] if end else [self._coupled, self._resolved]
         unsolved = "order 3 has no solution" if self._resolvable else unresolved(self.contact)
-        parts: list[tuple[IntArray, Curve, Note]] = []
+        parts: list[tuple[IntArray, Curve]] = []
         left: IntArray = np.arange(len(values))
         reason = ""
         for rung in rungs:
@@ -108,16 +108,24 @@ class Automatic(WithoutGradients):
             enough = errors <= self.tolerance if rung != rungs[-1] else np.full(len(left), True)
             if curve is not None and enough.any():
                 curve = curve if enough.all() else curve.part(np.flatnonzero(enough), curve.compute_last)
-                error = largest(errors[enough], source, unsolved)
-                note = self._note(name + reason * (rung == self._resolved), error, end)
-                parts.append((left[enough], curve.with_notes(curve.notes, error), note))
+                error, where = largest(errors[enough], source, unsolved), ""
+                if len(curve.load) < len(values):
+                    newtons = surface.material.composite_modulus * curve.load[[0, -1]]
+                    ends = " to ".join(dict.fromkeys(f"{newton:.4g}" for newton in newtons))
+                    where = f" at {len(curve.load)} of {len(values)} loads, {ends} N"
+                note = self._note(f"chosen{where}: {name}" + reason * (rung == self._resolved), error, end)
+                parts.append((left[enough], curve.with_notes((note, *curve.notes), error)))
             if enough.all():
                 break
             left, error = left[~enough], largest(errors[~enough], source)
             reason = f", as the estimated error of A0(P) by {name} is {error:.1e}"
             if math.isnan(error):
                 reason = f", as {error.source}"
-        return self._stitched(surface, parts)
+        if len(parts) == 1:
+            return parts[0][1]
+        rows, curves = zip(*sorted(parts, key=lambda part: int(part[0][-1])), strict=True)
+        whole = Curve.joined(list(curves))
+        return whole.part(np.argsort(np.concatenate(rows)), whole.compute_last)
 
     @cached_property
     def _resolvable(self) -> bool:
@@ -157,7 +165,7 @@ class Automatic(WithoutGradients):
     def _resolved(self, surface: Surface, values: FloatArray, by_load: bool) -> Rung:
         """Return resolved contacts, with the same cells at all loads."""
         control, substrate = _control(values, by_load), cast("Radial", self.substrate)
-        model, curve = within(self.tolerance, surface, **control, substrate=substrate, contact=self.contact)
+        model, curve = within(self.tolerance, surface, substrate, self.contact, **control)
         errors = np.full(len(values), math.nan if curve.error is None else curve.error)
         return f"resolved contacts with cells of {model.cell:.3g} mm", curve, errors, "the number of cells"
 
@@ -171,26 +179,6 @@ class Automatic(WithoutGradients):
             return information(text)
         text += f": {end}" if end else ""
         return Note(text, Level.WARNING, "error of order 3", value, self.tolerance, ("tolerance",))
-
-    def _stitched(self, surface: Surface, parts: list[tuple[IntArray, Curve, Note]]) -> Curve:
-        """Return one curve of several parts, with a note on the choice for each."""
-        aside: tuple[Note, ...] = ()
-        if surface.block is not None and self.substrate == HalfSpace():
-            text = "the surface's block is not used: the contacts are coupled through a half-space"
-            aside = (information(text),)
-        parts, curves = sorted(parts, key=lambda part: int(part[0][-1])), []
-        for rows, curve, note in parts:
-            where = ""
-            if len(parts) > 1:
-                newtons = surface.material.composite_modulus * curve.load[[0, -1]]
-                ends = " to ".join(dict.fromkeys(f"{newton:.4g}" for newton in newtons))
-                where = f" at {len(rows)} of {sum(len(part[0]) for part in parts)} loads, {ends} N"
-            chosen = replace(note, text=f"chosen{where}: {note.text}")
-            curves.append(curve.with_notes((chosen, *curve.notes, *aside)))
-        if len(curves) == 1:
-            return curves[0]
-        whole, rows = Curve.joined(curves), np.concatenate([part[0] for part in parts])
-        return whole.part(np.argsort(rows), whole.compute_last)
 
 
 def _control(values: FloatArray, by_load: bool) -> dict[str, Any]:

@@ -18,6 +18,8 @@ from metafem._validate import FloatArray
 from metafem.caps import Caps
 from metafem.contact import Contact, Elastic
 from metafem.contact.elastic import PARABOLOID
+from metafem.contact.law import ROUNDING
+from metafem.errors import InvalidInput
 
 # Relative error of a table. A sphere needs 5 halvings of the spacing of its points, which is 1 in the
 # logarithm at first; the cubics of a table stop at the last of 6 halvings, 1e-8 off.
@@ -61,11 +63,18 @@ def rows_of(law: Law, rows: int | slice) -> Law:
     return law._replace(radius=law.radius[rows], which=law.which[rows], scale=law.scale[rows])
 
 
-def deepest(law: Law) -> FloatArray:
-    """Return the largest indentation [mm] that the table of each asperity covers."""
-    if not law.data.size:
-        return np.full(law.which.shape, math.inf)
-    return np.asarray(law.data[law.which, 0] * law.scale)
+def refuse_beyond(table: Law, indentation: FloatArray, law: Contact) -> None:
+    """Raise InvalidInput if contacts with indentations (..., n) [mm] are deeper than their law describes."""
+    if not table.data.size:
+        return
+    most = table.data[table.which, 0] * table.scale
+    beyond = np.broadcast_to(indentation > most * (1.0 + ROUNDING), np.shape(indentation))
+    if beyond.any():
+        limit = float(np.broadcast_to(most, beyond.shape)[beyond].min())
+        raise InvalidInput(
+            f"an asperity is indented by more than {limit:.4g} mm, up to which {law!r} describes contacts; "
+            "use lighter loads or a law with a larger range"
+        )
 
 
 @lru_cache(maxsize=64)

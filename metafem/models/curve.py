@@ -8,7 +8,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from enum import Enum
 from functools import cached_property
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
@@ -266,3 +266,61 @@ def areas_one_by_one(
             curve = curve_of(changed, load)
             found[row] = np.where(curve.solved, curve.area, np.nan)
     return found
+
+
+class WithGradients:
+    """Base of models that solve the asperities of a surface, with the derivatives by their heights."""
+
+    couples: ClassVar[bool]
+    unloads: ClassVar[bool] = True
+
+    def bound(self, surface: Surface) -> Any:
+        """Return the asperities of a surface, with `path`, `sensitivity` and `areas`."""
+        raise NotImplementedError
+
+    @property
+    def gradient_model(self) -> Self:
+        """The model itself."""
+        return self
+
+    def curve(
+        self,
+        surface: Surface,
+        load: FloatArray | None = None,
+        *,
+        approach: FloatArray | None = None,
+        unloading: bool = False,
+    ) -> Curve:
+        """Return equilibria at increasing rescaled loads P/E* [mm^2] or approaches [mm], (k,).
+
+        unloading: whether the values are reached by unloading from the largest one. If the contacts adhere,
+        loads may then be negative.
+        """
+        values, by_load = controlled(load, approach)
+        found: Curve = self.bound(surface).path(values, by_load, unloading)
+        return found
+
+    def sensitivity(
+        self, surface: Surface, load: FloatArray, height: FloatArray | None = None
+    ) -> Sensitivity:
+        """Return the law at increasing rescaled loads (k,), and dA0/dh at fixed load [mm], (k, n).
+
+        height: summit heights (n,) [mm] that replace the heights of the surface; they are not checked.
+        """
+        heights = surface.height if height is None else height
+        found: Sensitivity = self.bound(surface).sensitivity(heights, load)
+        return found
+
+    def areas(
+        self, surface: Surface, load: FloatArray, height: FloatArray, radius: Any = None, position: Any = None
+    ) -> FloatArray:
+        """Return A0 [mm^2] of many surfaces at increasing rescaled loads (k,), (m, k); nan if not converged.
+
+        height, radius: (m, n) [mm]; position: (m, n, 2) [mm]; default: the surface's. Surfaces of coupled
+        asperities are solved one by one if positions are passed, or if radii are passed and fast sums are
+        used.
+        """
+        if self.couples and position is not None:
+            return areas_one_by_one(self.curve, surface, load, height, radius, position)
+        found: FloatArray = self.bound(surface).areas(height, radius, load)
+        return found

@@ -3,19 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar, Self
+from typing import ClassVar
 
-import numpy as np
-from numpy.typing import ArrayLike
-
-from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.contact import Contact
 from metafem.contact.elastic import PARABOLOID
 from metafem.contact.law import checked_contact
-from metafem.errors import InvalidInput
 from metafem.models.adhesion.curves import AdhesiveAsperities, adhesive_law
-from metafem.models.curve import Curve, Sensitivity, controlled
+from metafem.models.curve import Curve, Sensitivity, WithGradients
 from metafem.models.interacting.model import Interacting
 from metafem.models.load_equation import LoadEquation
 from metafem.surface import Surface
@@ -30,7 +25,7 @@ def load_equation(law: Contact, model: object = None, surface: Surface | None = 
 
 
 @dataclass(frozen=True, repr=False)
-class Independent:
+class Independent(WithGradients):
     """Independent asperities under a common plane.
 
     ``A0 = sum A(d_i)`` and ``P/E* = sum P(d_i)/E*`` with ``d_i = max(h_i - delta, 0)``; for Hertz contacts
@@ -63,7 +58,6 @@ class Independent:
     """
 
     couples: ClassVar[bool] = False
-    unloads: ClassVar[bool] = True
 
     contact: Contact = PARABOLOID
 
@@ -80,56 +74,13 @@ class Independent:
         return "independent" if self.contact == PARABOLOID else f"independent, {self.contact!r}"
 
     @property
-    def gradient_model(self) -> Self:
-        """The model itself."""
-        return self
-
-    @property
     def reference(self) -> Interacting:
         """`Interacting` with the same law on a half-space, of the highest order that the law supports."""
         return Interacting(self.contact.largest_order, contact=self.contact)
 
-    def _equation(self, surface: Surface) -> LoadEquation:
+    def bound(self, surface: Surface) -> LoadEquation:
+        """Return the asperities of a surface with their law."""
         return load_equation(self.contact.bound(surface), self, surface)
-
-    def curve(
-        self,
-        surface: Surface,
-        load: FloatArray | None = None,
-        *,
-        approach: FloatArray | None = None,
-        unloading: bool = False,
-    ) -> Curve:
-        """Return equilibria at increasing rescaled loads P/E* [mm^2] or approaches [mm], (k,).
-
-        unloading: whether the values are reached by unloading from the largest one; loads may then be
-        negative if the contacts adhere.
-        """
-        values, by_load = controlled(load, approach)
-        return self._equation(surface).path(values, by_load, unloading)
-
-    def sensitivity(
-        self, surface: Surface, load: FloatArray, height: FloatArray | None = None
-    ) -> Sensitivity:
-        """Return the law at increasing rescaled loads (k,), and dA0/dh at fixed load [mm], (k, n).
-
-        ``dA0/dh_i = A'_i - P'_i sum_j A'_j / sum_j P'_j`` for asperities in contact, where A' and P' are
-        derivatives with respect to the indentation. For Hertz contacts this is
-        ``pi R_i - sum_j pi R_j sqrt(R_i d_i) / sum_j sqrt(R_j d_j)``. If the asperities differ in friction,
-        the derivatives are those of ``sum_i w_i A_i``, and each A' has the factor w.
-        height: summit heights (n,) [mm] that replace the heights of the surface; they are not checked.
-        """
-        heights = surface.height if height is None else height
-        return self._equation(surface).sensitivity(heights, load)
-
-    def areas(
-        self, surface: Surface, load: FloatArray, height: FloatArray, radius: Any = None, position: Any = None
-    ) -> FloatArray:
-        """Return A0 [mm^2] of many surfaces at increasing rescaled loads (k,), (m, k); see `Model.areas`.
-
-        height, radius: (m, n) [mm]; default: the surface's. Positions have no effect.
-        """
-        return self._equation(surface).areas(height, radius, load)
 
     def curve_of(self, height: FloatArray, radius: FloatArray, load: FloatArray) -> Curve:
         """Return the curve at increasing loads (k,) for unchecked heights and radii (n,)."""
@@ -138,45 +89,3 @@ class Independent:
     def sensitivity_of(self, height: FloatArray, radius: FloatArray, load: FloatArray) -> Sensitivity:
         """Return the sensitivity at increasing loads (k,) for unchecked heights and radii (n,)."""
         return load_equation(self.contact, self).sensitivity(height, load, radius)
-
-    def curves(
-        self, height: ArrayLike, radius: ArrayLike, rescaled_load: ArrayLike
-    ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-        """Return the friction laws of many surfaces, for Hertz contacts by one compiled kernel.
-
-        Parameters
-        ----------
-        height : array_like, (m, n) or (n,)
-            Lists of summit heights [mm].
-        radius : float or array_like, (n,) or (m, n)
-            Summit radii [mm].
-        rescaled_load : array_like, (k,)
-            Loads P/E* [mm^2], not negative, in any order.
-
-        Returns
-        -------
-        approach, load, area, stiffness : ndarray, (m, k)
-            Approach [mm], load recomputed at this approach [mm^2], real contact area [mm^2], and derivative
-            of the rescaled load with respect to the approach [mm].
-
-        Examples
-        --------
-        >>> approach, load, area, stiffness = Independent().curves([[0.1], [0.2]], 0.5, [0.01, 0.02])
-        >>> area.shape, bool((area[0] == area[1]).all())
-        ((2, 2), True)
-        """
-        heights = check.lists("height", height, None)
-        radii = check.lists("radius", radius, None).reshape(np.shape(radius))
-        if radii.shape not in ((), heights.shape[1:], heights.shape):
-            raise InvalidInput(
-                f"radius has shape {radii.shape}; it must be one number or have shape "
-                f"{heights.shape[1:]} or {heights.shape}"
-            )
-        if not (radii > 0.0).all():
-            raise InvalidInput(f"radius = {radius!r:.80} must be finite and greater than 0")
-        loads = check.loads("rescaled_load", rescaled_load)
-        order = np.argsort(loads, kind="stable")
-        back = np.argsort(order, kind="stable")
-        results = load_equation(self.contact, self).solve(heights, loads[order], radii)
-        approach, carried, area, slope = (part[:, back] for part in results)
-        return approach, carried, area, slope

@@ -17,9 +17,8 @@ from metafem._kernels.law import Law
 from metafem._kernels.newton import TOLERANCE
 from metafem._validate import FloatArray
 from metafem.contact import Contact
-from metafem.errors import InvalidInput
 from metafem.models._resources import run_rows
-from metafem.models.contact_tables import deepest, rows_of, tables
+from metafem.models.contact_tables import refuse_beyond, rows_of, tables
 from metafem.models.curve import Curve, RescaledState, Sensitivity, refuse_unloading, solved
 from metafem.surface import Surface
 
@@ -54,25 +53,26 @@ class LoadEquation:
         """Return equilibria at approaches (k,) for heights (n,)."""
         radius = self.summits(None)
         gap, table = self._sorted(height[None, :], radius)
-        self._refuse_beyond(approach[-1:], gap, table)
+        refuse_beyond(table, approach[-1] - gap, self.law)
         x = np.array(approach)  # a read-only array would compile the kernel again
         load, area, slope, residual = (np.zeros(len(x)) for _ in range(4))
         kernel.curve_at_approach(rows_of(table, 0), gap[0], x, load, area, slope)
         last = partial(self._last, height, radius, 0.0, x[-1])
         return Curve(x, load, area, slope, residual, TOLERANCE, last)
 
-    def solve(self, height: FloatArray, load: FloatArray, radius: Any = None) -> tuple[FloatArray, ...]:
-        """Return approach, load, area and stiffness (m, k) of surfaces (m, n) at increasing loads (k,)."""
-        return self._solved(height, load, self.summits(radius))[0]
-
     def areas(self, height: FloatArray, radius: FloatArray | None, load: FloatArray) -> FloatArray:
         """Return A0 [mm^2] (m, k) for heights and radii (m, n); see `Model.areas`."""
         summits = self.law.summits(cast("Surface", self.surface), radius)
-        _, carried, area, _ = self.solve(height, load, summits)
+        (_, carried, area, _), _, _ = self._solved(height, load, summits)
         return np.where(solved(_error(carried, load), TOLERANCE, carried, area), area, np.nan)
 
     def sensitivity(self, height: FloatArray, load: FloatArray, radius: Any = None) -> Sensitivity:
-        """Return the law at increasing loads (k,), and dA0/dh at fixed load [mm], (k, n)."""
+        """Return the law at increasing loads (k,), and dA0/dh at fixed load [mm], (k, n).
+
+        ``dA0/dh_i = A'_i - P'_i sum_j A'_j / sum_j P'_j`` for asperities in contact, where A' and P' are
+        derivatives with respect to the indentation. For Hertz contacts this is
+        ``pi R_i - sum_j pi R_j sqrt(R_i d_i) / sum_j sqrt(R_j d_j)``.
+        """
         radius = self.summits(radius)
         curve = self.curve(height, load, radius)
         indentation = curve.approach[:, None] - (height.max() - height)
@@ -88,7 +88,7 @@ class LoadEquation:
     def rates(self, indentation: FloatArray, radius: FloatArray) -> tuple[FloatArray, ...]:
         """Return loads [mm^2], dP/dd [mm], areas [mm^2] and dA/dd [mm] of contacts (k, n)."""
         table = tables(self.law, np.broadcast_to(radius, indentation.shape[1:]))
-        self._refuse_beyond(indentation.max(axis=0), np.zeros(1), table)
+        refuse_beyond(table, indentation.max(axis=0), self.law)
         results = tuple(np.empty_like(indentation) for _ in range(4))
         kernel.rates(table, indentation, *results)
         return results
@@ -96,7 +96,10 @@ class LoadEquation:
     def _solved(
         self, height: FloatArray, load: FloatArray, radius: FloatArray
     ) -> tuple[tuple[FloatArray, ...], FloatArray, FloatArray]:
-        """Return the results of `solve`, and the last approaches (m,) as gap and indentation of a contact."""
+        """Return approach, load, area and stiffness (m, k) of surfaces (m, n) at increasing loads (k,).
+
+        Also return the last approaches (m,) as gap and indentation of a contact.
+        """
         gap, table = self._sorted(height, radius)
         rising = np.array(load)
         results = tuple(np.empty((len(gap), len(load))) for _ in range(4))
@@ -110,7 +113,7 @@ class LoadEquation:
 
         # fewer than 2000 equilibria take less time than starting a second thread
         run_rows(run, len(gap), results[0].size, 2_000)
-        self._refuse_beyond(results[0][:, -1:], gap, table)
+        refuse_beyond(table, results[0][:, -1:] - gap, self.law)
         return results, base, depth
 
     def _sorted(self, height: FloatArray, radius: FloatArray) -> tuple[FloatArray, Law]:
@@ -123,15 +126,6 @@ class LoadEquation:
         order = np.argsort(gap, axis=1, kind="stable")
         gap, radius, which, scale = (np.take_along_axis(part, order, 1) for part in (gap, *table[:3]))
         return gap, Law(radius, which, scale, table.data)
-
-    def _refuse_beyond(self, approach: FloatArray, gap: FloatArray, table: Law) -> None:
-        """Raise InvalidInput if contacts are deeper than the law describes."""
-        most = deepest(table)
-        if table.data.size and (approach > (gap + most) * (1.0 + TOLERANCE)).any():
-            raise InvalidInput(
-                f"the contacts need an approach of {approach.max():.4g} mm, and {self.law!r} describes all "
-                f"contacts up to {(gap + most).min():.4g} mm; use lighter loads or a law with a larger range"
-            )
 
     def _last(self, height: FloatArray, radius: FloatArray, base: float, depth: float) -> RescaledState:
         """Return the state at the approach base + depth; their sum would lose digits of shallow contacts."""

@@ -12,7 +12,8 @@ from metafem.contact import Contact
 from metafem.contact.elastic import PARABOLOID as PARABOLOID
 from metafem.contact.law import checked_contact as checked_contact
 from metafem.errors import InvalidInput
-from metafem.models.curve import Curve, Sensitivity, areas_one_by_one
+from metafem.models.curve import Curve, areas_one_by_one
+from metafem.models.independent import Independent
 from metafem.models.interacting.model import Interacting
 from metafem.substrate import HalfSpace, Substrate
 from metafem.surface import Surface
@@ -55,6 +56,10 @@ def has_paraboloids(model: Model) -> bool:
     return contact_of(model) == PARABOLOID
 
 
+# Models that compute derivatives of the friction law with respect to the heights.
+Sensitive = Independent | Interacting
+
+
 @runtime_checkable
 class Model(Protocol):
     """A model computes the equilibria of a surface at given loads or approaches; models are frozen values."""
@@ -86,18 +91,6 @@ class Model(Protocol):
         """Return A0 [mm^2] of many surfaces at increasing rescaled loads (k,), (m, k); nan if not converged.
 
         height, radius: (m, n) [mm]; position: (m, n, 2) [mm]; default: the surface's.
-        """
-
-
-class Sensitive(Model, Protocol):
-    """A model that computes derivatives of its friction law with respect to heights."""
-
-    def sensitivity(
-        self, surface: Surface, load: FloatArray, height: FloatArray | None = None
-    ) -> Sensitivity:
-        """Return the law at increasing rescaled loads P/E* (k,), with dA0/dh at fixed load [mm], (k, n).
-
-        height: summit heights (n,) [mm] that replace the heights of the surface; they are not checked.
         """
 
 

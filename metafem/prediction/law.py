@@ -186,8 +186,7 @@ def friction_law(
     """Return the predicted friction law of a surface.
 
     Adhesive contacts form and break in jumps at different loads; `unloading` selects the states on unloading.
-    All states are stable under load control, and the notes report the jumps. The unloading of plastic
-    contacts is not known, and is refused.
+    All states are stable under load control. The unloading of plastic contacts is not known, and is refused.
 
     Parameters
     ----------

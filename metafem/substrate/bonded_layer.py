@@ -15,7 +15,7 @@ from metafem._kernels import layer as kernel
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput, refuse_if
 from metafem.material import PeriodicCell
-from metafem.substrate.periodic import LatticeSum, image_sum
+from metafem.substrate.periodic import image_sum
 from metafem.substrate.radial import Radial, agreed
 from metafem.surface import Surface
 
@@ -96,7 +96,7 @@ class BondedLayer(Radial):
         mean = thickness * (1.0 - 2.0 * ratio) / (1.0 - ratio) ** 2
         return np.asarray(np.where(wavenumber > 0.0, value, mean))
 
-    def periodic(self, cell: PeriodicCell, x: FloatArray, y: FloatArray) -> LatticeSum:
+    def periodic(self, cell: PeriodicCell, x: FloatArray, y: FloatArray) -> FloatArray:
         """Return the influence of all periods; directly where fewer periods than waves are summed.
 
         The waves of a thin layer in a large cell would need gigabytes.

@@ -18,7 +18,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import NamedTuple
 
 import numpy as np
 from scipy.special import erfc
@@ -30,15 +29,6 @@ from metafem.material import PeriodicCell
 BATCH = 2**14
 
 
-class LatticeSum(NamedTuple):
-    """Displacement S [1/mm] by all periods of a source, its gradient [1/mm^2] and Laplacian [1/mm^3]."""
-
-    value: FloatArray
-    slope_x: FloatArray
-    slope_y: FloatArray
-    laplacian: FloatArray
-
-
 def lattice_sum(
     cell: PeriodicCell,
     x: FloatArray,
@@ -46,8 +36,8 @@ def lattice_sum(
     transform: Callable[[FloatArray], FloatArray],
     last_wavenumber: float,
     splitting: float = 1.0,
-) -> LatticeSum:
-    """Return the sums at points x, y [mm] from a source, arrays of any one shape.
+) -> FloatArray:
+    """Return S [1/mm], its two slopes [1/mm^2] and its Laplacian [1/mm^3], (4, ...), at x, y [mm].
 
     transform: T(q) [mm] at wavenumbers q [1/mm], zero beyond `last_wavenumber`; T(0) is the mean.
     splitting: factor of alpha, on which the sums do not depend; the default balances the two parts.
@@ -63,7 +53,7 @@ def lattice_sum(
         return value, first, 2.0 * (alpha**2 * gauss - first / r)
 
     own = -2.0 * alpha / math.pi**1.5, 8.0 * alpha**3 / (3.0 * math.pi**1.5)
-    found = np.array(image_sum(cell, x, y, screened, end / alpha, own)).reshape(4, -1)
+    found = image_sum(cell, x, y, screened, end / alpha, own).reshape(4, -1)
     found[0] -= 2.0 / (math.sqrt(math.pi) * alpha * cell.area)
     last = max(2.0 * end * alpha, last_wavenumber)
     qx, qy = (
@@ -88,7 +78,7 @@ def lattice_sum(
         for line, terms, (along_x, along_y) in zip(found, series, factors, strict=True):
             line[part] += ((along_x @ terms) * along_y).sum(axis=1)
     found[1:3, (flat_x == 0.0) & (flat_y == 0.0)] = 0.0  # by symmetry; the series has rounding
-    return LatticeSum(*found.reshape(4, *np.shape(x)))
+    return found.reshape(4, *np.shape(x))
 
 
 def image_sum(
@@ -98,8 +88,8 @@ def image_sum(
     radial: Callable[[FloatArray], tuple[FloatArray, FloatArray, FloatArray]],
     reach: float,
     own: tuple[float, float],
-) -> LatticeSum:
-    """Return the sum of a function of r, and of its derivatives, over all periods within reach [mm].
+) -> FloatArray:
+    """Return the sum of a function of r, its gradient and Laplacian, (4, ...), over all periods within reach.
 
     radial: the function with its first two derivatives; own: its value and its Laplacian at r = 0.
     """
@@ -118,4 +108,4 @@ def image_sum(
     at_source = (flat_x == 0.0) & (flat_y == 0.0)
     total[0, at_source] += own[0]
     total[3, at_source] += own[1]
-    return LatticeSum(*total.reshape(4, *np.shape(x)))
+    return total.reshape(4, *np.shape(x))

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput, refuse_if
 from metafem.material import PeriodicCell
-from metafem.substrate.periodic import LatticeSum, lattice_sum
+from metafem.substrate.periodic import lattice_sum
 from metafem.surface import Surface
 
 
@@ -93,10 +93,10 @@ class Radial(ABC):
             "metafem.HalfSpace(), metafem.BondedLayer(), or define transform and last_wavenumber"
         )
 
-    def periodic(self, cell: PeriodicCell, x: FloatArray, y: FloatArray) -> LatticeSum:
-        """Return the influence of all periods of a source at differences x, y [mm] of the positions.
+    def periodic(self, cell: PeriodicCell, x: FloatArray, y: FloatArray) -> FloatArray:
+        """Return the rows of `lattice_sum` for a source at differences x, y [mm] of the positions, (4, ...).
 
-        The sum has the regular terms alone at x = y = 0, and no mean displacement of a half-space.
+        They have the regular terms alone at x = y = 0, and no mean displacement of a half-space.
         """
         return lattice_sum(cell, x, y, self.transform, self.last_wavenumber)
 

@@ -51,10 +51,14 @@ def changes(name: str, on: str = "half-space", order: int = 3) -> tuple[np.ndarr
     centred = np.empty(surface.count)
     centred[nearest] = np.sort(surface.height)[::-1]
     random = (rng.permutation(surface.height) for _ in range(ASSIGNMENTS))
-    alone = mf.Independent().curves(surface.height, surface.radius, LOADS)
-    heights = np.array([surface.height, centred, *(random if order == 3 else ())])
-    approach, _, area, _ = mf.Interacting(order, SUBSTRATES[on]).curves(surface, heights, LOADS)
-    return area / alone[2] - 1.0, approach[0] - alone[0][0]
+    alone = mf.Independent().curve(surface, LOADS)
+    model, heights = mf.Interacting(order, SUBSTRATES[on]), [surface.height, centred]
+    curves = [
+        model.curve(surface.replaced(height=height), LOADS).checked()
+        for height in (*heights, *(random if order == 3 else ()))
+    ]
+    area = np.array([curve.area for curve in curves])
+    return area / alone.area - 1.0, curves[0].approach - alone.approach
 
 
 def rms(change: np.ndarray) -> np.ndarray:
@@ -65,8 +69,8 @@ def rms(change: np.ndarray) -> np.ndarray:
 def readings(name: str) -> dict[str, np.ndarray]:
     """Return the rms of the assignments on a half-space by each reading of the paper, (m,)."""
     change, surface = changes(name)[0][2:], surfaces()[name]
-    plane, _, area, _ = mf.Independent().curves(surface.height, surface.radius, LOADS)
-    step = np.abs(np.gradient(plane.ravel()))
+    alone = mf.Independent().curve(surface, LOADS)
+    area, step = alone.area, np.abs(np.gradient(alone.approach))
     return {
         "rms": rms(change),
         "rms over the largest A0": rms(change * area) / area.max(),

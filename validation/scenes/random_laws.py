@@ -28,7 +28,7 @@ def random_law(seed: int, points: int = 30) -> mf.SampledLaw:
         height = np.concatenate([rng.normal(0.1, 0.01, 32), rng.normal(0.05, 0.02, 32)])
     full = 4 / 3 * math.sqrt(RADIUS) * float(((height - height.min()) ** 1.5).sum())
     load = full * rng.uniform(0.5, 1.2) * np.arange(1, points + 1) / points
-    return mf.SampledLaw(load, mf.Independent().curves(height, RADIUS, load)[2][0])
+    return mf.SampledLaw(load, mf.Independent().curve_of(height, np.full(64, RADIUS), load).area)
 
 
 def noisy_law(seed: int) -> tuple[mf.SampledLaw, FloatArray]:

@@ -26,23 +26,31 @@ TABULATED, MOST_STEPS = 400, 60
 NEAR = 1e-6
 
 
+def loading_pieces(scene: Scene) -> tuple[np.ndarray, FloatArray, FloatArray, int]:
+    """Return the contacts (k, n) of the pieces of the loading path, whose gaps close one after the other.
+
+    Also return the approaches (k,) [mm] at their ends, those up to which the law describes their contacts,
+    and the index of the first piece in which the law ends.
+    """
+    start = np.unique(scene.gap)
+    closed, ends = scene.gap <= start[:, None], np.append(start[1:], np.inf)
+    most = np.where(closed, scene.gap + scene.law.largest_indentation(scene.radius), np.inf).min(axis=1)
+    return closed, ends, most, int((ends >= most).argmax())
+
+
 def loaded_apart(scene: Scene, load: FloatArray) -> States | None:
     """Return the states at increasing loads (k,), or None if some are beyond the range of the law."""
-    gap, start = scene.gap, np.unique(scene.gap)
+    gap, (closed, ends, most, last) = scene.gap, loading_pieces(scene)
     sizes, which = np.unique(scene.radius, return_inverse=True)
     table = np.array([_table(scene.law, size.tobytes(), sizes.dtype) for size in sizes])
-    most = scene.law.largest_indentation(scene.radius)
-    ends = np.append(start[1:], np.inf)
-    most = np.where(gap <= start[:, None], gap + most, np.inf).min(axis=1)
-    last = int((ends >= most).argmax())
-    carried = kernel.loads(table, which, gap, start[:last], ends[:last])
+    carried = kernel.loads(table, which, gap, closed[:last], ends[:last])
     piece = np.searchsorted(np.maximum.accumulate(carried), load)
-    reach, high = start[piece], np.minimum(ends, most)[piece]
-    # the others pull by at most the loads after their jumps into contact
-    pulled, tallest = table[which, 2, 0].sum(), table[which[gap.argmin()]]
-    high = np.minimum(high, gap.min() + np.interp(load - pulled, tallest[2], tallest[0], right=np.inf))
-    x, now = high.copy(), gap <= reach[:, None]
-    a = kernel.approached(table, which, gap, reach, load, x, 1.0 / TABULATED**2, MOST_STEPS)
+    now, high = closed[piece], np.minimum(ends, most)[piece]
+    # the tallest at least carries the load and what the others pull, the most after their jumps into contact
+    pulled, (depth, _, alone, _) = -table[which, 2, 0].sum(), table[which[gap.argmin()]]
+    high = np.minimum(high, gap.min() + np.interp(load + pulled, alone, depth, right=np.inf))
+    x = high.copy()
+    a = kernel.approached(table, which, gap, now, load, x, 1.0 / TABULATED**2, MOST_STEPS)
     for _ in range(MOST_STEPS):
         a = np.maximum(a, scene.entry_radius)
         at = scene.fields(a, now)

@@ -36,13 +36,9 @@ BoolArray = np.ndarray
 GOAL = 2e-13
 
 
-class Condition(NamedTuple):
-    """``by_load . P + by_radius . a + by_approach x = value``, for k states of n contacts."""
-
-    value: FloatArray  # (k,)
-    by_load: FloatArray  # (k, n)
-    by_radius: FloatArray  # (k, n)
-    by_approach: FloatArray  # (k,)
+# The value (k,), and by_load (k, n), by_radius (k, n) and by_approach (k,) of the condition
+# ``by_load . P + by_radius . a + by_approach x = value``, for k states of n contacts.
+Condition = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
 
 
 class Fields(NamedTuple):
@@ -84,17 +80,17 @@ class Scene:
     def at_load(self, load: FloatArray) -> Condition:
         """Return the condition of total loads (k,) [mm^2]."""
         none = np.zeros((len(load), len(self.gap)))
-        return Condition(load, none + 1.0, none, np.zeros(len(load)))
+        return load, none + 1.0, none, np.zeros(len(load))
 
     def at_approach(self, approach: FloatArray) -> Condition:
         """Return the condition of approaches (k,) [mm]."""
         none = np.zeros((len(approach), len(self.gap)))
-        return Condition(approach, none, none, np.ones(len(approach)))
+        return approach, none, none, np.ones(len(approach))
 
     def at_radius(self, index: IntArray, radius: FloatArray) -> Condition:
         """Return the condition of the radii (k,) [mm] of one contact in each state."""
         one = (np.arange(len(self.gap)) == index[:, None]).astype(float)
-        return Condition(radius, np.zeros(one.shape), one, np.zeros(len(radius)))
+        return radius, np.zeros(one.shape), one, np.zeros(len(radius))
 
     def fields(self, a: FloatArray, closed: BoolArray) -> Fields:
         """Return the law at contact radii (k, n) [mm]."""
@@ -182,7 +178,8 @@ class States:
 
     def __getitem__(self, rows: IntArray) -> States:
         """Return some of the states."""
-        condition = Condition(*(each[rows] for each in self.condition))
+        value, by_load, by_radius, by_approach = (each[rows] for each in self.condition)
+        condition = value, by_load, by_radius, by_approach
         return States(self.scene, self.closed[rows], self.a[rows], self.x[rows], condition)
 
     def blended(self, other: States, share: FloatArray, condition: Condition) -> States:
@@ -238,10 +235,9 @@ class States:
         both = np.stack([-force, np.ones(force.shape)], axis=2)
         found = self.scene.solved(self.fields, self.closed, both)
         change, rate = found[..., 0], found[..., 1]
-        weight = self.condition.by_load * self.fields.rise + self.condition.by_radius
-        shift = -(wrong + (weight * change).sum(axis=1)) / (
-            (weight * rate).sum(axis=1) + self.condition.by_approach
-        )
+        _, by_load, by_radius, by_approach = self.condition
+        weight = by_load * self.fields.rise + by_radius
+        shift = -(wrong + (weight * change).sum(axis=1)) / ((weight * rate).sum(axis=1) + by_approach)
         return np.asarray(change + rate * shift[:, None]), np.asarray(shift)
 
     @cached_property
@@ -279,8 +275,8 @@ class States:
 
 def joined(parts: list[States]) -> States:
     """Return the states of several parts."""
-    closed, a, x, *condition = (
+    closed, a, x, value, by_load, by_radius, by_approach = (
         np.concatenate(each)
         for each in zip(*((part.closed, part.a, part.x, *part.condition) for part in parts), strict=True)
     )
-    return States(parts[0].scene, closed, a, x, Condition(*condition))
+    return States(parts[0].scene, closed, a, x, (value, by_load, by_radius, by_approach))

@@ -1,4 +1,4 @@
-"""Curves of surfaces with adhesive contacts, alone and coupled, and notes on their jumps."""
+"""Curves of surfaces with adhesive contacts, alone and coupled."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from metafem.contact.jkr import of_sizes
 from metafem.contact.law import sizes_of
 from metafem.errors import InvalidInput, NotConverged, refuse_if
 from metafem.models.adhesion.contacts import Scene, States
-from metafem.models.adhesion.path import loaded, loading, unloading
+from metafem.models.adhesion.path import loaded, unloaded
 from metafem.models.curve import Curve, RescaledState, Sensitivity
-from metafem.models.interacting.influence import Coupled, close_pairs, coupling_between, refuse_wide
+from metafem.models.interacting.elastic import ElasticCoupling
+from metafem.models.interacting.influence import close_pairs, coupling_between, refuse_wide
 from metafem.models.load_equation import LoadEquation
-from metafem.notes import Note, information
 from metafem.surface import Surface
 
 
@@ -29,26 +29,37 @@ class AdhesiveAsperities(LoadEquation):
     """Asperities with an adhesive law, alone or coupled by order 1."""
 
     law: JKR
-    coupled: Coupled | None = None  # the asperities with their influence on each other; None for no influence
+    coupled: ElasticCoupling | None = (
+        None  # the asperities with their influence on each other; None for no influence
+    )
 
     def path(self, values: FloatArray, by_load: bool, unloading: bool) -> Curve:
         """Return equilibria at increasing loads or approaches (k,), on loading or on unloading."""
         surface = cast("Surface", self.surface)
-        found, notes = _followed(surface, self._scene(surface.height), values, by_load, unloading)
+        _refuse_merging(self.law, surface)
+        scene, modulus = self._scene(surface.height), surface.material.composite_modulus
+        if unloading:
+            what = "load" if by_load else "approach"
+            refuse_if(
+                values[-1] <= 0.0,
+                f"the largest {what} is {values[-1]:g}; unloading begins at the largest {what}, which must "
+                "be greater than 0",
+            )
+            found, pull_off = unloaded(scene, values, by_load)
+            refuse_if(
+                by_load and values[0] < pull_off,
+                f"load = {modulus * values[0]:.6g} N is beyond pull-off: on unloading the last contacts "
+                f"break at {modulus * pull_off:.6g} N; use loads from there on",
+            )
+        else:
+            found = loaded(scene, values, by_load)
         if self.coupled is not None:
             refuse_wide(surface, float(found.a.max()))
-        return self._curve(found, surface.height, notes)
+        return self._curve(found, surface.height)
 
     def curve(self, height: FloatArray, load: FloatArray, radius: Any = None) -> Curve:
         """Return the loading curve at increasing loads (k,) for heights and summits (n,)."""
         return self._curve(loaded(self._scene(height, radius), load), height)
-
-    def solve(self, height: FloatArray, load: FloatArray, radius: Any = None) -> tuple[FloatArray, ...]:
-        """Return approach, load, area and stiffness (m, k) of surfaces (m, n) at increasing loads (k,)."""
-        rows = zip(height, np.broadcast_to(self.summits(radius), height.shape), strict=True)
-        curves = [self.curve(own, load, size) for own, size in rows]
-        names = ("approach", "load", "area", "stiffness")
-        return tuple(np.array([getattr(curve, name) for curve in curves]) for name in names)
 
     def areas(self, height: FloatArray, radius: FloatArray | None, load: FloatArray) -> FloatArray:
         """Return A0 [mm^2] (m, k) for heights and radii (m, n); see `Model.areas`."""
@@ -82,18 +93,18 @@ class AdhesiveAsperities(LoadEquation):
             f"{len(gap)} adhesive asperities with interaction are too many: at most 1000; "
             "use Independent, or fewer asperities",
         )
-        coupling, regular = coupling_between(self.coupled.surface, self.coupled.substrate, 1)
+        (influence, _), regular = coupling_between(self.coupled.surface, self.coupled.substrate, 1)
         own = regular + self.coupled.pedestals(height, sizes_of(summits))
-        return Scene(self.law, summits, gap, coupling.influence.T + np.diag(own))
+        return Scene(self.law, summits, gap, influence.T + np.diag(own))
 
-    def _curve(self, found: States, height: FloatArray, notes: tuple[Note, ...] = ()) -> Curve:
+    def _curve(self, found: States, height: FloatArray) -> Curve:
         def last() -> RescaledState:
             parts = found.fields.load[-1], np.pi * found.a[-1] ** 2, found.indentation[-1]
             if self.coupled is not None:
                 return self.coupled.state(height, *parts)
             return RescaledState(*parts, float(height.max() - found.x[-1]), self.model)
 
-        return Curve(found.x, found.load, found.area, found.stiffness, found.residual, TOLERANCE, last, notes)
+        return Curve(found.x, found.load, found.area, found.stiffness, found.residual, TOLERANCE, last)
 
 
 def adhesive_law(law: Contact) -> JKR | None:
@@ -105,33 +116,6 @@ def adhesive_law(law: Contact) -> JKR | None:
             f"contact = {shown(law)}: the branches of adhesive laws other than metafem.JKR are unknown"
         )
     return law
-
-
-def _followed(
-    surface: Surface, scene: Scene, values: FloatArray, by_load: bool, backwards: bool
-) -> tuple[States, tuple[Note, ...]]:
-    """Return states at increasing loads or approaches (k,), and a note on jumps on the way to them."""
-    _refuse_merging(scene.law, surface)
-    modulus = surface.material.composite_modulus
-    low, high = float(values[0]), float(values[-1])
-    if not backwards:
-        path = loading(scene, high, by_load)
-    else:
-        what = "load" if by_load else "approach"
-        refuse_if(
-            high <= 0.0,
-            f"the largest {what} is {high:g}; unloading begins at the largest {what}, which must be greater "
-            "than 0",
-        )
-        path = unloading(scene, high, low, by_load)
-        pull_off = -float(path.best[-1])
-        refuse_if(
-            by_load and low < pull_off,
-            f"load = {modulus * low:.6g} N is beyond pull-off: on unloading the last contacts break at "
-            f"{modulus * pull_off:.6g} N; use loads from there on",
-        )
-    notes = _notes(*path.jumps(low if backwards else high), modulus, backwards) if by_load else ()
-    return path.at(values), notes
 
 
 def _refuse_merging(law: JKR, surface: Surface) -> None:
@@ -146,21 +130,3 @@ def _refuse_merging(law: JKR, surface: Surface) -> None:
             f"merge without load, with radii of {reach[i]:.3g} and {reach[j]:.3g} mm at a distance of "
             f"{distance[room.argmin()]:.3g} mm; use a smaller energy, a larger modulus or a larger pitch"
         )
-
-
-def _notes(
-    load: FloatArray, before: FloatArray, after: FloatArray, modulus: float, unloading: bool
-) -> tuple[Note, ...]:
-    """Return a note on the number, the loads and the sizes of the jumps of a curve, or none."""
-    if not load.size:
-        return ()
-    newtons, change = modulus * load, after - before
-    most = int(np.abs(change).argmax())
-    span = f"from {newtons.min():.4g} to {newtons.max():.4g} N" if load.size > 1 else f"at {newtons[0]:.4g} N"
-    what = "break on unloading" if unloading else "jump into contact on loading"
-    return (
-        information(
-            f"{load.size} jump{'s' * (load.size > 1)} of A0, {span}, where asperities {what}; the largest "
-            f"changes A0 by {change[most]:+.3g} mm^2, at {newtons[most]:.4g} N"
-        ),
-    )

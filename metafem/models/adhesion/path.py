@@ -12,115 +12,79 @@ their own indentation is smallest. With interaction they follow one after the ot
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cached_property
-
 import numpy as np
 from scipy.optimize import elementwise
 
 from metafem._kernels.newton import TOLERANCE
 from metafem._validate import FloatArray, IntArray
 from metafem.errors import InvalidInput, NotConverged
-from metafem.models.adhesion.apart import loaded_apart
+from metafem.models.adhesion.apart import loaded_apart, loading_pieces
 from metafem.models.adhesion.contacts import BoolArray, Scene, States, joined
 from metafem.models.adhesion.walk import CLOSED, LOCATED, MOST_TRIALS, NODES, walk
 
 
-@dataclass(frozen=True, eq=False)
-class Path:
-    """Nodes of a path in their order; `sign` is 1 on loading and -1 on unloading."""
-
-    nodes: States
-    sign: float
-    by_load: bool  # whether states are found by their load or by their approach
-
-    @cached_property
-    def best(self) -> FloatArray:
-        """Largest measure up to each node."""
-        return np.maximum.accumulate(self._measure(self.nodes))
-
-    def _measure(self, states: States) -> FloatArray:
-        """Return load or approach of states, times the sign."""
-        return self.sign * (states.load if self.by_load else states.x)
-
-    def at(self, values: FloatArray) -> States:
-        """Return the first states at loads or approaches (k,); open before loading and after unloading."""
-        return self._before(np.searchsorted(self.best, self.sign * values), values)
-
-    def _before(self, node: IntArray, values: FloatArray) -> States:
-        """Return the states at loads or approaches (k,), each in the part of the path that ends at a node.
-
-        Newton's method begins between the nodes. Where it leaves this part of the path, the part is halved.
-        """
-        nodes, scene, goal = self.nodes, self.nodes.scene, self.sign * values
-        inside = (node < len(self.best)) & ((goal >= self.best[0]) | (self.sign < 0.0))
-        node = np.minimum(node, len(self.best) - 1)
-        left = np.maximum(node - 1, 0)
-        left = np.where((nodes.closed[left] == nodes.closed[node]).all(axis=1), left, node)
-        wanted = (scene.at_load if self.by_load else scene.at_approach)(values)
-        shape = len(values), len(scene.gap)
-        result = States(scene, nodes.closed[node] & inside[:, None], np.zeros(shape), values.copy(), wanted)
-        rows = np.flatnonzero(inside)
-        low, high = nodes[left[rows]], nodes[node[rows]]
-        for _ in range(MOST_TRIALS):
-            if not rows.size:
-                return result
-            before, after = self._measure(low), self._measure(high)
-            share = (goal[rows] - before) / np.where(after > before, after - before, np.inf)
-            found = low.blended(high, np.clip(share, 0.0, 1.0), result[rows].condition)
-            width = np.abs(high.x - low.x) + CLOSED * high.fields.depth.max(axis=1)
-            near = (np.abs(found.x - low.x) <= width) & (np.abs(found.x - high.x) <= width)
-            good = near & (found.residual <= TOLERANCE) & found.holds
-            if good.all() and len(good) == len(values):
-                return found
-            result.a[rows[good]], result.x[rows[good]] = found.a[good], found.x[good]
-            rows, low, high = rows[~good], low[~good], high[~good]
-            middle = low.blended(high, np.full(len(rows), 0.5), scene.at_approach(0.5 * (low.x + high.x)))
-            beyond = self._measure(middle) >= goal[rows]
-            both, every = joined([low, middle, high]), np.arange(len(rows))
-            low = both[every + len(rows) * ~beyond]
-            high = both[every + len(rows) * (2 - beyond)]
-        raise NotConverged("the adhesive contacts cannot be followed between two jumps")
-
-    def jumps(self, goal: float) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return the loads (m,) [mm^2] of the jumps up to a load, and areas before and after them."""
-        measure, area = self._measure(self.nodes), self.nodes.area
-        falls = np.append(measure[1:] < measure[:-1], self.sign < 0.0)
-        falls &= (measure == self.best) & (measure <= self.sign * goal)
-        if self.sign > 0.0:  # the first contacts form at zero load
-            falls &= measure > 0.0
-            measure, area, falls = np.append(0.0, measure), np.append(0.0, area), np.append(True, falls)
-        level = measure[falls]
-        after = self._before(np.searchsorted(self.best, level, side="right"), self.sign * level).area
-        return self.sign * level, area[falls], after
+def loaded(scene: Scene, values: FloatArray, by_load: bool = True) -> States:
+    """Return the states on loading at increasing loads or approaches (k,)."""
+    found = loaded_apart(scene, values) if scene.influence is None and by_load else None
+    if found is not None:
+        return found
+    nodes = (_apart if scene.influence is None else walk)(scene, float(values[-1]), by_load)
+    return _on_path(nodes, 1.0, by_load, values)
 
 
-def loading(scene: Scene, goal: float, by_load: bool) -> Path:
-    """Return the loading path up to a load or an approach."""
-    nodes = (_apart if scene.influence is None else walk)(scene, goal, by_load)
-    return Path(nodes, 1.0, by_load)
+def unloaded(scene: Scene, values: FloatArray, by_load: bool = True) -> tuple[States, float]:
+    """Return the states on unloading from the last of loads or approaches (k,), and the lowest load."""
+    start = loaded(scene, values[-1:], by_load)
+    nodes = _apart_back(start) if scene.influence is None else walk(scene, float(values[0]), by_load, start)
+    nodes = _with_lowest(nodes) if by_load else nodes
+    return _on_path(nodes, -1.0, by_load, values), float(nodes.load.min())
 
 
-def loaded(scene: Scene, load: FloatArray) -> States:
-    """Return the states at increasing loads (k,) on loading."""
-    found = loaded_apart(scene, load) if scene.influence is None else None
-    return found if found is not None else loading(scene, float(load[-1]), by_load=True).at(load)
+def _on_path(nodes: States, sign: float, by_load: bool, values: FloatArray) -> States:
+    """Return the first states of a path at loads or approaches (k,); open before loading and after unloading.
 
+    sign: 1 on loading, -1 on unloading. Newton's method begins between the nodes. Where it leaves the part of
+    the path between them, the part is halved.
+    """
 
-def unloading(scene: Scene, largest: float, goal: float, by_load: bool) -> Path:
-    """Return the path from the largest load or approach, reached by loading, back to `goal`."""
-    start = loading(scene, largest, by_load).at(np.array([largest]))
-    nodes = _apart_back(start) if scene.influence is None else walk(scene, goal, by_load, start)
-    return Path(_with_lowest(nodes) if by_load else nodes, -1.0, by_load)
+    def measure(states: States) -> FloatArray:
+        return sign * (states.load if by_load else states.x)
+
+    scene, best, goal = nodes.scene, np.maximum.accumulate(measure(nodes)), sign * values
+    node = np.searchsorted(best, goal)
+    inside = (node < len(best)) & ((goal >= best[0]) | (sign < 0.0))
+    node = np.minimum(node, len(best) - 1)
+    left = np.maximum(node - 1, 0)
+    left = np.where((nodes.closed[left] == nodes.closed[node]).all(axis=1), left, node)
+    wanted = (scene.at_load if by_load else scene.at_approach)(values)
+    shape = len(values), len(scene.gap)
+    result = States(scene, nodes.closed[node] & inside[:, None], np.zeros(shape), values.copy(), wanted)
+    rows = np.flatnonzero(inside)
+    low, high = nodes[left[rows]], nodes[node[rows]]
+    for _ in range(MOST_TRIALS):
+        if not rows.size:
+            return result
+        before, after = measure(low), measure(high)
+        share = (goal[rows] - before) / np.where(after > before, after - before, np.inf)
+        found = low.blended(high, np.clip(share, 0.0, 1.0), result[rows].condition)
+        width = np.abs(high.x - low.x) + CLOSED * high.fields.depth.max(axis=1)
+        near = (np.abs(found.x - low.x) <= width) & (np.abs(found.x - high.x) <= width)
+        good = near & (found.residual <= TOLERANCE) & found.holds
+        if good.all() and len(good) == len(values):
+            return found
+        result.a[rows[good]], result.x[rows[good]] = found.a[good], found.x[good]
+        rows, low, high = rows[~good], low[~good], high[~good]
+        middle = low.blended(high, np.full(len(rows), 0.5), scene.at_approach(0.5 * (low.x + high.x)))
+        beyond = measure(middle) >= goal[rows]
+        both, every = joined([low, middle, high]), np.arange(len(rows))
+        low = both[every + len(rows) * ~beyond]
+        high = both[every + len(rows) * (2 - beyond)]
+    raise NotConverged("the adhesive contacts cannot be followed between two jumps")
 
 
 def _apart(scene: Scene, goal: float, by_load: bool) -> States:
     """Return the nodes of the loading path of asperities that do not interact."""
-    start = np.unique(scene.gap)
-    stop, closed = np.append(start[1:], np.inf), scene.gap <= start[:, None]
-    # the law may end before the next gap closes
-    most = np.where(closed, scene.gap + scene.law.largest_indentation(scene.radius), np.inf).min(axis=1)
-    last = int((stop >= most).argmax())
+    start, (closed, stop, most, last) = np.unique(scene.gap), loading_pieces(scene)
     ends = _pressed(scene, closed[:last], stop[:last])
     if (ends.load if by_load else ends.x).max(initial=-np.inf) < goal:
         ends = joined([ends, _beyond(scene, closed[[last]], start[last], most[last], goal, by_load)])

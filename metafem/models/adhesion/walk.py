@@ -48,7 +48,7 @@ def _step(state: States, sign: float) -> list[States]:
     for _ in range(MOST_TRIALS):
         if touches:
             length = min(length, reach[k] * relative[i])
-            touching = Condition(scene.gap[[k]], -scene.influence[[k]], none, one)
+            touching = scene.gap[[k]], -scene.influence[[k]], none, one
             trial = _moved(state, sign * reach[k], touching)
         else:
             trial = _at_radius(state, i, sign * length)

@@ -1,4 +1,4 @@
-"""Summits, patches of cells around their contacts, and loads and areas of the contacts; lengths in cells.
+"""A scene, patches of cells around its contacts, and loads and areas of the contacts; lengths in cells.
 
 The origin of the common grid is the centre of the bounding box of all summits, so that the grid moves with
 the surface. Cell (i, j) has its centre at (i, j).
@@ -7,8 +7,7 @@ the surface. Cell (i, j) has its centre at (i, j).
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,10 +16,13 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from metafem._validate import FloatArray, IntArray
-from metafem.contact import Hertz
+from metafem.contact import Contact, Hertz
 from metafem.contact.elastic import PARABOLOID, Elastic
 from metafem.contact.law import area_change, sizes_of
+from metafem.errors import refuse_if
+from metafem.models._resources import require_memory
 from metafem.models.boundary_elements.influence import convergence_rate
+from metafem.substrate import Radial
 from metafem.surface import Surface
 
 # Boxes are merged into one patch if each term of the expansion between them reduces the error by less than
@@ -33,26 +35,54 @@ SLOWEST_RATE = 2.4
 NARROW = 4
 
 
-class Summits:
-    """Positions (n, 2), summit depths (n,) and radii (n,) of asperities, in cells, and their cap."""
+BoolArray = NDArray[np.bool_]
 
-    def __init__(self, surface: Surface, cap: Hertz | Elastic, cell: float) -> None:
+# A rectangle of cells around one contact or several close ones: the grid indices of its first cell (2,), the
+# depths of the undeformed surface below the tallest summit, and the asperity with the highest surface in each
+# cell, both (rows, columns).
+Patch = tuple[IntArray, FloatArray, IntArray]
+
+
+class Scene:
+    """One surface on one substrate, with the data that are common to all loads.
+
+    Positions (n, 2), summit depths (n,) and radii (n,) of the asperities are in cells.
+    """
+
+    def __init__(self, surface: Surface, cell: float, substrate: Radial, law: Contact) -> None:
+        """Prepare a surface; cell: side of the cells [mm]; law: contact law that is bound to the surface."""
+        refuse_if(
+            surface.cell is not None,
+            "contacts in a periodic cell cannot be resolved; use metafem.Interacting()",
+        )
+        self.surface, self.cell, self.law = surface, cell, cast("Hertz | Elastic", law)
+        self.substrate = substrate.for_surface(surface)
         low, high = surface.position.min(axis=0), surface.position.max(axis=0)
         # relative to the corner, so that no digits are lost if the surface is far from the origin
         self.position: FloatArray = ((surface.position - low) - 0.5 * (high - low)) / cell
-        self.cap, self.cell, self.depth = cap, cell, surface.gap / cell
-        self.of_law = cap.summits(surface)  # what the law takes as the radius of each asperity, (n,) [mm]
+        self.depth = surface.gap / cell
+        self.of_law = law.summits(surface)  # what the law takes as the radius of each asperity, (n,) [mm]
         self.radius = sizes_of(self.of_law) / cell
-        self.paraboloids = cap == PARABOLOID  # for which closed forms exist
+        self.paraboloids = law == PARABOLOID  # for which closed forms exist
+        # matrices over all pairs of asperities at once: the influence, its derivatives, the distances and the
+        # convergence rates of the expansions
+        require_memory(8 * 16 * surface.count**2, f"{surface.count} asperities")
+        self.coupling, self.slope_x, self.slope_y, _ = self.substrate.influence_terms(surface)
+        functions = (self.substrate.influence, self.substrate.regular)
+        self.of_cells = [lambda r, f=f: np.asarray(cell * f(cell * r)) for f in functions]
 
     def widest(self) -> FloatArray:
         """Return the largest contact radii that the law describes, (n,); 10 R deep if it has no limit."""
-        most = self.cap.largest_indentation(self.of_law)
+        most = self.law.largest_indentation(self.of_law)
         deepest = np.where(np.isfinite(most), most, 10.0 * self.cell * self.radius)
-        return np.asarray(self.cap.contact_radius(deepest, self.of_law) / self.cell)
+        return np.asarray(self.law.contact_radius(deepest, self.of_law) / self.cell)
+
+    def largest(self, indentation: FloatArray) -> float:
+        """Return the largest contact radius [mm] at indentations (n,) [mm]."""
+        return float(self.law.contact_radius(indentation, self.of_law).max())
 
     def patch(self, members: IntArray, first: IntArray, last: IntArray) -> Patch:
-        """Return the patch with the cells from `first` to `last`, on which these summits have contacts."""
+        """Return the `Patch` with the cells from `first` to `last`, on which these summits have contacts."""
         inside = np.flatnonzero(((self.position >= first) & (self.position <= last)).all(axis=1))
         x, y = (np.arange(a, b + 1, dtype=np.float64) for a, b in zip(first, last, strict=True))
         gap = np.full((len(x), len(y)), np.inf)
@@ -60,11 +90,11 @@ class Summits:
         for i in np.union1d(members, inside):
             cx, cy = self.position[i]
             rho = self.cell * np.hypot((x - cx)[:, None], y - cy)
-            depth = self.depth[i] + self.cap.depth_at(rho, self.of_law[i]) / self.cell
+            depth = self.depth[i] + self.law.depth_at(rho, self.of_law[i]) / self.cell
             higher = depth < gap
             gap[higher] = depth[higher]
             owner[higher] = i
-        return Patch(first, gap, owner)
+        return first, gap, owner
 
     def areas(self, spread: FloatArray, load: FloatArray, shift: FloatArray) -> FloatArray:
         """Return the areas of contacts with loads P and second moments M = 2 s P of the pressure, (n,).
@@ -86,27 +116,18 @@ class Summits:
         moment = 2.0 * self.cell**2 * spread * carried
         for _ in range(52):  # down to rounding
             a = 0.5 * (low + high)
-            alone = self.cap.load(a, radius)
-            own = self.cap.second_moment(a, radius) - 0.4 * a**2 * alone
+            alone = self.law.load(a, radius)
+            own = self.law.second_moment(a, radius) - 0.4 * a**2 * alone
             # neighbours flatten the summit: alone, a contact of this radius carries at most twice the load,
             # up to which the equation is monotonic for all power caps
             wide = (own > moment - 0.4 * a**2 * carried) | (alone > 2.0 * carried)
             low, high = np.where(wide, low, a), np.where(wide, a, high)
         closed = low > 1e-12 * widest  # pressure on one cell has no moment
         a, carried = np.where(closed, low, 0.5 * widest), np.where(closed, carried, 1.0)
-        slope, own = carried * self.cell * shift / (4.0 / 3.0 * a**3), self.cap.profile_slope(a, radius)
-        seen = (10.0 - 20.0 / 3.0 * a**2 * own / self.cap.load(a, radius)) * (slope / own) ** 2
-        change = np.maximum(1.0 + area_change(self.cap, a, radius, slope) - seen, 0.0)
+        slope, own = carried * self.cell * shift / (4.0 / 3.0 * a**3), self.law.profile_slope(a, radius)
+        seen = (10.0 - 20.0 / 3.0 * a**2 * own / self.law.load(a, radius)) * (slope / own) ** 2
+        change = np.maximum(1.0 + area_change(self.law, a, radius, slope) - seen, 0.0)
         return np.where(closed, math.pi * (a / self.cell) ** 2 * change, 0.0)
-
-
-@dataclass(frozen=True, eq=False)
-class Patch:
-    """A rectangle of cells around one contact or several close contacts."""
-
-    corner: IntArray  # grid indices of the first cell, (2,)
-    gap: FloatArray  # depth of the undeformed surface below the tallest summit, (rows, columns)
-    owner: IntArray  # index of the asperity with the highest surface in each cell, (rows, columns)
 
 
 def boxes(position: FloatArray, half_width: FloatArray) -> tuple[list[IntArray], IntArray, IntArray]:
@@ -134,31 +155,26 @@ def boxes(position: FloatArray, half_width: FloatArray) -> tuple[list[IntArray],
     return [members[k] for k in place], first[place], last[place]
 
 
-@dataclass(frozen=True, eq=False)
-class Contacts:
-    """Loads and areas of the asperities (n,); lengths are in cells."""
+def measure(
+    patches: list[Patch], pressure: list[FloatArray], scene: Scene
+) -> tuple[FloatArray, FloatArray, BoolArray, IntArray, int]:
+    """Return what the pressures on the cells of each patch carry.
 
-    load: FloatArray  # sum of p/E* over the cells in which the asperity is the highest
-    area: FloatArray  # contact area on these cells
-    # whether the area is the area within the edge instead of the law's area for the second moments
-    deformed: NDArray[np.bool_]
-    merged: IntArray  # pairs of asperities with adjacent cells in contact, (m, 2)
-    grooves: int  # pairs of cells in contact of two asperities, `NARROW` cells apart
-
-
-def measure(patches: list[Patch], pressure: list[FloatArray], summits: Summits) -> Contacts:
-    """Return the loads and areas of the asperities, and the merged contacts."""
-    count = len(summits.radius)
+    The loads and the contact areas on the cells in which each asperity is the highest, (n,); whether its area
+    is that within the edge instead of the law's for the second moments, (n,); the pairs of asperities with
+    adjacent cells in contact, (m, 2); and the number of pairs of cells of two asperities, `NARROW` apart.
+    """
+    count = len(scene.radius)
     sums, area, pairs, grooves = np.zeros((7, count)), np.zeros(count), [], 0
-    for patch, p in zip(patches, pressure, strict=True):
-        closed, owner = p > 0.0, patch.owner
+    for (corner, _, owner), p in zip(patches, pressure, strict=True):
+        closed = p > 0.0
         for a, b in _neighbours(1):
             met = closed[a] & closed[b] & (owner[a] != owner[b])
             pairs.append(np.stack([owner[a][met], owner[b][met]], axis=1))
         for a, b in _neighbours(NARROW):
             grooves += int((closed[a] & closed[b] & (owner[a] != owner[b])).sum())
         cells, of = np.argwhere(closed), owner[closed]
-        x, y = (cells + patch.corner - summits.position[of]).T
+        x, y = (cells + corner - scene.position[of]).T
         for k, factor in enumerate((1.0, x, y, x**2, y**2, x * y, p[closed])):
             sums[k] += np.bincount(of, p[closed] * factor, count)
         area += _within_edges(p, owner, count)
@@ -168,16 +184,16 @@ def measure(patches: list[Patch], pressure: list[FloatArray], summits: Summits) 
     # the moments of collocated pressures miss half a cell of the area: .4 to .6 for Hertz contacts of 5 to 80
     # cells per radius at any offset from the grid, .3 for 4; 0 to 1.1 for powers from 1.2 to 8
     spread = np.sqrt(np.maximum(square, 0.0)) + 0.5 / (5.0 * math.pi) * carries
-    lawful = summits.areas(spread, load, np.hypot(x, y))
+    lawful = scene.areas(spread, load, np.hypot(x, y))
     merged = np.unique(np.sort(np.concatenate(pairs), axis=1), axis=0)
     # the pressure of a Hertz contact, linear in its square, has this area, with a smaller error than the edge
     ellipse = 9.0 / 8.0 * load / np.where(carries, power, 1.0)
-    deformed = np.abs(area - lawful) > allowed(lawful, summits.paraboloids)
-    if summits.paraboloids:
+    deformed = np.abs(area - lawful) > allowed(lawful, scene.paraboloids)
+    if scene.paraboloids:
         # .3 to 1.3 cells less for Hertz contacts of 5 to 80 cells per radius
         deformed |= np.abs(ellipse - lawful + 0.6) > 1.1 + 0.003 * np.sqrt(4.0 * math.pi * lawful)
     deformed[merged.ravel()] = True
-    return Contacts(load, np.where(deformed, area, lawful), deformed, merged, grooves)
+    return load, np.where(deformed, area, lawful), deformed, merged, grooves
 
 
 def _neighbours(apart: int) -> tuple[tuple[Any, Any], ...]:

@@ -29,16 +29,6 @@ MAX_HALVINGS = 40
 
 
 @dataclass(frozen=True, eq=False)
-class Minimum:
-    """Pressure and gap on all cells that minimise the energy."""
-
-    pressure: FloatArray  # not negative
-    gap: FloatArray  # A p + g - z, recomputed
-    multiplier: float  # z
-    error: float  # largest |gap| of a cell with pressure, or overlap of a cell without
-
-
-@dataclass(frozen=True, eq=False)
 class Program:
     """A quadratic program: A, g, the sum of p unless z is given, and the error at which it is solved."""
 
@@ -48,8 +38,12 @@ class Program:
     tolerance: float
     max_iterations: int = 1000  # conjugate gradients need 10 to 60, unless the tolerance is below rounding
 
-    def minimum(self, p: FloatArray, z: float) -> Minimum:
-        """Return the solution; `p` is an initial guess that satisfies the constraints, z its multiplier."""
+    def minimum(self, p: FloatArray, z: float) -> tuple[FloatArray, FloatArray, float, float]:
+        """Return p, the gap A p + g - z, z and the error, from a p that satisfies the constraints and its z.
+
+        The gap is recomputed. The error is the largest |gap| of a cell with pressure, or overlap of a cell
+        without.
+        """
         v, iterations, halvings = self.operator.product(p) + self.gap, 0, 0
         # Conjugate gradients on a face stop if their error is below this share of the error that the bounds
         # cause. Smaller values need fewer cycles and more steps: 6, 5 and 4 cycles and 17, 18 and 18 steps at
@@ -61,7 +55,7 @@ class Program:
                 z = float(v[p > 0.0].mean())
             error = max(_violations(v - z, p > 0.0))
             if error <= self.tolerance or iterations >= self.max_iterations or halvings == MAX_HALVINGS:
-                return Minimum(p, v - z, z, error)
+                return p, v - z, z, error
             face = (p > 0.0) | (v < z)
             trial, z, steps = self.on_face(face, p, v, z, share, self.max_iterations - iterations)
             iterations += max(steps, 1)

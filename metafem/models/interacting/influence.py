@@ -1,4 +1,4 @@
-"""Coupled asperities, and their influence on each other, cached for later calls with the same sites."""
+"""Influence of the asperities on each other, cached for later calls with the same sites."""
 
 from __future__ import annotations
 
@@ -13,15 +13,11 @@ import scipy
 
 from metafem._kernels.equations import Coupling
 from metafem._validate import FloatArray, IntArray
-from metafem.contact import Contact
-from metafem.contact.pedestal import TALLEST, pedestal_influence
 from metafem.errors import refuse_if
 from metafem.material import PeriodicCell
 from metafem.models._resources import require_memory
-from metafem.models.curve import RescaledState
 from metafem.models.interacting.scattered import fast_sums
 from metafem.models.interacting.sums import find_grid, require_series
-from metafem.notes import Note, information
 from metafem.substrate import Radial, Substrate
 from metafem.surface import Surface
 
@@ -98,8 +94,8 @@ def displacements(surface: Surface, bound: Substrate) -> Callable[[FloatArray], 
     not radial and for scattered sites in a cell, otherwise fast sums.
     """
     if surface.count <= MOST_KEPT or not isinstance(bound, Radial) or _scattered(surface):
-        coupling, regular = coupling_between(surface, bound, 1)
-        return lambda load: load @ coupling.source + regular * load
+        (influence, _), regular = coupling_between(surface, bound, 1)
+        return lambda load: load @ influence + regular * load
     sums = cached(fast_sums, bound, 1, surface, MOST_KEPT_SUMS)
     own = sums.self_influence
     return lambda load: np.array([sums.displacement(row) for row in load]) + own * load
@@ -173,12 +169,12 @@ def _computed(substrate: Substrate, order: int, surface: Surface) -> tuple[Coupl
     regular = np.diagonal(influence).copy()
     np.fill_diagonal(influence, 0.0)
     if order == 1:
-        return Coupling(influence, influence), regular
+        return (influence, influence), regular
     x, y, laplacian = terms
     source = np.concatenate([influence, laplacian, x, y], axis=1)
     if isinstance(substrate, Radial):
-        return Coupling(source, source), regular
-    return Coupling(source, np.concatenate([influence, laplacian.T, -x.T, -y.T], axis=1)), regular
+        return (source, source), regular
+    return (source, np.concatenate([influence, laplacian.T, -x.T, -y.T], axis=1)), regular
 
 
 def refuse_wide(surface: Surface, contact_radius: float) -> None:
@@ -191,51 +187,3 @@ def refuse_wide(surface: Surface, contact_radius: float) -> None:
         f"a contact of radius {contact_radius:.4g} mm is wider than the periodic cell of {side:g} mm; use "
         "lighter loads or a larger cell",
     )
-
-
-@dataclass(frozen=True)
-class Coupled:
-    """Asperities of one surface with their contact law, substrate and order."""
-
-    model: Any  # to which the states refer
-    surface: Surface
-    law: Contact  # for unit E*
-    substrate: Substrate  # with the thickness and the material of the surface
-    order: int
-    pedestal: bool
-
-    def pedestals(self, height: FloatArray, radius: FloatArray) -> FloatArray | float:
-        """Return the displacement of each summit by the compliance of its cap, per unit of P/E* [1/mm]."""
-        return pedestal_influence(height, radius)[0] if self.pedestal else 0.0
-
-    def on_pedestals(self, gradient: FloatArray, height: FloatArray, load: FloatArray) -> FloatArray:
-        """Return dA0/dh (k, n) [mm] with the change of the caps' compliance, at loads (k, n) [mm^2]."""
-        if not self.pedestal:
-            return gradient
-        return gradient * (1.0 - pedestal_influence(height, self.surface.radius)[1] * load)
-
-    def state(
-        self,
-        height: FloatArray,
-        load: FloatArray,
-        area: FloatArray,
-        indentation: FloatArray,
-        notes: tuple[Note, ...] = (),
-    ) -> RescaledState:
-        """Return the state of asperities (n,)."""
-        # the foot of a cap sinks with its summit, while the adjacent base hardly sinks; the shift of a
-        # contact adds less than a micrometre to the base gap
-        base = height - indentation - self.pedestals(height, self.surface.radius) * load
-        ratio, name = self.surface.height / self.surface.radius, "height of a summit over its radius"
-        tall = int((ratio > TALLEST).sum())
-        if self.pedestal and tall:
-            text = f"{tall} summits are higher than {TALLEST:g} R; their pedestals are taken as that high"
-            most = float(ratio.max())
-            notes += (Note(text, quantity=name, value=most, bound=TALLEST, remedies=("radius",)),)
-        if self.surface.cell is not None and not hasattr(self.substrate, "thickness"):
-            text = (
-                "the separation is measured from the mean plane of the deformed periodic surface: the mean "
-                "displacement of a half-space diverges and is left out"
-            )
-            notes += (information(text),)
-        return RescaledState(load, area, indentation, float(base.min()), self.model, notes)

@@ -3,28 +3,25 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from metafem import _validate as check
-from metafem._validate import FloatArray
 from metafem.caps import SPHERE
 from metafem.contact import Contact
 from metafem.contact.elastic import PARABOLOID
 from metafem.contact.law import checked_contact
 from metafem.errors import InvalidInput, refuse_if
 from metafem.models.adhesion.curves import AdhesiveAsperities, adhesive_law
-from metafem.models.curve import Curve, Sensitivity, areas_one_by_one, controlled
+from metafem.models.curve import WithGradients
 from metafem.models.interacting.elastic import ElasticCoupling
-from metafem.models.interacting.influence import Coupled
 from metafem.substrate import HalfSpace, Radial, Substrate
 from metafem.surface import Surface
 
 
 @dataclass(frozen=True)
-class Interacting:
+class Interacting(WithGradients):
     """Asperities coupled through an elastic substrate.
 
     The indentations are ``d_i = h_i - delta - u_i``, where ``u_i`` is the displacement by the other
@@ -87,7 +84,6 @@ class Interacting:
     """
 
     couples: ClassVar[bool] = True
-    unloads: ClassVar[bool] = True
 
     order: int = 3
     substrate: Substrate = field(default_factory=HalfSpace)
@@ -117,11 +113,6 @@ class Interacting:
         return f"{substrate}{order}{', with pedestals' if self.pedestal else ''}{law}"
 
     @property
-    def gradient_model(self) -> Interacting:
-        """The model itself."""
-        return self
-
-    @property
     def reference(self) -> Interacting:
         """The same model with the highest order that its contact law supports."""
         return replace(self, order=self.contact.largest_order)
@@ -141,96 +132,7 @@ class Interacting:
             key="pedestal",
         )
         law = self.contact.bound(surface)
-        given = self, surface, law, self.substrate.for_surface(surface), self.order, self.pedestal
+        bound = self.substrate.for_surface(surface)
+        coupled = ElasticCoupling(self, surface, law, bound, self.order, self.pedestal)
         adhesive = adhesive_law(law)
-        if adhesive is not None:
-            return AdhesiveAsperities(self, adhesive, surface, Coupled(*given))
-        return ElasticCoupling(*given)
-
-    def curve(
-        self,
-        surface: Surface,
-        load: FloatArray | None = None,
-        *,
-        approach: FloatArray | None = None,
-        unloading: bool = False,
-    ) -> Curve:
-        """Return equilibria at increasing rescaled loads P/E* [mm^2] or approaches [mm], (k,).
-
-        unloading: whether the values are reached by unloading from the largest one. If the contacts adhere,
-        loads may then be negative.
-        """
-        values, by_load = controlled(load, approach)
-        return self.bound(surface).path(values, by_load, unloading)
-
-    def curves(
-        self, surface: Surface, height: ArrayLike, rescaled_load: ArrayLike
-    ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-        """Return the friction laws of many lists of heights on the sites of one surface, by compiled code.
-
-        Parameters
-        ----------
-        surface : Surface
-            Surface with the positions, radii, material and block; its heights are not used.
-        height : array_like, (m, n) or (n,)
-            Lists of summit heights [mm].
-        rescaled_load : array_like, (k,)
-            Loads P/E* [mm^2], not negative, in any order.
-
-        Returns
-        -------
-        approach, load, area, stiffness : ndarray, (m, k)
-            Approach [mm], load recomputed at this approach [mm^2], real contact area [mm^2], and derivative
-            of the rescaled load with respect to the approach [mm].
-
-        Raises
-        ------
-        InvalidInput
-            If heights or loads are outside their range, or the layer is thinner than a contact radius.
-        NotConverged
-            If a residual exceeds 1e-12 (1e-10 at all but the last load), or 1e-9 if fast
-            sums are used: above 2000 asperities, and for order 3 on a lattice above 400. All results are
-            attached.
-
-        Examples
-        --------
-        >>> from metafem import Material
-        >>> surface = Surface([[0, 0], [1.5, 0]], [0.1, 0.1], 0.526, Material(1.36))
-        >>> approach, load, area, stiffness = Interacting().curves(
-        ...     surface, [[0.1, 0.1], [0.1, 0.2]], [0.01, 0.02]
-        ... )
-        >>> area.round(4)
-        array([[0.0988, 0.1568],
-               [0.0784, 0.1245]])
-        """
-        heights = check.lists("height", height, surface.count)
-        loads = check.loads("rescaled_load", rescaled_load)
-        order = np.argsort(loads, kind="stable")
-        back = np.argsort(order, kind="stable")
-        results = self.bound(surface).solve(heights, loads[order])
-        approach, carried, area, stiffness = (part[:, back] for part in results)
-        return approach, carried, area, stiffness
-
-    def sensitivity(
-        self, surface: Surface, load: FloatArray, height: FloatArray | None = None
-    ) -> Sensitivity:
-        """Return the law at increasing rescaled loads (k,), and dA0/dh at fixed load [mm], (k, n).
-
-        The derivatives by all heights need one solution of a linear system per load. If fast sums are used,
-        it is solved by conjugate gradients to 1e-9.
-        height: summit heights (n,) [mm] that replace the heights of the surface; they are not checked.
-        """
-        heights = surface.height if height is None else height
-        return self.bound(surface).sensitivity(heights, load)
-
-    def areas(
-        self, surface: Surface, load: FloatArray, height: FloatArray, radius: Any = None, position: Any = None
-    ) -> FloatArray:
-        """Return A0 [mm^2] of many surfaces at increasing rescaled loads (k,), (m, k); nan if not converged.
-
-        height, radius: (m, n) [mm]; position: (m, n, 2) [mm]; default: the surface's. Surfaces are solved one
-        by one if positions are passed, or if radii are passed and fast sums are used.
-        """
-        if position is not None:
-            return areas_one_by_one(self.curve, surface, load, height, radius, position)
-        return self.bound(surface).areas(height, radius, load)
+        return coupled if adhesive is None else AdhesiveAsperities(self, adhesive, surface, coupled)

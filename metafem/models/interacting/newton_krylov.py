@@ -10,7 +10,15 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from metafem._kernels.curve import REMEMBERED, Results, empty_memory, predict, remember, uniform_approach
+from metafem._kernels.curve import (
+    CARRIED,
+    REMEMBERED,
+    STIFFNESS,
+    empty_memory,
+    predict,
+    remember,
+    uniform_approach,
+)
 from metafem._kernels.equations import State, measure, press, sharpen, spread
 from metafem._kernels.law import Law
 from metafem._kernels.vectors import exact_sum
@@ -18,7 +26,7 @@ from metafem._validate import FloatArray
 from metafem.errors import NotConverged
 from metafem.models.interacting.influence import MOST_KEPT_SUMS, cached
 from metafem.models.interacting.scattered import fast_sums
-from metafem.models.interacting.sums import Coarse, Sums
+from metafem.models.interacting.sums import Preconditioner, Sums, coarse_model
 from metafem.progress import each
 from metafem.substrate import Radial
 from metafem.surface import Surface
@@ -43,8 +51,7 @@ class Iterate:
     residual: float
     error: FloatArray  # of their equations, (n,) [mm]
     self_term: FloatArray
-    coarse: Coarse
-    steps: int = 0  # of Newton's method
+    coarse: Preconditioner
 
     @cached_property
     def closed(self) -> NDArray[np.bool_]:
@@ -66,7 +73,7 @@ class Iterate:
     def precondition(self) -> Callable[[FloatArray], FloatArray]:
         """Preconditioner of the Jacobian of the contacts."""
         none = np.zeros_like(self.diagonal)
-        return self.coarse.preconditioner(np.divide(1.0, self.diagonal, out=none, where=self.closed))
+        return self.coarse(np.divide(1.0, self.diagonal, out=none, where=self.closed))
 
     @cached_property
     def uniform(self) -> FloatArray:
@@ -87,7 +94,7 @@ class ContactEquations:
     law: Law
     self_term: FloatArray  # with that of the substrate, (n,) [1/mm]
     gap: FloatArray
-    coarse: Coarse
+    coarse: Preconditioner
 
     def respond(self, z: FloatArray, approach: float, target: float) -> Iterate:
         """Return the contacts at nominal indentations z (n,) [mm], with their residual."""
@@ -111,7 +118,7 @@ class ContactEquations:
         """Return the equilibrium at an approach or, if `target` > 0, at this load, and its approach."""
         at = self.respond(z, approach, target)
         forcing = loosest = 0.1  # largest residuals of linear equations, relative to their solution
-        for taken in range(60):  # about 6 are needed from independent contacts
+        for _ in range(60):  # about 6 are needed from independent contacts
             if not at.closed.any():
                 at = self.respond(approach - self.gap, approach, target)
             if at.diagonal.min() < 0.0:  # ill-posed: the self term outweighs the contact law
@@ -136,7 +143,6 @@ class ContactEquations:
             # Comput. 17, 16 (1996), doi:10.1137/0917003
             forcing = min(loosest, max(0.9 * (new.residual / at.residual) ** 2, 1e-3))
             at, approach = new, approach + length * shift
-            at.steps = taken + 1
         return at, approach
 
     def tangent(self, at: Iterate, before: FloatArray) -> tuple[float, FloatArray]:
@@ -229,43 +235,44 @@ class ContactEquations:
         return loads, shift, rest, False
 
     def follow(
-        self, control: FloatArray, by_load: bool, results: Results, indentation: FloatArray = NOT_RECORDED
+        self, control: FloatArray, by_load: bool, found: FloatArray, indentation: FloatArray = NOT_RECORDED
     ) -> State:
-        """Fill the results (k,) at increasing loads or approaches, and return the last state.
+        """Fill the results (6, k) at increasing loads or approaches, and return the last state.
 
-        indentation: (k, n) [mm]; filled with nominal indentations unless empty.
+        found: rows as in `metafem._kernels.curve`. indentation: (k, n) [mm]; filled with nominal indentations
+        unless empty.
         """
         gap, law = self.gap, self.law
         last = State(len(gap))
         x, points, memory, share = 0.0, 0, empty_memory(len(gap)), np.zeros_like(gap)
         for j, value in enumerate(each("load", control.tolist())):
-            results.approach[j] = 0.0 if by_load else value
             if value <= 0.0:
+                found[:, j] = 0.0 if by_load else value, 0.0, 0.0, 0.0, 0.0, 0.0
                 last = State(len(gap))
-                last.z[:] = last.indentation[:] = min(float(results.approach[j]), 0.0) - gap
+                last.z[:] = last.indentation[:] = (0.0 if by_load else value) - gap
             else:
                 target, at = float(value) if by_load else 0.0, None
                 if points:
-                    ahead = (value - results.load[j - 1]) / results.stiffness[j - 1] if by_load else value - x
+                    ahead = (
+                        (value - found[CARRIED, j - 1]) / found[STIFFNESS, j - 1] if by_load else value - x
+                    )
                     z = np.empty_like(gap)
                     start = predict(memory, points, x + float(ahead), target, law, z)
                     at, new = self.newton(z, start, target)
                 if at is None or at.residual > TOLERANCE:
                     start = float(uniform_approach(gap, law, target) if by_load else value)
                     at, new = self.newton(start - gap, start, target)
-                last, further, x = at.state, new > x, new
+                last, further, x, stiffness = at.state, new > x, new, 0.0
                 residual = max(at.residual, self.sums.error(last.load) / float(last.indentation.max()))
                 spread(self.order, law, last.block)
                 points = 0 if residual > TOLERANCE else min(REMEMBERED, points + 1) if further else 1
                 if points:
                     remember(memory, x, last.z)
-                    results.stiffness[j], share = self.tangent(at, share)
-                    if results.stiffness[j] == math.inf:  # not a minimum of the energy
+                    stiffness, share = self.tangent(at, share)
+                    if stiffness == math.inf:  # not a minimum of the energy
                         residual, points = 1.0, 0
-                results.approach[j], results.load[j] = x, exact_sum(last.load)
-                results.area[j] = math.pi * exact_sum(last.footprint)
-                results.radius[j] = math.sqrt(float(last.square.max()))
-                results.residual[j], results.steps[j] = residual, at.steps
+                load, area = exact_sum(last.load), math.pi * exact_sum(last.footprint)
+                found[:, j] = x, load, area, stiffness, residual, math.sqrt(float(last.square.max()))
             if indentation.size:
                 indentation[j] = last.z
         return last
@@ -277,7 +284,7 @@ class ContactEquations:
         return np.array([self.area_gradient(at) if at.closed.any() else none for at in states])
 
 
-def large_scene(surface: Surface, substrate: Radial, order: int) -> tuple[Sums, Coarse]:
+def large_scene(surface: Surface, substrate: Radial, order: int) -> tuple[Sums, Preconditioner]:
     """Return the fast sums of a surface, the last of which are cached, and its coarse model."""
     sums = cached(fast_sums, substrate, order, surface, 0, MOST_KEPT_SUMS)
-    return sums, Coarse(surface.position, substrate)
+    return sums, coarse_model(surface.position, substrate)

@@ -232,5 +232,6 @@ def fast_sums(substrate: Radial, order: int, surface: Surface) -> Sums:
     lattice = find_lattice(surface.position)
     if lattice is None:
         return ScatteredSums(surface.position, substrate, order)
-    require_memory(32 * math.prod(lattice.shape) * (8 if order == 1 else 12), f"a lattice of {lattice.shape}")
+    _, shape, _ = lattice
+    require_memory(32 * math.prod(shape) * (8 if order == 1 else 12), f"a lattice of {shape}")
     return Sums(lattice, substrate, order)

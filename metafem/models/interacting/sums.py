@@ -10,10 +10,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 from scipy.fft import irfft2, next_fast_len, rfft2
 from scipy.linalg.lapack import dpotrf, dpotrs
@@ -33,42 +31,30 @@ Spectrum = NDArray[np.inexact]
 LATTICE_TOLERANCE = 1e-9
 
 
-@dataclass(frozen=True, eq=False)
-class Lattice:
-    """Sites of a lattice."""
+# Sites of a lattice: the index of each position in the flat grid (n,), the numbers of rows and columns, and
+# the distance between adjacent sites of a row [mm].
+Lattice = tuple[NDArray[np.int64], tuple[int, int], float]
 
-    index: NDArray[np.int64]  # of each position in the flat grid, (n,)
-    shape: tuple[int, int]  # rows and columns
-    pitch: float  # distance between adjacent sites of a row [mm]
+# A preconditioner for a diagonal (n,), see `coarse_model`.
+Preconditioner = Callable[[FloatArray], Callable[[FloatArray], FloatArray]]
 
 
 def find_lattice(position: FloatArray) -> Lattice | None:
-    """Return the square lattice, of any orientation, that contains the positions (n, 2), or None."""
-    if len(position) < 2:
+    """Return the square lattice along x and y that contains the positions (n, 2), or None."""
+    offset = (position - position.min(axis=0))[:, ::-1]
+    extent, rounding = float(offset.max()), 8.0 * np.finfo(float).eps * float(np.abs(position).max())
+    steps = np.diff(np.sort(offset, axis=0), axis=0)
+    steps = steps[steps > LATTICE_TOLERANCE * extent + rounding]  # between different rows or columns
+    if not steps.size:
         return None
-    centre = position - position.mean(axis=0)
-    # a tenth of the sites suffices: among the hundred in the middle, a third then have a nearest neighbour
-    middle = np.argsort(np.hypot(*centre.T), kind="stable")[:100]
-    distances, near = scipy.spatial.cKDTree(centre).query(centre[middle], k=2)
-    # the first of the nearest pairs, which are equal to rounding
-    k = int((distances[:, 1] <= distances[:, 1].min() * (1.0 + LATTICE_TOLERANCE)).argmax())
-    from_first = (centre - centre[middle[k]]) @ np.array([1.0, 1.0j])
-    step, extent = complex(from_first[near[k, 1]]), float(np.abs(from_first).max())
-    # refined with ever farther positions: a single step gives the direction of a long row inaccurately
-    for reach in (3.0 * abs(step), math.sqrt(abs(step) * extent), extent):
-        place = from_first[np.abs(from_first) <= reach] / step
-        whole = np.rint(place.real) + 1.0j * np.rint(place.imag)
-        step *= complex(np.vdot(whole, place) / np.vdot(whole, whole))
-    place = from_first / step
-    exact = np.column_stack([place.imag, place.real])
+    pitch = extent / float(np.rint(extent / steps.min()))
+    exact = offset / pitch
     site = np.rint(exact)
-    # the mean offset from whole numbers is the rounding of the position chosen as origin
-    offset = exact - site - (exact - site).mean(axis=0)
-    rounding = 8.0 * np.finfo(float).eps * float(np.abs(position).max()) / abs(step)
-    if float(np.abs(offset).max()) > LATTICE_TOLERANCE + rounding:
+    # the mean offset from whole numbers is the rounding of the lowest positions
+    error = exact - site - (exact - site).mean(axis=0)
+    if float(np.abs(error).max()) > LATTICE_TOLERANCE + rounding / pitch:
         return None
-    site = site - site.min(axis=0)
-    return _occupied(site, (int(site[:, 0].max()) + 1, int(site[:, 1].max()) + 1), abs(step))
+    return _occupied(site, (int(site[:, 0].max()) + 1, int(site[:, 1].max()) + 1), pitch)
 
 
 def find_grid(position: FloatArray, cell: PeriodicCell) -> Lattice | None:
@@ -87,7 +73,7 @@ def _occupied(site: FloatArray, shape: tuple[int, int], pitch: float) -> Lattice
     """Return a lattice with sites (n, 2), or None if too few are occupied, or one twice."""
     index = (site @ np.array([shape[1], 1])).astype(np.int64)
     few = len(index) < 0.1 * math.prod(shape)  # the sums for scattered positions then take less time
-    return None if few or len(np.unique(index)) < len(index) else Lattice(index, shape, pitch)
+    return None if few or len(np.unique(index)) < len(index) else (index, shape, pitch)
 
 
 class Sums:
@@ -102,17 +88,18 @@ class Sums:
     def __init__(
         self, lattice: Lattice, substrate: Radial, order: int = 3, cell: PeriodicCell | None = None
     ) -> None:
-        self.lattice, (rows, columns) = lattice, lattice.shape
+        self.index, self.shape, pitch = lattice
+        rows, columns = self.shape
         if cell is None:
             # beyond 48 thicknesses the influence of a layer is zero to rounding
-            far = 48.0 * getattr(substrate, "thickness", math.inf) / lattice.pitch
+            far = 48.0 * getattr(substrate, "thickness", math.inf) / pitch
             self.padded = [
                 next_fast_len(math.ceil(min(2 * size - 1, max(size, far) + far)), real=True)
-                for size in lattice.shape
+                for size in self.shape
             ]
-            y, x = (np.fft.fftfreq(size, 1.0 / size) * lattice.pitch for size in self.padded)
+            y, x = (np.fft.fftfreq(size, 1.0 / size) * pitch for size in self.padded)
             r = np.hypot(y[:, None], x)
-            r[0, 0] = lattice.pitch
+            r[0, 0] = pitch
             value, first, second = substrate.influence(r, derivatives=True)
             first /= r
             laplacian = second + first
@@ -136,14 +123,14 @@ class Sums:
 
     def put(self, source: FloatArray) -> FloatArray:
         """Return the grid of sources (n,)."""
-        grid = np.zeros(self.lattice.shape)
-        grid.ravel()[self.lattice.index] = source
+        grid = np.zeros(self.shape)
+        grid.ravel()[self.index] = source
         return grid
 
     def take(self, field: FloatArray) -> FloatArray:
         """Return the values (n,) of a field on the padded grid."""
-        rows, columns = self.lattice.shape
-        return np.asarray(field[:rows, :columns].ravel()[self.lattice.index])
+        rows, columns = self.shape
+        return np.asarray(field[:rows, :columns].ravel()[self.index])
 
     def near(self, index: int, source: FloatArray) -> FloatArray | float:
         """Return what the grid lacks of G, its Laplacian, or its derivatives by x or y, (n,)."""
@@ -194,58 +181,64 @@ def require_series(cell: PeriodicCell, substrate: Radial, points: int) -> None:
     require_memory(needed, f"the {math.prod(waves):.2g} waves of {substrate!r} in {cell!r}")
 
 
-class Coarse:
-    """Coarse model of the long waves of a scene, for a preconditioner: nodes of a square grid that covers it.
+def coarse_grid(position: FloatArray, substrate: Radial) -> tuple[csr_array, FloatArray]:
+    """Return the weights of a bilinear interpolation (n, m) from the m nodes of a square grid over the scene.
 
-    Displacements are interpolated bilinearly between the nodes.
-    The loads of an asperity are shared by the four nodes around it, with the weights of the interpolation.
+    Also return the influence of the nodes on each other, (m, m) [1/mm].
     """
+    count = len(position)
+    low = position.min(axis=0)
+    extent = np.maximum(position.max(axis=0) - low, 1e-12 * float(np.ptp(position)))
+    # a matrix of 100 nodes is factorised in a fraction of a millisecond, one of 1600 in a tenth of a
+    # second, which is short for 200 asperities per node; fewer than 16 per node save no products
+    nodes = max(1.0, min(100, count / 16), min(1600, count / 200))
+    size = max(math.sqrt(float(extent[0] * extent[1]) / nodes), float(extent.max()) / nodes)
+    place = (position - low)[:, ::-1] / size
+    cell = np.floor(place).astype(np.int64)
+    rows, columns = (int(most) + 2 for most in cell.max(axis=0))
+    y, x = (place - cell).T
+    corner = cell @ np.array([columns, 1])
+    nearest = corner[:, None] + np.array([0, 1, columns, columns + 1])
+    weight = np.column_stack([(1.0 - y) * (1.0 - x), (1.0 - y) * x, y * (1.0 - x), y * x])
+    starts = np.arange(0, 4 * count + 1, 4)
+    hats = csr_array((weight.ravel(), nearest.ravel(), starts), shape=(count, rows * columns))
+    # influence [1/mm] of a cloud of the size of a cell: at the centre of a square of side 1, the mean of
+    # 1/r is 3.525, and the mean over the square is 2.973
+    offset = size * np.abs(np.fft.fftfreq(2 * max(rows, columns), 0.5 / max(rows, columns)))
+    table = substrate.influence(np.hypot(np.hypot(offset[:, None], offset), size / 2.973))
+    # without the waves of negative influence, which a thin layer has on a grid wider than its thickness
+    table = irfft2(np.maximum(rfft2(table).real, 0.0), s=table.shape)
+    row, column = np.divmod(np.arange(rows * columns), columns)
+    influence = table[np.abs(row[:, None] - row), np.abs(column[:, None] - column)]
+    return hats, influence
 
-    def __init__(self, position: FloatArray, substrate: Radial) -> None:
-        count = len(position)
-        low = position.min(axis=0)
-        extent = np.maximum(position.max(axis=0) - low, 1e-12 * float(np.ptp(position)))
-        # a matrix of 100 nodes is factorised in a fraction of a millisecond, one of 1600 in a tenth of a
-        # second, which is short for 200 asperities per node; fewer than 16 per node save no products
-        nodes = max(1.0, min(100, count / 16), min(1600, count / 200))
-        size = max(math.sqrt(float(extent[0] * extent[1]) / nodes), float(extent.max()) / nodes)
-        place = (position - low)[:, ::-1] / size
-        cell = np.floor(place).astype(np.int64)
-        rows, columns = (int(most) + 2 for most in cell.max(axis=0))
-        y, x = (place - cell).T
-        corner = cell @ np.array([columns, 1])
-        nearest = corner[:, None] + np.array([0, 1, columns, columns + 1])
-        weight = np.column_stack([(1.0 - y) * (1.0 - x), (1.0 - y) * x, y * (1.0 - x), y * x])
-        starts = np.arange(0, 4 * count + 1, 4)
-        self.hats = csr_array((weight.ravel(), nearest.ravel(), starts), shape=(count, rows * columns))
-        self.sharing = self.hats.T.tocsr()
-        # influence [1/mm] of a cloud of the size of a cell: at the centre of a square of side 1, the mean of
-        # 1/r is 3.525, and the mean over the square is 2.973
-        offset = size * np.abs(np.fft.fftfreq(2 * max(rows, columns), 0.5 / max(rows, columns)))
-        table = substrate.influence(np.hypot(np.hypot(offset[:, None], offset), size / 2.973))
-        # without the waves of negative influence, which a thin layer has on a grid wider than its thickness
-        table = irfft2(np.maximum(rfft2(table).real, 0.0), s=table.shape)
-        row, column = np.divmod(np.arange(rows * columns), columns)
-        self.influence = table[np.abs(row[:, None] - row), np.abs(column[:, None] - column)]
 
-    def preconditioner(self, inverse: FloatArray) -> Callable[[FloatArray], FloatArray]:
-        """Return a function that approximates (1/D + E K E')^-1 v by Woodbury's formula.
+def coarse_model(position: FloatArray, substrate: Radial) -> Preconditioner:
+    """Return a function of D (n,) [mm] whose result approximates (1/D + G)^-1 v.
 
-        The function is ``v -> D v - D E Q E' D v`` with ``Q = (K^-1 + M)^-1``, where D is `inverse`, K is the
-        influence of the nodes on each other, E interpolates from the nodes, and M is E' D E with the sum of
-        each row on its diagonal. The function is positive definite for any D > 0, because ``(E' D v).Q E' D
-        v`` is at most ``(E' D v).M^-1 E' D v``, which is at most v.D v by the Cauchy-Schwarz inequality.
-        """
-        root = np.sqrt(self.sharing @ inverse)
-        inner = np.eye(len(root)) + root[:, None] * self.influence * root
+    The long waves of the influence G are those between the nodes of `coarse_grid`, which share the loads of
+    an asperity with the weights E of the interpolation. With the influence K of the nodes on each other,
+    Woodbury's formula for ``(1/D + E K E')^-1`` is ``v -> D v - D E Q E' D v`` with ``Q = (K^-1 + M)^-1``,
+    where M is E' D E with the sum of each row on its diagonal. It is positive definite for any D > 0, because
+    ``(E' D v).Q E' D v`` is at most ``(E' D v).M^-1 E' D v``, which is at most v.D v by the Cauchy-Schwarz
+    inequality.
+    """
+    hats, influence = coarse_grid(position, substrate)
+    sharing = hats.T.tocsr()
+
+    def preconditioner(inverse: FloatArray) -> Callable[[FloatArray], FloatArray]:
+        root = np.sqrt(sharing @ inverse)
+        inner = np.eye(len(root)) + root[:, None] * influence * root
         # called directly: the checks of `scipy.linalg.cho_solve` take longer than the solution
         factor, failed = dpotrf(inner, lower=1, overwrite_a=1)
         if failed:
             raise NotConverged("the coarse model of the contacts is not positive definite")
 
         def apply(vector: FloatArray) -> FloatArray:
-            phi = self.influence @ (self.sharing @ (inverse * vector))
-            phi -= self.influence @ (root * dpotrs(factor, root * phi, lower=1)[0])
-            return np.asarray(inverse * (vector - self.hats @ phi))
+            phi = influence @ (sharing @ (inverse * vector))
+            phi -= influence @ (root * dpotrs(factor, root * phi, lower=1)[0])
+            return np.asarray(inverse * (vector - hats @ phi))
 
         return apply
+
+    return preconditioner

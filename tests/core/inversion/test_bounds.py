@@ -41,12 +41,13 @@ def test_no_surface_leaves_the_bounds(law, seed, ratio):
     radius = RADIUS * ratio ** rng.uniform(0.0, 1.0, count).round(0)
     load = np.sort(rng.uniform(1e-4, 1.0, 12))
     model, bounds = mf.Independent(contact=law), bounds_of(law, count, load[-1], given)
-    _, carried, area, _ = model.curves(height, radius, load)
+    found = model.curve_of(height, radius, load)
+    carried, area = found.load, found.area
     low, high = bounds.friction(load)
-    assert (area[0] >= low * (1.0 - 1e-12)).all()
-    assert (area[0] <= high * (1.0 + 1e-12)).all()
-    assert (area[0] <= bounds.highest_after(load, area[0]) * (1.0 + 1e-9)).all()
-    exponents = np.diff(np.log(area[0])) / np.diff(np.log(carried[0]))
+    assert (area >= low * (1.0 - 1e-12)).all()
+    assert (area <= high * (1.0 + 1e-12)).all()
+    assert (area <= bounds.highest_after(load, area) * (1.0 + 1e-9)).all()
+    exponents = np.diff(np.log(area)) / np.diff(np.log(carried))
     assert exponents.min() >= bounds.least_exponent - 1e-9
 
 

@@ -141,10 +141,6 @@ def test_merged_contacts_are_within_the_tolerance(place, load, area):
 def test_the_reasons_are_said(monkeypatch):
     surface = mf.Surface([[0, 0], [0.3, 0]], [0.1, 0.1], 0.526, mf.Material(1.0))
     assert "contacts overlap" in said(mf.equilibrium(surface, mf.Automatic(1e-2), load=0.06))
-    surface = lattice(0.1 * np.ones(9)).replaced(block=mf.Block(20.0, 20.0, 7.2))
-    for model, aside in ((mf.Automatic(), True), (mf.Automatic(substrate=mf.BondedLayer()), False)):
-        law = mf.friction_law(surface, model, load=[0.1, 0.15])
-        assert ("block is not used" in said(law)) == aside
     monkeypatch.setattr(automatic_module, "DENSE_LIMIT", 1)
     state = mf.equilibrium(lattice(0.5 * np.ones(9)), mf.Automatic(1e-6), load=1.0)
     assert "resolved contacts are needed" in state.notes[0].text

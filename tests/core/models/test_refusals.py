@@ -8,9 +8,9 @@ import pytest
 import metafem as mf
 from metafem.caps.shapes import sphere_profile
 from metafem.models._resources import require_memory
-from metafem.models.boundary_elements.cells import Contacts
-from metafem.models.boundary_elements.solve import Scene
-from tests.models.scenes import HEIGHT, lattice, scene
+from metafem.models.boundary_elements.cells import Scene
+from metafem.models.boundary_elements.solve import require_extent
+from tests.models.scenes import lattice, scene
 from tests.refusals import faults
 from validation.scenes.periodic import THREE
 
@@ -41,18 +41,13 @@ def law(model, surface=SOME, **given):
     return partial(mf.friction_law, surface, model, **given)
 
 
-def curves(*given):
-    return partial(mf.Independent().curves, *given)
-
-
 def capped(cap):
     return partial(FLAT.replaced, cap=cap)
 
 
 def wide_contact():
     """A contact of cells that is wider than the profile."""
-    contacts = Contacts(np.ones(1), np.full(1, 1500.0), np.zeros(1, bool), np.zeros((0, 2), np.int64), 0)
-    Scene(FLAT, 0.01, mf.HalfSpace(), NARROW).require_extent(contacts)
+    require_extent(Scene(FLAT, 0.01, mf.HalfSpace(), NARROW), np.full(1, 1500.0))
 
 
 def scattered():
@@ -84,12 +79,6 @@ REFUSALS = [
     (state(load=1.0, surface=3), "surface", "3"),
     (partial(mf.equilibrium, SOME, "independent", load=1.0), "model", "independent"),
     (lambda: mf.Independent().curve(SOME), "load", "approach"),
-    (curves([], 0.5, [1.0]), "height", "empty"),
-    (curves([0.1], -0.5, [1.0]), "radius", "-0.5"),
-    (curves([0.1, 0.2], [0.5, 0.5, 0.5], [1.0]), "radius", "(3,)"),
-    (curves([0.1], 0.5, [-1.0]), "rescaled_load", "-1"),
-    (partial(mf.Interacting().curves, scene(), HEIGHT, [-1.0]), "rescaled_load", "-1"),
-    (partial(mf.Interacting().curves, scene(), [[0.1, 0.2]], [1.0]), "height", "2"),
     (law(mf.Interacting(1, contact=JKR), separation=[0.1]), "separation", "adhesive"),
     (law(mf.Interacting(1, contact=JKR), load=[0.0], unloading=True), "load", "0"),
     (law(mf.Interacting(1, contact=JKR), load=[-1.0, 1.0]), "load", "-1"),

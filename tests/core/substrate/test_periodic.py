@@ -45,7 +45,7 @@ def test_derivatives_are_those_of_the_value():
     for substrate in (mf.HalfSpace(), LAYERS[0]):
         _, slope_x, slope_y, laplacian = substrate.periodic(cell, x, y)
         east, west, north, south, here = (
-            substrate.periodic(cell, x + step * a, y + step * b).value
+            substrate.periodic(cell, x + step * a, y + step * b)[0]
             for a, b in ((1, 0), (-1, 0), (0, 1), (0, -1), (0, 0))
         )
         # the differences are of second order
@@ -77,7 +77,7 @@ def test_matrices_are_symmetric_with_regular_terms():
         assert (x == -x.T).all()
         assert (y == -y.T).all()
         own = substrate.periodic(cell, np.zeros(1), np.zeros(1))
-        assert np.diagonal(value) == pytest.approx(own.value[0], rel=ROUNDING)
+        assert np.diagonal(value) == pytest.approx(own[0][0], rel=ROUNDING)
         assert (substrate.influence_matrix(surface) == value).all()
 
 

@@ -7,7 +7,7 @@ import pytest
 
 import metafem as mf
 from metafem.caps.shapes import sphere_profile
-from metafem.models.boundary_elements.cells import Summits
+from metafem.models.boundary_elements.cells import Scene
 from tests.models.scenes import Read, lattice, scene, single_contact
 from validation.methods.bent import Bent
 
@@ -34,11 +34,11 @@ def test_areas_from_moments_hold_for_any_extra_curvature():
     for law in (*LAWS, Read(mf.Power(2.0))):
         bent = Bent(law, np.linspace(-0.1, 0.4, 6) * law.indentation(a, RADIUS) / a**2)
         load, moment = bent.load(a, RADIUS), bent.second_moment(a, RADIUS)
-        summits = Summits(surface, law, 0.01)
-        found = summits.areas(0.5 * moment / load / 1e-4, load / 1e-4, np.zeros(6))
+        resolved = Scene(surface, 0.01, mf.HalfSpace(), law)
+        found = resolved.areas(0.5 * moment / load / 1e-4, load / 1e-4, np.zeros(6))
         np.testing.assert_allclose(1e-4 * found, np.pi * a**2, rtol=1e-12)
-        assert (summits.areas(*np.zeros((3, 6))) == 0.0).all()
-        assert (summits.areas(np.zeros(6), np.ones(6), np.ones(6)) == 0.0).all()  # on one cell
+        assert (resolved.areas(*np.zeros((3, 6))) == 0.0).all()
+        assert (resolved.areas(np.zeros(6), np.ones(6), np.ones(6)) == 0.0).all()  # on one cell
 
 
 def test_coupled_contacts_are_those_of_order_3():

@@ -8,7 +8,7 @@ import pytest
 
 import metafem as mf
 from metafem.models.boundary_elements import influence
-from metafem.models.boundary_elements.cells import Patch, Summits, boxes
+from metafem.models.boundary_elements.cells import Scene, boxes
 from metafem.models.boundary_elements.influence import Influence
 
 
@@ -27,12 +27,12 @@ def soft(r):
 
 def patches_of(place, half_width):
     surface = mf.Surface(place, np.ones(len(place)), 100.0, mf.Material(1.0))
-    summits = Summits(surface, mf.Hertz(), 1.0)
-    return [summits.patch(*box) for box in zip(*boxes(summits.position, np.asarray(half_width)), strict=True)]
+    scene = Scene(surface, 1.0, mf.HalfSpace(), mf.Hertz())
+    return [scene.patch(*box) for box in zip(*boxes(scene.position, np.asarray(half_width)), strict=True)]
 
 
 def operator_of(patches, regular=none):
-    corner, shapes = np.array([p.corner for p in patches]), [p.gap.shape for p in patches]
+    corner, shapes = np.array([p[0] for p in patches]), [p[1].shape for p in patches]
     return Influence(corner, shapes, lambda r: point(r) + regular(r), regular)
 
 
@@ -59,7 +59,7 @@ def test_influence_of_a_cell_is_loves():
 def dense(patches, regular):
     """All pairs of cells, one by one."""
     cells = np.concatenate(
-        [(p.corner + np.stack(np.indices(p.gap.shape), axis=-1)).reshape(-1, 2) for p in patches]
+        [(corner + np.stack(np.indices(gap.shape), axis=-1)).reshape(-1, 2) for corner, gap, _ in patches]
     )
     table = influence.love_table(*(np.ptp(cells, axis=0) + 1).tolist())
     i, j = np.abs(cells[:, None, :] - cells[None, :, :]).transpose(2, 0, 1)
@@ -111,6 +111,5 @@ def test_preconditioner_is_positive_and_near_the_inverse():
 def test_close_boxes_become_one_patch_that_knows_its_owners():
     patches = patches_of([[0.0, 0.0], [12.0, 0.0], [90.0, 0.0]], [5.0, 5.0, 5.0])
     assert len(patches) == 2
-    together = max(patches, key=lambda p: p.gap.size)
-    assert isinstance(together, Patch)
-    assert set(np.unique(together.owner)) == {0, 1}
+    _, _, owner = max(patches, key=lambda patch: patch[1].size)
+    assert set(np.unique(owner)) == {0, 1}

@@ -8,7 +8,7 @@ import metafem as mf
 from metafem.models.interacting import elastic as interacting
 from metafem.models.interacting import newton_krylov
 from metafem.models.interacting.scattered import ScatteredSums
-from metafem.models.interacting.sums import Coarse, Sums, find_lattice
+from metafem.models.interacting.sums import Sums, coarse_grid, coarse_model, find_lattice
 from tests.models.scenes import PEDESTAL, lattice, scene
 
 SUBSTRATES = [mf.HalfSpace(), mf.BondedLayer(7.2, 0.5)]
@@ -16,10 +16,6 @@ SUBSTRATES = [mf.HalfSpace(), mf.BondedLayer(7.2, 0.5)]
 
 def rough(count, seed=0):
     return 0.12 - np.minimum(np.random.default_rng(seed).exponential(0.035, count), 0.12)
-
-
-def turned(position, angle=0.3):
-    return position @ np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]]) + 7.0
 
 
 @pytest.fixture
@@ -53,7 +49,7 @@ def test_lattice_products_are_exact():
     for substrate in SUBSTRATES:
         surface = lattice(rough(49))
         keep = np.random.default_rng(1).permutation(49)[:40]  # missing sites, any order
-        surface = scene(turned(surface.position[keep]), surface.height[keep], 0.526)
+        surface = scene(surface.position[keep], surface.height[keep], 0.526)
         assert max(products(surface, substrate, Sums(find_lattice(surface.position), substrate))) < 1e-13
 
 
@@ -101,13 +97,13 @@ def test_a_site_far_away_does_not_make_all_pairs_near():
     assert sums.error(load) < 1e-10 * np.abs(sums.displacement(load)).max()
 
 
-def test_lattices_are_found_in_any_direction():
+def test_lattices_are_found_far_from_the_origin():
     for shape in ((1, 9), (7, 1), (5, 8)):
         surface = mf.Surface.square_lattice(0.1, shape, 0.7, radius=0.1, material=mf.Material(1))
-        for position in (surface.position, turned(surface.position), surface.position + 1e5):
-            found = find_lattice(position)
-            assert sorted(found.shape) == sorted(shape)
-            assert found.pitch == pytest.approx(0.7, rel=1e-9)
+        for position in (surface.position, surface.position + 1e5):
+            _, found, pitch = find_lattice(position)
+            assert sorted(found) == sorted(shape)
+            assert pitch == pytest.approx(0.7, rel=1e-9)
 
 
 def test_scattered_places_are_no_lattice():
@@ -121,8 +117,8 @@ def test_scattered_places_are_no_lattice():
 
 def test_a_lattice_with_few_of_its_sites_is_found():
     rng = np.random.default_rng(0)
-    position = turned(lattice(rough(2500)).position)[rng.permutation(2500)[:300]]
-    assert find_lattice(position).pitch == pytest.approx(1.5, rel=1e-9)
+    position = lattice(rough(2500)).position[rng.permutation(2500)[:300]]
+    assert find_lattice(position)[2] == pytest.approx(1.5, rel=1e-9)
 
 
 QUARTIC = mf.Interacting(3, contact=mf.Elastic(mf.Power(4)))
@@ -178,13 +174,13 @@ def test_coarse_preconditioner_is_symmetric_and_positive_definite(substrate):
     surface = lattice(rough(2500))
     rng = np.random.default_rng(0)
     inverse = np.where(rng.random(2500) < 0.7, rng.uniform(0.1, 50.0, 2500), 0.0)
-    coarse = Coarse(surface.position, substrate)
-    assert np.linalg.eigvalsh(coarse.influence).min() > -1e-15
-    precondition, some = coarse.preconditioner(inverse), rng.standard_normal((100, 2500))
+    hats, influence = coarse_grid(surface.position, substrate)
+    assert np.linalg.eigvalsh(influence).min() > -1e-15
+    precondition, some = coarse_model(surface.position, substrate)(inverse), rng.standard_normal((100, 2500))
     images = np.array([precondition(one) for one in some])
     assert_allclose(images @ some.T, some @ images.T, rtol=0.0, atol=1e-9)
     # also for the smooth vectors whose loads the nodes carry
-    smooth = np.array([np.where(inverse > 0.0, hat, 0.0) for hat in coarse.hats.toarray().T])
+    smooth = np.array([np.where(inverse > 0.0, hat, 0.0) for hat in hats.toarray().T])
     for vector in (*some, *smooth[smooth.any(axis=1)]):
         assert vector @ precondition(vector) > 0.0
     assert not images[:, inverse == 0.0].any()

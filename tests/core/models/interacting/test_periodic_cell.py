@@ -89,7 +89,7 @@ def test_sums_by_fft_equal_the_matrices():
     for substrate in (mf.HalfSpace(), mf.BondedLayer(7.2, 0.5)):
         surface = grid(5, 7)
         sums = Sums(find_grid(surface.position, surface.cell), substrate, cell=surface.cell)
-        assert sums.lattice.shape == (5, 7)
+        assert sums.shape == (5, 7)
         value, x, y, laplacian = substrate.influence_terms(surface)
         rng = np.random.default_rng(5)
         load, size, along_x, along_y = rng.random((4, surface.count))
