@@ -57,8 +57,8 @@ class Sections(Section):
     model: sections.ModelSection = key(
         "model under which the target is to be met", default=sections.ModelSection()
     )
-    cap: sections.ShapeSection | None = optional("shape of the caps, of one of these kinds; default: spheres")
-    contact: sections.ContactSection = key(
+    cap: sections.AnyCap | None = optional("shape of the caps, of one of these kinds; default: spheres")
+    contact: sections.AnyContact = key(
         "law of one contact, of one of these kinds; default: hertz", default=sections.HERTZ
     )
     part: sections.PartSection = key("options of the part files", default=sections.PartSection())

@@ -20,9 +20,9 @@ from metafem.errors import InvalidInput, refuse_if
 from metafem.files.disk import RESERVED, SPECIFICATION, TABLE, decoded, file_label, read_bytes
 from metafem.files.laws import Keys, columns_of
 from metafem.files.part import PartOptions, planned
-from metafem.files.specification import model_named, suggestion
+from metafem.files.specification import model_named
 from metafem.files.specification.forms import Sections, as_given, problem, section_forms
-from metafem.files.specification.sections import ContactSection
+from metafem.files.specification.sections import AnyContact
 from metafem.files.tables import table_of
 from metafem.files.units import as_written
 from metafem.inversion import Target
@@ -350,35 +350,25 @@ def chosen_model(model: Model, name: str | None, contact: str | None, block: mf.
 
 
 def contact_named(text: str) -> Contact:
-    """Return the contact law of ``--contact``: its kind, then a value, and the cap under adhesion.
+    """Return the contact law of ``--contact``: its kind, and the value of its first key.
 
     Examples
     --------
-    >>> contact_named("jkr 9 mJ/m^2 elastic")
-    JKR(adhesion_energy=9e-06, cap=Elastic())
+    >>> contact_named("jkr 9 mJ/m^2")
+    JKR(adhesion_energy=9e-06, cap=Hertz())
     """
-    section = section_named(text.split())
+    kind, _, value = text.strip().partition(" ")
+    keys = section_forms()["contact"]["keys"].get(kind, ())
+    name = next((key["name"] for key in keys if not key["listed"]), value)
+    given = {"kind": kind, **({name: value} if value else {})}
+    contact: Contact = section_value("contact", AnyContact, given)
+    return contact
+
+
+def section_value(name: str, kind: Any, given: Mapping[str, Any]) -> Any:
+    """Return the value of a section of a specification, which is given by itself."""
     try:
-        laws: TypeAdapter[Any] = TypeAdapter(ContactSection)
-        law: Contact = laws.validate_python(section, context=_reader(Path(), {})).value()
-        return law
+        return TypeAdapter(kind).validate_python(given, context=_reader(Path(), {})).value()
     except ValidationError as error:
         detail = error.errors(include_url=False)[0]
-    found = problem({**detail, "loc": ("contact", *detail["loc"])}, {"contact": section})
-    raise InvalidInput(f'contact law "{printable(text, 60)}": {found}')
-
-
-def section_named(words: list[str]) -> dict[str, Any]:
-    """Return the section ``[contact]`` that the words of ``--contact`` describe."""
-    kind, *rest = words or [""]
-    kinds: dict[str, list[Any]] = section_forms()["contact"]["keys"]
-    unknown = f'contact law "{printable(kind, 60)}" is unknown{suggestion(kind, kinds)}'
-    refuse_if(kind not in kinds, unknown)
-    section: dict[str, Any] = {"kind": kind}
-    names = [key["name"] for key in kinds[kind] if not key["listed"]]
-    if "cap" in names and rest[-1:] and rest[-1] in kinds:
-        section["cap"] = {"kind": rest.pop()}
-    if rest:
-        refuse_if(not names, f'contact law "{kind}" has no value such as {printable(" ".join(rest), 60)}')
-        section[names[0]] = " ".join(rest)
-    return section
+    raise problem({**detail, "loc": (name, *detail["loc"])}, {name: given})

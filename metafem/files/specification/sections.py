@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable
-from typing import Annotated, Any, ClassVar, Literal, Self, cast
+from typing import Annotated, Any, ClassVar, Literal, Self, Union
 
 import numpy as np
 from pydantic import (
@@ -15,6 +15,7 @@ from pydantic import (
     GetJsonSchemaHandler,
     ValidationInfo,
     WithJsonSchema,
+    create_model,
 )
 from pydantic import model_validator as validator
 
@@ -43,12 +44,25 @@ Choices = tuple[tuple[str, ...], ...]
 class Section(BaseModel):
     """A section, which refuses unknown keys; `makes` is called with its keys to build its value.
 
-    Exactly one of the sets of keys in `choices` must be present.
+    Exactly one of the sets of keys in `choices` must be present. The columns of the table that a key `file`
+    names replace this key before the section is read.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
     choices: ClassVar[Choices] = ()
     makes: ClassVar[Callable[..., Any] | None] = None
+
+    @validator(mode="before")
+    @classmethod
+    def _with_columns(cls, given: Any, info: ValidationInfo) -> Any:
+        """Return the section with the columns, which the function in the context of pydantic reads."""
+        named = "file" in cls.model_fields and isinstance(given, dict) and isinstance(given.get("file"), str)
+        if not named or info.context is None:
+            return given
+        columns = info.context(given["file"], given["kind"])
+        twice = ", ".join(sorted(given.keys() & columns.keys()))
+        refuse_if(twice, f"and {twice} both give the points; keep one", key="file")
+        return {**given, "file": None, **{name: list(column) for name, column in columns.items()}}
 
     @validator(mode="after")
     def _valid(self) -> Self:
@@ -73,21 +87,6 @@ class Section(BaseModel):
         """Return the JSON schema, to which the alternative sets are added for `section_forms`."""
         found = handler.resolve_ref_schema(handler(core))
         return {**found, "x-choices": [list(choice) for choice in cls.choices]}
-
-
-class FromTable(Section):
-    """A section that may name a table by the key `file`; its columns replace the key before it is read."""
-
-    @validator(mode="before")
-    @classmethod
-    def _with_columns(cls, given: Any, info: ValidationInfo) -> Any:
-        """Return the section with the columns, which the function in the context of pydantic reads."""
-        if not isinstance(given, dict) or not isinstance(given.get("file"), str) or info.context is None:
-            return given
-        columns = info.context(given["file"], given["kind"])
-        twice = ", ".join(sorted(given.keys() & columns.keys()))
-        refuse_if(twice, f"and {twice} both give the points; keep one", key="file")
-        return {**given, "file": None, **{name: list(column) for name, column in columns.items()}}
 
 
 def key(meaning: str, example: Any = None, *, default: Any = ..., **bounds: Any) -> Any:
@@ -275,98 +274,68 @@ class ChecksSection(Section):
 RHO, DEPTHS = ["0 um", "200 um", "400 um", "600 um"], ["0 um", "39 um", "184 um", "600 um"]
 
 
-class SphereCap(Section):
-    """Spheres."""
-
-    makes = mf.Sphere
-    kind: Literal["sphere"]
-
-
-class ParaboloidCap(Section):
-    """Paraboloids."""
-
-    makes = mf.Paraboloid
-    kind: Literal["paraboloid"]
+def kind(name: str, makes: Callable[..., Any], choices: Choices = (), **keys: tuple[Any, Any]) -> Any:
+    """Return the section of one kind, from the types and fields of its keys; `makes` describes it."""
+    words = (makes.__doc__ or "").splitlines()[0].replace("`", "")
+    fields: Any = {"kind": (Literal[name], ...), **keys}
+    found = create_model(makes.__name__, __base__=Section, __doc__=words, **fields)
+    found.makes, found.choices = makes, choices
+    return found
 
 
-class PowerLawCap(Section):
-    """Caps with the profile f = coefficient R (rho/R)^exponent."""
-
-    makes = mf.Power
-    kind: Literal["power"]
-    exponent: Number = key("2 is a paraboloid", 4.0, gt=1.0, le=32.0)
-    coefficient: Number = key("of the profile", 0.5, default=0.5, gt=0.0)
+def one_of(*kinds: Any) -> Any:
+    """Return the type of a section of one of these kinds."""
+    return Annotated[Union[kinds], Field(discriminator="kind")]  # noqa: UP007
 
 
-class ProfileCap(FromTable):
+def profile(rho: Any, f: Any) -> mf.Profile:
     """Caps with one profile f(rho) from a table."""
-
-    makes = staticmethod(lambda rho, f: mf.Profile(cast(Any, [rho, f])))
-    kind: Literal["profile"]
-    choices = (("rho", "f"), ("file",))
-    rho: list[Length] | None = optional("either: distances from the axis, from 0", RHO)
-    f: list[Length] | None = optional("with it: depths below the summit, from 0", DEPTHS)
-    file: str | None = optional("or: a table with columns such as rho_mm,f_um", "cap.csv")
+    return mf.Profile([rho, f])
 
 
-class HertzSection(Section):
-    """Elastic paraboloids with the curvature of each summit."""
+RHO, DEPTHS = ["0 um", "200 um", "400 um", "600 um"], ["0 um", "39 um", "184 um", "600 um"]
+INDENTATIONS, FORCES = ["5 um", "20 um", "90 um"], ["0.46 mN", "3.7 mN", "35 mN"]
+AREAS = ["0.0083 mm^2", "0.033 mm^2", "0.15 mm^2"]
 
-    makes = mf.Hertz
-    kind: Literal["hertz"]
+AnyCap = one_of(
+    kind("sphere", mf.Sphere),
+    kind("paraboloid", mf.Paraboloid),
+    kind(
+        "power",
+        mf.Power,
+        exponent=(Number, key("n; 2 is a paraboloid", 4.0, gt=1.0, le=32.0)),
+        coefficient=(Number, key("c", 0.5, default=0.5, gt=0.0)),
+    ),
+    kind(
+        "profile",
+        profile,
+        (("rho", "f"), ("file",)),
+        rho=(list[Length] | None, optional("either: distances from the axis, from 0", RHO)),
+        f=(list[Length] | None, optional("with it: depths below the summit, from 0", DEPTHS)),
+        file=(str | None, optional("or: a table with columns such as rho_mm,f_um", "cap.csv")),
+    ),
+)
 
-
-class ElasticSection(Section):
-    """Elastic caps of the shape in the section [cap]."""
-
-    makes = mf.Elastic
-    kind: Literal["elastic"]
-
-
-CapSection = HertzSection | ElasticSection
-Under = Annotated[CapSection, Field(discriminator="kind")]
-HERTZ = HertzSection(kind="hertz")
-
-
-class JKRSection(Section):
-    """Elastic caps with adhesion, from the theory of Johnson, Kendall and Roberts."""
-
-    makes = mf.JKR
-    kind: Literal["jkr"]
-    adhesion_energy: Energy = key("w", "9 mJ/m^2")
-    cap: Under = key("one of the kinds above", {"kind": "elastic"}, default=HERTZ)
-
-
-class KogutEtsionSection(Section):
-    """Elastic-plastic spheres, from the formulas of Kogut and Etsion."""
-
-    makes = mf.KogutEtsion
-    kind: Literal["kogut-etsion"]
-    hardness: Stress = key("H of the softer material", "10 MPa")
-
-
-class JacksonGreenSection(Section):
-    """Elastic-plastic spheres, from the formulas of Jackson and Green."""
-
-    makes = mf.JacksonGreen
-    kind: Literal["jackson-green"]
-    yield_strength: Stress = key("of the softer material", "4 MPa")
-
-
-class TabulatedSection(FromTable):
-    """Load and area of one asperity of any radius, from a table over its indentation."""
-
-    makes = mf.TabulatedContact
-    kind: Literal["tabulated"]
-    choices = (("indentation", "load", "area"), ("file",))
-    indentation: list[Length] | None = optional("either: d, increasing", ["5 um", "20 um", "90 um"])
-    load: list[Force] | None = optional("with it: P at these", ["0.46 mN", "3.7 mN", "35 mN"])
-    area: list[Area] | None = optional("with it: A at these", ["0.0083 mm^2", "0.033 mm^2", "0.15 mm^2"])
-    file: str | None = optional("or: a table such as indentation_um,load_mN,area_mm2", "contact.csv")
-
-
-ShapeSection = Annotated[SphereCap | ParaboloidCap | PowerLawCap | ProfileCap, Field(discriminator="kind")]
-ContactSection = Annotated[
-    CapSection | JKRSection | KogutEtsionSection | JacksonGreenSection | TabulatedSection,
-    Field(discriminator="kind"),
-]
+Hertz, Elastic = kind("hertz", mf.Hertz), kind("elastic", mf.Elastic)
+HERTZ, ELASTIC = Hertz(kind="hertz"), {"kind": "elastic"}
+AnyContact = one_of(
+    Hertz,
+    Elastic,
+    kind(
+        "jkr",
+        mf.JKR,
+        adhesion_energy=(Energy, key("w", "9 mJ/m^2")),
+        cap=(one_of(Hertz, Elastic), key("one of the kinds above", ELASTIC, default=HERTZ)),
+    ),
+    kind("kogut-etsion", mf.KogutEtsion, hardness=(Stress, key("H of the softer material", "10 MPa"))),
+    kind("jackson-green", mf.JacksonGreen, yield_strength=(Stress, key("of the softer material", "4 MPa"))),
+    kind(
+        "tabulated",
+        mf.TabulatedContact,
+        (("indentation", "load", "area"), ("file",)),
+        indentation=(list[Length] | None, optional("either: d, increasing", INDENTATIONS)),
+        load=(list[Force] | None, optional("with it: P at these", FORCES)),
+        area=(list[Area] | None, optional("with it: A at these", AREAS)),
+        file=(str | None, optional("or: a table such as indentation_um,load_mN,area_mm2", "contact.csv")),
+    ),
+)

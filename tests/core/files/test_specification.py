@@ -152,8 +152,8 @@ LAWS = {
     "hertz": ("", mf.Hertz()),
     "elastic": ("", mf.Elastic()),
     "jkr 9 mJ/m^2": ('adhesion_energy = "9 mJ/m^2"', mf.JKR(9e-6)),
-    "jkr 27mJ/m^2 elastic": (
-        'adhesion_energy = "0.027 N/m"\ncap = {kind = "elastic"}', mf.JKR(2.7e-5, mf.Elastic())
+    "jkr 27mJ/m^2": (
+        'adhesion_energy = "0.027 N/m"', mf.JKR(2.7e-5)
     ),
     "kogut-etsion 10 MPa": ('hardness = "10 MPa"', mf.KogutEtsion(10.0)),
     "jackson-green 4000kPa": ('yield_strength = "4 MPa"', mf.JacksonGreen(4.0)),
