@@ -10,10 +10,9 @@ from typing import TYPE_CHECKING, Any
 import click
 
 import metafem as mf
-from metafem.cli.group import NOT_ACHIEVED
+from metafem.cli import NOT_ACHIEVED
 from metafem.cli.options import Name, command, file_option, force_option, json_option, model_options
-from metafem.cli.output import notes_data, show
-from metafem.cli.progress import loaded, progress
+from metafem.cli.output import notes_data, progress, show
 from metafem.errors import Infeasible, refuse_if
 from metafem.files.specification import DEMOS
 from metafem.progress import doing
@@ -168,7 +167,7 @@ def report(folder: Path, as_json: bool) -> None:
     path = folder / "report.html"
     with progress():
         studies = mf.files.stored_studies(folder)
-        text = mf.report.page(loaded(folder), mf.files.stored_hardness(folder), studies=studies)
+        text = mf.report.page(mf.load(folder), mf.files.stored_hardness(folder), studies=studies)
         mf.files.write_text(path, text, force=True)
     show(as_json, {"report": str(path)}, files=[path])
 

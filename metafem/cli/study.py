@@ -9,11 +9,9 @@ from typing import TYPE_CHECKING, Any
 import click
 
 import metafem as mf
-from metafem.cli.group import TEXTS
 from metafem.cli.options import Decorator, Name, Quantity, command, force_option, json_option, model_options
-from metafem.cli.output import show
-from metafem.cli.progress import loaded, progress
-from metafem.errors import refuse_if
+from metafem.cli.output import progress, show
+from metafem.errors import InvalidInput, refuse_if
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -45,23 +43,14 @@ FITTED = "Loads between which the slope is fitted, P/E* or P, such as 0.05mm^2 0
 DEVIATION = f"Standard deviation of an input; repeat it for several. The inputs are {', '.join(INPUTS)}."
 CALIBRATED = "Errors and correlations of a metafem calibrate -o FILE.toml; --sd adds other inputs."
 
-# Options of the studies, each with its type, help text and settings; each study lists those that it has.
-OPTIONS: dict[str, Decorator] = {
-    "height_sd": _option("--height-sd", LENGTHS, "SD of the heights, such as 0.9um,3um.", default=LEVELS),
-    "tilt": _option("--angle", ANGLE, "Largest tilt about either axis.", default="0"),
-    "radius_sd": _option("--radius-sd", LENGTH, "SD of the radii.", default="0"),
-    "position_sd": _option("--position-sd", LENGTH, "SD of x and y of sites.", default="0"),
-    "misfit": _option("--misfit", bool, "Compare each law with the target; takes longer.", is_flag=True),
-    "angle": _option("--angle", ANGLE, "Largest angle, reached in 1,000 steps.", default="0.1deg"),
-    "shuffles": _option("--shuffles", FROM_0, "Number of random placements to compare with.", default=20),
-    "placements": _option("--placements", FROM_1, "Number of random placements.", default=1000),
-    "sd": _option("--sd", str, DEVIATION, multiple=True, metavar="INPUT=QUANTITY"),
-    "calibration": _option("--calibration", Name(), CALIBRATED, metavar="FILE.toml"),
-    "load_range": _option("--load-range", Quantity("load"), FITTED, nargs=2, metavar="FROM TO"),
-    "draws": _option("--draws", FROM_2, "Number of draws.", default=10_000),
-    "seed": _option("--seed rng", FROM_0, "Seed of the random numbers.", default=0),
-    "workers": _option("--workers", FROM_1, "Number of processes; no number depends on it.", default=1),
-}
+# Options of several studies: the law, the draws, the seed, and the processes.
+LAW = (
+    *model_options("that of the folder"),
+    _option("--load-range", str, FITTED, nargs=2, metavar="FROM TO"),
+)
+DRAWS = _option("--draws", FROM_2, "Number of draws.", default=10_000)
+SEED = _option("--seed rng", FROM_0, "Seed of the random numbers.", default=0)
+WORKERS = _option("--workers", FROM_1, "Number of processes; no number depends on it.", default=1)
 
 
 @click.group(short_help="Study the design of a result folder.")
@@ -73,15 +62,11 @@ def study() -> None:
     """
 
 
-def of_design(*names: str, short_help: str) -> Callable[[Callable[..., Dataset]], None]:
+def of_design(*options: Decorator, short_help: str) -> Callable[[Callable[..., Dataset]], None]:
     """Return the decorator that adds the command of a study, from the function that computes its dataset.
 
-    The function has a design and the options; `names` lists those in `OPTIONS`. The options of a law are
-    --model, --contact and --load-range.
+    The function has a design and the options; those of `LAW` become its model and rescaled loads.
     """
-    options = [OPTIONS[name] for name in names]
-    if "load_range" in names:
-        options[:0] = model_options("that of the folder")
 
     def add(compute: Callable[..., Dataset]) -> None:
         name = compute.__name__
@@ -91,7 +76,7 @@ def of_design(*names: str, short_help: str) -> Callable[[Callable[..., Dataset]]
 
             path = mf.files.study_path(folder, name, force)
             with progress(), parallel_config(n_jobs=workers):
-                design = loaded(folder)
+                design = mf.load(folder)
                 dataset = compute(design, **(_of_law(design, **given) if "load_range" in given else given))
                 mf.files.write_study(dataset, path, force=force)
             show_study(as_json, (dataset, path))
@@ -130,7 +115,12 @@ def show_study(as_json: bool, *studies: tuple[Dataset, Path]) -> None:
 
 
 @of_design(
-    *("height_sd", "tilt", "radius_sd", "position_sd", "misfit", "load_range", "draws", "seed", "workers"),
+    _option("--height-sd", LENGTHS, "SD of the heights, such as 0.9um,3um.", default=LEVELS),
+    _option("--angle", ANGLE, "Largest tilt about either axis.", default="0"),
+    _option("--radius-sd", LENGTH, "SD of the radii.", default="0"),
+    _option("--position-sd", LENGTH, "SD of x and y of sites.", default="0"),
+    _option("--misfit", bool, "Compare each law with the target; takes longer.", is_flag=True),
+    *(*LAW, DRAWS, SEED, WORKERS),
     short_help="How accurate the heights must be.",
 )
 def manufacturing(design: Design, height_sd: list[float], misfit: bool, **options: Any) -> Dataset:
@@ -148,7 +138,12 @@ def manufacturing(design: Design, height_sd: list[float], misfit: bool, **option
     return mf.studies.manufacturing(part, height_sd, others=others, **options)
 
 
-@of_design("angle", "shuffles", "load_range", "seed", "workers", short_help="How level the plane must be.")
+@of_design(
+    _option("--angle", ANGLE, "Largest angle, reached in 1,000 steps.", default="0.1deg"),
+    _option("--shuffles", FROM_0, "Number of random placements to compare with.", default=20),
+    *(*LAW, SEED, WORKERS),
+    short_help="How level the plane must be.",
+)
 def misalignment(design: Design, **options: Any) -> Dataset:
     """Study the law of a surface that is tilted relative to the plane.
 
@@ -162,7 +157,9 @@ def misalignment(design: Design, **options: Any) -> Dataset:
 
 
 @of_design(
-    *("sd", "calibration", "load_range", "draws", "seed"),
+    _option("--sd", str, DEVIATION, multiple=True, metavar="INPUT=QUANTITY"),
+    _option("--calibration", Name(), CALIBRATED, metavar="FILE.toml"),
+    *(*LAW, DRAWS, SEED),
     short_help="Error bars of the law, and which input matters most.",
 )
 def uncertainty(design: Design, sd: tuple[str, ...], calibration: Path | None, **options: Any) -> Dataset:
@@ -178,10 +175,17 @@ def uncertainty(design: Design, sd: tuple[str, ...], calibration: Path | None, *
         deviations = with_calibration(calibration, deviations, design.surface)
     example = "--sd radius=2um, or --calibration calibration.toml"
     refuse_if(not deviations, f"no error is given by --sd; write for example {example}")
-    return mf.studies.uncertainty(design.surface, deviations, **options)
+    try:
+        return mf.studies.uncertainty(design.surface, deviations, **options)
+    except InvalidInput as error:
+        raise error.at(error.key.replace("parameters.", "--sd ")) from None
 
 
-@of_design("placements", "seed", short_help="Elastic interaction, and assignments of heights to sites.")
+@of_design(
+    _option("--placements", FROM_1, "Number of random placements.", default=1000),
+    SEED,
+    short_help="Elastic interaction, and assignments of heights to sites.",
+)
 def interaction(design: Design, **options: Any) -> Dataset:
     """Compare the law of interacting asperities with the law of independent asperities.
 
@@ -207,7 +211,6 @@ def fidelity(design: Design) -> Dataset:
 def given_deviations(given: tuple[str, ...]) -> dict[str, float]:
     """Return the standard deviations that --sd states, by the name of the input."""
     found: dict[str, float] = {}
-    texts = click.get_current_context().meta.setdefault(TEXTS, {})
     for text in given:
         name, _, value = text.partition("=")
         name = name.strip().replace("-", "_")
@@ -215,7 +218,6 @@ def given_deviations(given: tuple[str, ...]) -> dict[str, float]:
         refuse_if(name not in INPUTS, f'--sd "{text:.60}" {must}')
         refuse_if(name in found, f"--sd {name} is given twice")
         found[name] = mf.files.quantity(f"--sd {name}", value, *INPUTS[name])
-        texts[f"parameters.{name}"] = f"--sd {name}", [value]
     return found
 
 

@@ -144,6 +144,7 @@ def result_tables(design: Design, part: PartOptions) -> dict[str, str]:
     }
 
 
+@doing("reading the design")
 def load(folder: str | Path) -> Design:
     """Return the design in a result folder; it equals the saved design bit for bit.
 

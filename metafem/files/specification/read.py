@@ -22,7 +22,7 @@ from metafem.files.laws import Keys, columns_of
 from metafem.files.part import PartOptions, planned
 from metafem.files.specification import model_named
 from metafem.files.specification.forms import Sections, as_given, problem, section_forms
-from metafem.files.specification.sections import AnyContact
+from metafem.files.specification.sections import AnyContact, BlockSection, FrictionSection, MaterialSection
 from metafem.files.tables import table_of
 from metafem.files.units import as_written
 from metafem.inversion import Target
@@ -40,6 +40,11 @@ REMEDY = 'a value with a unit stands in quotes, such as "1.5 mm", and decimals h
 
 # Separators in the path of a file on any operating system.
 SEPARATORS = re.compile(r"[/\\:]")
+
+# Sections that are also given by options of the command.
+ALONE = {
+    "contact": AnyContact, "material": MaterialSection, "friction": FrictionSection, "block": BlockSection,
+}  # fmt: skip
 
 # Where the tables that a specification names are: their contents by name, or a folder.
 Source = Mapping[str, bytes] | Path
@@ -361,14 +366,14 @@ def contact_named(text: str) -> Contact:
     keys = section_forms()["contact"]["keys"].get(kind, ())
     name = next((key["name"] for key in keys if not key["listed"]), value)
     given = {"kind": kind, **({name: value} if value else {})}
-    contact: Contact = section_value("contact", AnyContact, given)
+    contact: Contact = section_value("contact", given)
     return contact
 
 
-def section_value(name: str, kind: Any, given: Mapping[str, Any]) -> Any:
-    """Return the value of a section of a specification, which is given by itself."""
+def section_value(name: str, given: Mapping[str, Any]) -> Any:
+    """Return the value of a section of `ALONE`, whose keys are given without a specification."""
     try:
-        return TypeAdapter(kind).validate_python(given, context=_reader(Path(), {})).value()
+        return TypeAdapter(ALONE[name]).validate_python(given, context=_reader(Path(), {})).value()
     except ValidationError as error:
         detail = error.errors(include_url=False)[0]
     raise problem({**detail, "loc": (name, *detail["loc"])}, {name: given})

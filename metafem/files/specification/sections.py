@@ -288,16 +288,16 @@ def one_of(*kinds: Any) -> Any:
     return Annotated[Union[kinds], Field(discriminator="kind")]  # noqa: UP007
 
 
-def profile(rho: Any, f: Any) -> mf.Profile:
+def profile(**columns: Any) -> mf.Profile:
     """Caps with one profile f(rho) from a table."""
-    return mf.Profile([rho, f])
+    return mf.Profile(np.array([*columns.values()]))
 
 
 RHO, DEPTHS = ["0 um", "200 um", "400 um", "600 um"], ["0 um", "39 um", "184 um", "600 um"]
 INDENTATIONS, FORCES = ["5 um", "20 um", "90 um"], ["0.46 mN", "3.7 mN", "35 mN"]
 AREAS = ["0.0083 mm^2", "0.033 mm^2", "0.15 mm^2"]
 
-AnyCap = one_of(
+AnyCap: Any = one_of(
     kind("sphere", mf.Sphere),
     kind("paraboloid", mf.Paraboloid),
     kind(
@@ -318,7 +318,7 @@ AnyCap = one_of(
 
 Hertz, Elastic = kind("hertz", mf.Hertz), kind("elastic", mf.Elastic)
 HERTZ, ELASTIC = Hertz(kind="hertz"), {"kind": "elastic"}
-AnyContact = one_of(
+AnyContact: Any = one_of(
     Hertz,
     Elastic,
     kind(

@@ -30,9 +30,9 @@ RADIUS = ("--contacts", "5", "--radius", "526 um")
 # A call, the key and the value.
 REFUSALS = [
     (("predict", "none.csv"), "none.csv", "no such file"),
-    (("predict", "h.csv"), "--composite-modulus", "--young-modulus"),
-    ((*TABLE, "--young-modulus", "1 MPa"), "--composite-modulus", "--young-modulus"),
-    ((*TABLE, "--area-ratio", "0.85"), "--area-ratio", "--shear-strength"),
+    (("predict", "h.csv"), "composite_modulus", "young_modulus"),
+    ((*TABLE, "--young-modulus", "1 MPa"), "composite_modulus", "young_modulus"),
+    ((*TABLE, "--area-ratio", "0.85"), "--shear-strength", "is missing"),
     (("predict", "linear", "--poisson-ratio", "0.3"), "--poisson-ratio", "tables"),
     (("predict", "empty.csv", *TABLE[2:]), "empty.csv", "empty"),
     (("predict", "linear.toml"), "linear.toml", "specification"),
@@ -55,7 +55,7 @@ REFUSALS = [
     ((*STUDY, "wear=2um"), "--sd", "wear=2um"),
     ((*STUDY, "radius=2MPa"), "--sd radius", "2MPa"),
     ((*STUDY, "radius=2um", "--sd", "radius=3um"), "--sd radius", "twice"),
-    ((*STUDY, "composite_modulus=1MPa"), "--sd composite_modulus", "1MPa"),
+    ((*STUDY, "composite_modulus=1MPa"), "--sd composite_modulus", "1"),
     ((*STUDY, "area_ratio=1%"), "area_ratio", "1%"),
     (("study", "uncertainty", "linear", "--calibration", "measured.csv"), "measured.csv", "calibration"),
     ((*COMPARE, "--composite-modulus", "1.4"), "--composite-modulus", "1.4"),

@@ -199,7 +199,7 @@ BORDERS = {
     ],
     "names": [
         (of_value(files.contact_named, "jkrr 4"), "jkrr", "jkr?"),
-        (of_value(files.contact_named, "hertz 3"), "hertz", "3"),
+        (of_value(files.contact_named, "hertz 3"), "contact.3", "unknown"),
         (of_value(files.contact_named, "jkr -1 N/m"), "adhesion_energy", "-1"),
         (of_value(model_named, "layr"), "model", "layr"),
         (of_value(files.demo_text, "lineal"), "lineal", "linear"),
