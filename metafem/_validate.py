@@ -12,8 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from metafem._given import shown, unit_of, with_unit
-from metafem.errors import InvalidInput, refuse_if
+from metafem.errors import InvalidInput, refuse_if, shown
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -28,6 +27,46 @@ SHORTEST, LONGEST = 1e-12, 1e8
 
 # Bounds of Poisson's ratio; a material with 0.5 is incompressible.
 POISSON: Mapping[str, Any] = {"at_least": 0.0, "at_most": 0.5}
+
+
+# Unit of each argument and column of a table that has a unit. A name has one meaning in the whole package;
+# NAME_sd is its standard deviation.
+UNITS: Mapping[str, str] = {
+    name: unit
+    for unit, names in {
+        "mm": (
+            *("position", "height", "radius", "pitch", "width", "length", "thickness", "max_height"),
+            *("min_height", "offset", "height_step", "low", "high", "radii", "step", "x", "y", "rho", "f"),
+            *("separation", "approach", "cell", "contact_radius", "block_radius", "cell_radius"),
+            *("alignment_height", "chord_error", "indentation", "r", "tools", "radius_range"),
+            *("displacement", "boundary", "centre", "site_position", "frame"),
+            *("sd_position", "sd_height", "sd_radius", "pixel_size", "blur", "pinned"),
+        ),
+        "mm^2": (
+            *("rescaled_load", "rescaled_friction", "crossover_load", "crossover_loads", "load_range"),
+            *("area", "asperity_area", "area_before", "area_sheared", "smallest_area"),
+            *("area_error", "sheared_area", "sheared_area_error"),
+        ),
+        "N": ("load", "load_min", "friction_force"),
+        "N/mm": ("adhesion_energy",),
+        "MPa": (
+            *("composite_modulus", "young_modulus", "shear_strength", "hardness", "yield_strength"),
+            *("nominal_pressure", "nominal_shear_stress"),
+        ),
+        "rad": ("angle", "angle_x", "angle_y", "tilt", "rotation", "rotation_range"),
+    }.items()
+    for name in names
+}
+
+
+def unit_of(name: str) -> str:
+    """Return the unit of an argument, such as "mm" for ``radius[3]``, or "1" if it has none."""
+    return UNITS.get(name.rpartition(".")[2].partition("[")[0].removesuffix("_sd"), "1")
+
+
+def with_unit(name: str, value: float) -> str:
+    """Return the value of an argument as text, with its unit."""
+    return f"{value:g} {unit_of(name)}".removesuffix(" 1")
 
 
 def number(

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 import click
 
 import metafem as mf
-from metafem._given import printable
 from metafem.cli.options import (
     Name,
     Quantity,
@@ -23,7 +22,7 @@ from metafem.cli.options import (
     refuse_files,
 )
 from metafem.cli.output import in_columns, notes_data, progress, show
-from metafem.errors import refuse_if
+from metafem.errors import printable, refuse_if
 from metafem.progress import doing
 
 if TYPE_CHECKING:

@@ -9,10 +9,9 @@ from typing import TYPE_CHECKING, Any
 import click
 
 import metafem as mf
-from metafem._given import printable
 from metafem.cli.options import Name, command, file_option, force_option, json_option, quantity, refuse_files
 from metafem.cli.output import in_columns, in_rows, notes_data, progress, show
-from metafem.errors import InvalidInput
+from metafem.errors import InvalidInput, printable
 
 if TYPE_CHECKING:
     from metafem.calibration import MadeSurface

@@ -9,8 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from metafem._given import printable
-from metafem.errors import InvalidInput, refuse_if
+from metafem.errors import InvalidInput, printable, refuse_if
 
 # Largest size of each kind of file [bytes]. A specification with a thousand points has 30 kB. A summit takes
 # 60 bytes in a table and a site 300 bytes in a record, so that a million summits fit.

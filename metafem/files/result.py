@@ -19,9 +19,8 @@ import numpy as np
 
 from metafem import _validate as check
 from metafem import fe, studies
-from metafem._given import printable
 from metafem.contact import TabulatedContact
-from metafem.errors import InvalidInput, refuse_if
+from metafem.errors import InvalidInput, printable, refuse_if
 from metafem.files.disk import RECORD, STUDIES, file_label, read_bytes, refuse_existing, staged, write_text
 from metafem.files.part import (
     PartOptions,

@@ -10,8 +10,7 @@ from functools import cache
 from itertools import pairwise
 from typing import Any
 
-from metafem._given import printable
-from metafem.errors import InvalidInput
+from metafem.errors import InvalidInput, printable
 from metafem.files.specification import sections, suggestion
 from metafem.files.specification.sections import BOUNDS, Section, key, optional
 from metafem.files.specification.targets import AnyTarget

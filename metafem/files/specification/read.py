@@ -14,9 +14,8 @@ from typing import Any
 from pydantic import TypeAdapter, ValidationError
 
 import metafem as mf
-from metafem._given import printable, shown
 from metafem.contact import Contact
-from metafem.errors import InvalidInput, refuse_if
+from metafem.errors import InvalidInput, printable, refuse_if, shown
 from metafem.files.disk import RESERVED, SPECIFICATION, TABLE, decoded, file_label, read_bytes
 from metafem.files.laws import Keys, columns_of
 from metafem.files.part import PartOptions, planned

@@ -11,12 +11,11 @@ import numpy as np
 
 from metafem import _validate as check
 from metafem import drawing
-from metafem._given import shown
 from metafem._validate import FloatArray, IntArray
 from metafem._values import Value, span
 from metafem.contact import Contact
 from metafem.contact.elastic import PARABOLOID
-from metafem.errors import InvalidInput
+from metafem.errors import InvalidInput, shown
 from metafem.models.boundary_elements.cells import Contacts, allowed
 from metafem.models.boundary_elements.solve import COARSEST, TOLERANCE, Scene, Solution
 from metafem.models.curve import Curve, ModelError, RescaledState, controlled

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from metafem import cli
-from metafem._given import spoken
+from metafem.errors import spoken
 from metafem.files import demo_text
 
 LINEAR = demo_text("linear")
