@@ -107,16 +107,6 @@ def file_label(path: object) -> str:
     return printable(str(path), 300)
 
 
-def decoded(path: str | Path, raw: bytes) -> str:
-    """Return the text of a UTF-8 file, without the byte-order mark that it may have."""
-    try:
-        return raw.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        line = raw.count(b"\n", 0, error.start) + 1
-        words = f"line {line} is not UTF-8; save the file with that encoding"
-        raise InvalidInput(f"{file_label(path)}: {words}") from None
-
-
 def text_of_table(path: str | Path, raw: bytes) -> str:
     """Return the text of a table, which spreadsheets write as UTF-8, UTF-16 or Windows-1252."""
     marked = raw.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))

@@ -7,11 +7,10 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from metafem import _validate as check
 from metafem._values import MICROMETRES
 from metafem.caps import SPHERE, Caps
 from metafem.errors import InvalidInput, refuse_if
@@ -21,6 +20,9 @@ from metafem.inversion import Design
 from metafem.notes import Note, information
 from metafem.progress import doing
 from metafem.surface import Block, Surface
+
+if TYPE_CHECKING:
+    from metafem.files.specification.sections import PartSection
 
 # Default chord error as a fraction of the smallest radius. For the source paper's radius of 526 um it is
 # 0.2 um, a quarter of the 0.9 um accuracy of the paper's moulds (doi:10.1126/science.adk4234).
@@ -44,47 +46,6 @@ TOLERANCE = "Tolerance"
 # Decimals of a length in millimetres: a hundredth of a micrometre, a tenth of what machines position.
 DECIMALS = 5
 
-# Defaults of the feed of the plunge [mm/min], the speed of the spindle [1/min], the dwell at the bottom of a
-# hole [s] and the height of the tool above the mould between two holes [mm], for small carbide ball-end mills
-# in aluminium or brass.
-FEED, SPINDLE, DWELL, SAFE = 20.0, 8000.0, 0.5, 5.0
-
-
-@dataclass(frozen=True)
-class PartOptions:
-    """Options of the files to make a part.
-
-    Parameters
-    ----------
-    alignment_height : float, optional
-        Height of four alignment asperities outside the corners of the template [mm].
-    chord_error : float, optional
-        Largest depth of the faces of the mesh below the true caps [mm]. It acts like an error of the height:
-        at a given separation, the contact area of an asperity changes by at most ``pi R`` times the chord
-        error. Most of this change equals that of a common shift of all caps, which does not affect A0(P).
-        Default: 4e-4 of the smallest radius, or more if a solid would have over about two million triangles.
-    feed, spindle, dwell, safe_height : float
-        Feed of the plunge [mm/min], speed of the spindle [1/min], dwell at the bottom of each hole [s], and
-        height of the tool above the mould between two holes [mm], in ``mould.gcode``.
-
-    Examples
-    --------
-    >>> PartOptions(chord_error=1e-3).chord_error
-    0.001
-    """
-
-    alignment_height: float | None = None
-    chord_error: float | None = None
-    feed: float = FEED
-    spindle: float = SPINDLE
-    dwell: float = DWELL
-    safe_height: float = SAFE
-
-    def __post_init__(self) -> None:
-        for name in ("alignment_height", "chord_error", "feed", "spindle", "safe_height"):
-            check.member(self, name, optional=name in ("alignment_height", "chord_error"), above=0.0)
-        check.member(self, "dwell", at_least=0.0)
-
 
 @dataclass(frozen=True, eq=False)
 class Part:
@@ -106,7 +67,7 @@ class Part:
             meshio.Mesh(vertices, [("triangle", faces)]).write(folder / name, "stl", binary=True)
 
 
-def planned(surface: Surface, template: Surface, options: PartOptions) -> Part | None:
+def planned(surface: Surface, template: Surface, options: PartSection) -> Part | None:
     """Return the part of a surface, or None if the surface has no block.
 
     Raises
@@ -246,7 +207,7 @@ def with_tolerance(text: str, words: str) -> str:
     return line.sub(lambda found: f"{found[1]}{TOLERANCE}: {plain}{found[2] or ''}", text)
 
 
-def drilling_program(design: Design, part: Surface, options: PartOptions) -> dict[str, str]:
+def drilling_program(design: Design, part: Surface, options: PartSection) -> dict[str, str]:
     """Return the text of mould.gcode by its name; none if the holes need more than one ball-end mill.
 
     The tool plunges into each hole to the depth of its cap, dwells and returns to the safe height. Z is 0 at

@@ -23,7 +23,6 @@ from metafem.contact import TabulatedContact
 from metafem.errors import InvalidInput, printable, refuse_if
 from metafem.files.disk import RECORD, STUDIES, file_label, read_bytes, refuse_existing, staged, write_text
 from metafem.files.part import (
-    PartOptions,
     drilling_program,
     mould_table,
     planned,
@@ -31,6 +30,7 @@ from metafem.files.part import (
     with_tolerance,
 )
 from metafem.files.specification.read import Specification
+from metafem.files.specification.sections import PartSection
 from metafem.files.summits import heights_table, law_table, write_surface
 from metafem.inversion import Design
 from metafem.models.curve import ModelError
@@ -117,7 +117,7 @@ def save(
     True
     """
     check.instance("design", design, Design, "a metafem.Design")
-    options, hardness, files = PartOptions(), None, dict[str, bytes]()
+    options, hardness, files = PartSection(), None, dict[str, bytes]()
     if specification is not None:
         options, hardness, files = specification.part, specification.hardness, {**specification.files}
     with doing("writing the files"), staged(folder, force, folder=True) as fresh:
@@ -133,7 +133,7 @@ def save(
         write_surface(design, fresh / "surface.vtu")
 
 
-def result_tables(design: Design, part: PartOptions) -> dict[str, str]:
+def result_tables(design: Design, part: PartSection) -> dict[str, str]:
     """Return the texts of a design's tables by file name: its summits, its law and the holes of its mould."""
     whole = with_alignment(design.surface, design.template, part.alignment_height)
     return {

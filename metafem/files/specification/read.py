@@ -16,12 +16,18 @@ from pydantic import TypeAdapter, ValidationError
 import metafem as mf
 from metafem.contact import Contact
 from metafem.errors import InvalidInput, printable, refuse_if, shown
-from metafem.files.disk import RESERVED, SPECIFICATION, TABLE, decoded, file_label, read_bytes
+from metafem.files.disk import RESERVED, SPECIFICATION, TABLE, file_label, read_bytes
 from metafem.files.laws import Keys, columns_of
-from metafem.files.part import PartOptions, planned
+from metafem.files.part import planned
 from metafem.files.specification import model_named
 from metafem.files.specification.forms import Sections, as_given, problem, section_forms
-from metafem.files.specification.sections import AnyContact, BlockSection, FrictionSection, MaterialSection
+from metafem.files.specification.sections import (
+    AnyContact,
+    BlockSection,
+    FrictionSection,
+    MaterialSection,
+    PartSection,
+)
 from metafem.files.tables import table_of
 from metafem.files.units import as_written
 from metafem.inversion import Target
@@ -64,8 +70,8 @@ class Specification:
     model : Model
     tools : RadiusRange, tuple of float, or None
         Radii of tools to choose from [mm]; they replace the radius of the template.
-    part : PartOptions
-        Alignment asperities, chord error and file formats of the part.
+    part : PartSection
+        Alignment asperities, chord error and drilling program of the part.
     hardness : float or None
         H [MPa], for the plasticity index.
     text : str
@@ -79,7 +85,7 @@ class Specification:
     name: str
     limits: mf.Limits
     tools: mf.RadiusRange | tuple[float, ...] | None
-    part: PartOptions
+    part: PartSection
     text: str
     files: Mapping[str, bytes]
 
@@ -156,10 +162,6 @@ class Specification:
                 if site.isdecimal():
                     raise error.at(f"sites.heights[{sites.pinned.index(int(site) + 1)}]") from None
                 raise InvalidInput(f"do not suit: {error}", key="sites") from None
-            largest = max(self._radii)
-            words = f"and limits.offset exceed the largest radius, {largest:g} mm; no cap is higher than that"
-            high = template.block is not None and template.cap == mf.Sphere() and limits.top > largest
-            refuse_if(high, words, key="limits.max_height", value=limits.max_height)
             if self.tools is None:
                 planned(template, template, self.part)
 
@@ -290,7 +292,7 @@ def _of_sections(table: Mapping[str, Any], text: str, source: Source, name: str)
         raise InvalidInput(name, problems=problems) from None
     limits = replace(given.limits.value(), pinned=given.sites.value())
     files = {"spec.toml": text.encode("utf-8", "surrogatepass"), **kept}
-    return Specification(given, table, name, limits, _value(given.tools), given.part.value(), text, files)
+    return Specification(given, table, name, limits, _value(given.tools), given.part, text, files)
 
 
 def toml_table(text: str, name: str = "spec.toml") -> dict[str, Any]:
@@ -301,12 +303,14 @@ def toml_table(text: str, name: str = "spec.toml") -> dict[str, Any]:
     >>> toml_table("[layout]\\nseed = 3")
     {'layout': {'seed': 3}}
     """
-    raw = text.encode("utf-8", "surrogatepass")
     most = f"{SPECIFICATION / 2**20:g} MiB, the limit for its kind of file"
-    refuse_if(len(raw) > SPECIFICATION, f"{name}: is larger than {most}")
-    text = decoded(name, raw)
+    refuse_if(len(text) > SPECIFICATION, f"{name}: is larger than {most}")
     try:
-        return tomllib.loads(text)
+        text.encode()
+        return tomllib.loads(text.removeprefix("\ufeff"))
+    except UnicodeEncodeError as error:
+        line = text.count("\n", 0, error.start) + 1
+        raise InvalidInput(f"{name}: line {line} is not UTF-8; save the file with that encoding") from None
     except (RecursionError, ValueError) as error:  # of deep nesting, or a number with thousands of digits
         end = f"at line {len(text.splitlines())}, the end of the file"
         cause = printable(str(error).replace("at end of document", end))

@@ -22,7 +22,6 @@ from pydantic import model_validator as validator
 import metafem as mf
 from metafem.errors import refuse_if
 from metafem.files.disk import RECORD
-from metafem.files.part import DWELL, FEED, SAFE, SPINDLE, PartOptions
 from metafem.files.specification import AUTOMATIC, MODELS
 from metafem.files.units import UNITS, converted, pattern
 
@@ -254,15 +253,21 @@ class ModelSection(Section):
 
 
 class PartSection(Section):
-    """The section ``[part]``."""
+    """The section ``[part]``: options of the files to make a part.
 
-    makes = PartOptions
+    The chord error is the largest depth of the faces of the mesh below the true caps [mm]. It acts like an
+    error of the height: at a given separation, the contact area of an asperity changes by at most ``pi R``
+    times the chord error. Most of this change equals that of a common shift of all caps, which does not
+    affect A0(P). By default it is larger where a solid would have over about two million triangles. The
+    defaults of the drilling program are for small carbide ball-end mills in aluminium or brass.
+    """
+
     alignment_height: PositiveLength | None = optional("of four asperities to cut off after use", "400 um")
     chord_error: PositiveLength | None = optional("of the mesh below the caps; default: 4e-4 R", "1 um")
-    feed: Feed = key("of the plunge, in mould.gcode", "20 mm/min", default=FEED)
-    spindle: Speed = key("in mould.gcode", "8000 1/min", default=SPINDLE)
-    dwell: Time = key("at the bottom of each hole, in mould.gcode", "0.5 s", default=DWELL)
-    safe_height: PositiveLength = key("of the tool above the mould, in mould.gcode", "5 mm", default=SAFE)
+    feed: Feed = key("of the plunge, in mould.gcode", "20 mm/min", default=20.0)
+    spindle: Speed = key("in mould.gcode", "8000 1/min", default=8000.0)
+    dwell: Time = key("at the bottom of each hole, in mould.gcode", "0.5 s", default=0.5)
+    safe_height: PositiveLength = key("of the tool above the mould, in mould.gcode", "5 mm", default=5.0)
 
 
 class ChecksSection(Section):
