@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+import operator
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from itertools import zip_longest
 from types import UnionType
 from typing import Any
@@ -24,6 +25,13 @@ SMALLEST, LARGEST = sys.float_info.min**0.2, sys.float_info.max**0.2
 # Bounds of lengths that must be positive, and largest magnitude of all lengths [mm]: far below an atom, and
 # far above any part, so that lengths may also be given in units a million times larger or smaller.
 SHORTEST, LONGEST = 1e-12, 1e8
+
+# Limits of a number by their names: what holds, and its words.
+LIMITS: Mapping[str, tuple[Callable[[float, float], bool], str]] = {
+    "above": (operator.gt, "greater than"),
+    "at_least": (operator.ge, "at least"),
+    "at_most": (operator.le, "at most"),
+}
 
 # Bounds of Poisson's ratio; a material with 0.5 is incompressible.
 POISSON: Mapping[str, Any] = {"at_least": 0.0, "at_most": 0.5}
@@ -69,28 +77,21 @@ def with_unit(name: str, value: float) -> str:
     return f"{value:g} {unit_of(name)}".removesuffix(" 1")
 
 
-def number(
-    name: str,
-    value: Any,
-    *,
-    above: float | None = None,
-    at_least: float | None = None,
-    at_most: float | None = None,
-) -> float:
-    """Return `value` as a finite float within the bounds, in the unit of the argument `name`."""
+def number(name: str, value: Any, **limits: float | None) -> float:
+    """Return `value` as a finite float, in the unit of the argument `name`.
+
+    The limits are those of `LIMITS`; a limit None is not checked.
+    """
     if not isinstance(value, float):
         refuse_if(not scalar(value), "must be a single number", key=name, value=shown(value))
         value = plain(name, value)
     result = float(value)
     refuse_if(not math.isfinite(result), "must be finite", key=name, value=str(result))
-    for wrong, must, bound in (
-        (above is not None and not result > above, "greater than", above),
-        (at_least is not None and result < at_least, "at least", at_least),
-        (at_most is not None and result > at_most, "at most", at_most),
-    ):
-        if wrong and bound is not None:
+    for limit, bound in limits.items():
+        holds, must = LIMITS[limit]
+        if bound is not None and not holds(result, bound):
             raise InvalidInput(f"must be {must} {with_unit(name, bound)}", key=name, value=result)
-    least, most = bounds(name, above == 0.0)
+    least, most = bounds(name, limits.get("above") == 0.0)
     if result and not least <= abs(result) <= most:
         raise InvalidInput(_magnitude(name, least, most), key=name, value=result)
     return result

@@ -9,18 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 import metafem as mf
-from metafem.cli.options import (
-    Name,
-    Quantity,
-    column_option,
-    columns_of,
-    command,
-    force_option,
-    json_option,
-    model_options,
-    option_name,
-    refuse_files,
-)
+from metafem.cli import options
 from metafem.cli.output import in_columns, notes_data, progress, show
 from metafem.errors import printable, refuse_if
 from metafem.progress import doing
@@ -50,43 +39,33 @@ SCENE: Mapping[str, Mapping[str, tuple[Any, str]]] = {
         "length": (str, 'Length of the block along y, such as "20 mm".'),
         "thickness": (str, 'Thickness of the block, such as "7.2 mm".'),
     },
-    "lattice": {"radius": (Quantity("mm"), 'Radius of all summits, such as "526 um".')},
+    "lattice": {"radius": (options.Quantity("mm"), 'Radius of all summits, such as "526 um".')},
 }
-OPTIONS = [
-    click.option(option_name(name), type=kind, help=f"For a table of heights: {words}")
+SURFACE_OPTIONS = [
+    click.option(options.option_name(name), type=kind, help=f"For a table of heights: {words}")
     for keys in SCENE.values()
     for name, (kind, words) in keys.items()
 ]
 
 
-@command(
-    click.argument("source", type=Name()),
+@options.command(
+    click.argument("source", type=options.Name()),
     click.option(
         "--load",
-        type=Quantity("N"),
+        type=options.Quantity("N"),
         metavar="FORCE",
         multiple=True,
         help='Load, such as "0.2 N"; may be repeated. Default: a grid of loads.',
     ),
-    *OPTIONS,
-    column_option,
-    *model_options("that of the folder; independent for a table"),
-    click.option("-o", "--output", type=Name(), help="Also write the law to this CSV file."),
-    force_option,
-    json_option,
+    *SURFACE_OPTIONS,
+    options.column_option,
+    *options.model_options("that of the folder; independent for a table"),
+    click.option("-o", "--output", type=options.Name(), help="Also write the law to this CSV file."),
+    options.force_option,
+    options.json_option,
     short_help="Predict the friction law of a folder or a table of heights.",
 )
-def predict(
-    source: Path,
-    load: tuple[float, ...],
-    model: str | None,
-    contact: str | None,
-    column: tuple[str, ...],
-    output: Path | None,
-    force: bool,
-    as_json: bool,
-    **scene: Any,
-) -> None:
+def predict(source: Path, load: tuple[float, ...], force: bool, as_json: bool, **stated: Any) -> None:
     """Predict the friction law of the surface in a result folder or in a table of heights.
 
     SOURCE is a result folder of `metafem design`, or a CSV file with the columns x_mm, y_mm, height_um and
@@ -94,20 +73,22 @@ def predict(
     and block it also needs --width, --length and --thickness. With --shear-strength, friction forces are also
     printed. `metafem study fidelity` compares all models.
     """
-    given = {name: value for name, value in scene.items() if value is not None}
-    refuse_files(force, output)
+    column, output = options.columns_of(stated["column"]), stated["output"]
+    model, contact = stated["model"], stated["contact"]
+    given = {name: stated[name] for keys in SCENE.values() for name in keys if stated[name] is not None}
+    options.refuse_files(force, output)
     with progress(), doing("predicting the law"):
         if source.is_dir():
-            options = ", ".join(map(option_name, [*given, *(["column"] if column else [])]))
+            names = ", ".join(map(options.option_name, [*given, *(["column"] if column else [])]))
             own = f"the folder {printable(str(source))} holds its own material, friction, radii and block"
-            refuse_if(options, f"{options}: only for tables of heights; {own}")
+            refuse_if(names, f"{names}: only for tables of heights; {own}")
             stored = mf.load(source)
             surface, used = stored.surface, stored.law.model
             remedy = "the folder's design has no block; design it again with a section [block]"
         else:
             advice = f"{source} is a specification; run metafem design {source} -o DIR, then predict DIR"
             refuse_if(source.suffix.lower() == ".toml", advice)
-            surface, used = _surface(source, given, columns_of(column)), mf.Independent()
+            surface, used = _surface(source, given, column), mf.Independent()
             remedy = "a table holds none; add --width, --length and --thickness"
         chosen = mf.files.chosen_model(used, model, contact, surface.block)
         mf.files.refuse_missing_block(chosen, surface, remedy)

@@ -9,7 +9,16 @@ from typing import TYPE_CHECKING, Any
 import click
 
 import metafem as mf
-from metafem.cli.options import Decorator, Name, Quantity, command, force_option, json_option, model_options
+from metafem.cli.options import (
+    Decorator,
+    Name,
+    Quantity,
+    command,
+    force_option,
+    json_option,
+    model_options,
+    quantities,
+)
 from metafem.cli.output import progress, show
 from metafem.errors import InvalidInput, refuse_if
 
@@ -20,13 +29,13 @@ if TYPE_CHECKING:
     from metafem.inversion import Design
     from metafem.surface import Surface
 
-# Unit and example of the standard deviation of each input of `metafem study uncertainty`.
+# Standard deviations of the inputs of `metafem study uncertainty`: unit, example and help text.
 INPUTS = {
-    "radius": ("mm", "2um"),
-    "composite_modulus": ("MPa", "0.04MPa"),
-    "load": ("N", "2mN"),
-    "shear_strength": ("MPa", "0.006MPa"),
-    "area_ratio": ("1", "0.01"),
+    "radius_sd": ("mm", "2um", "SD of the radii, such as {}."),
+    "composite_modulus_sd": ("MPa", "0.04MPa", "SD of E*, such as {}."),
+    "load_sd": ("N", "2mN", "SD of the load, such as {}."),
+    "shear_strength_sd": ("MPa", "0.006MPa", "SD of σ, such as {}."),
+    "area_ratio_sd": ("1", "0.01", "SD of B, such as {}."),
 }
 
 
@@ -40,8 +49,7 @@ ANGLE, LENGTH = Quantity("rad", "0.05deg"), Quantity("mm", "2um")
 LENGTHS, LEVELS = Quantity("mm", "3um", listed=True), "0,0.5um,1um,1.5um,2um,2.5um,3um"
 
 FITTED = "Loads between which the slope is fitted, P/E* or P, such as 0.05mm^2 0.2mm^2."
-DEVIATION = f"Standard deviation of an input; repeat it for several. The inputs are {', '.join(INPUTS)}."
-CALIBRATED = "Errors and correlations of a metafem calibrate -o FILE.toml; --sd adds other inputs."
+CALIBRATED = "Errors and correlations of a metafem calibrate -o FILE.toml; other options add inputs."
 
 # Options of several studies: the law, the draws, the seed, and the processes.
 LAW = (
@@ -157,28 +165,30 @@ def misalignment(design: Design, **options: Any) -> Dataset:
 
 
 @of_design(
-    _option("--sd", str, DEVIATION, multiple=True, metavar="INPUT=QUANTITY"),
+    *quantities(INPUTS),
     _option("--calibration", Name(), CALIBRATED, metavar="FILE.toml"),
     *(*LAW, DRAWS, SEED),
     short_help="Error bars of the law, and which input matters most.",
 )
-def uncertainty(design: Design, sd: tuple[str, ...], calibration: Path | None, **options: Any) -> Dataset:
+def uncertainty(design: Design, calibration: Path | None, **options: Any) -> Dataset:
     """Study the error bars of the law for Gaussian errors of its inputs, and the share of each input.
 
     The shares are Sobol indices: the fraction of the variance that an input causes on its own, and the
     fraction that it causes together with other inputs. The result is the file DIR/uncertainty.nc.
 
-    Example: metafem study uncertainty linear --sd composite_modulus=0.04MPa --sd radius=2um
+    Example: metafem study uncertainty linear --composite-modulus-sd 0.04MPa --radius-sd 2um
     """
-    deviations: Any = given_deviations(sd)
+    given = {name.removesuffix("_sd"): options.pop(name) for name in INPUTS}
+    deviations: Any = {name: value for name, value in given.items() if value is not None}
     if calibration is not None:
         deviations = with_calibration(calibration, deviations, design.surface)
-    example = "--sd radius=2um, or --calibration calibration.toml"
-    refuse_if(not deviations, f"no error is given by --sd; write for example {example}")
+    example = "--radius-sd 2um, or --calibration calibration.toml"
+    refuse_if(not deviations, f"no error of an input is given; write for example {example}")
     try:
         return mf.studies.uncertainty(design.surface, deviations, **options)
     except InvalidInput as error:
-        raise error.at(error.key.replace("parameters.", "--sd ")) from None
+        name = error.key.removeprefix("parameters.")
+        raise error.at(f"{name}_sd" if name in given else error.key) from None
 
 
 @of_design(
@@ -208,23 +218,10 @@ def fidelity(design: Design) -> Dataset:
     return mf.studies.fidelity(design)
 
 
-def given_deviations(given: tuple[str, ...]) -> dict[str, float]:
-    """Return the standard deviations that --sd states, by the name of the input."""
-    found: dict[str, float] = {}
-    for text in given:
-        name, _, value = text.partition("=")
-        name = name.strip().replace("-", "_")
-        must = f"must be INPUT=QUANTITY, such as radius=2um; the inputs are {', '.join(INPUTS)}"
-        refuse_if(name not in INPUTS, f'--sd "{text:.60}" {must}')
-        refuse_if(name in found, f"--sd {name} is given twice")
-        found[name] = mf.files.quantity(f"--sd {name}", value, *INPUTS[name])
-    return found
-
-
 def with_calibration(
     path: Path, deviations: Mapping[str, float], surface: Surface
 ) -> tuple[tuple[str, ...], FloatArray]:
-    """Return the names of the inputs from a calibration and from ``--sd``, and their covariance."""
+    """Return the names of the inputs from a calibration and from other options, and their covariance."""
     import numpy as np
     from scipy.linalg import block_diag
 
@@ -232,5 +229,5 @@ def with_calibration(
 
     names, _, covariance = mf.files.read_parameters(path, nominal_values(surface))
     twice = ", ".join(name for name in names if name in deviations)
-    refuse_if(twice, f"--sd {twice} and --calibration both give the error of {twice}; keep one")
+    refuse_if(twice, f"two options give the error of {twice}: --calibration and its own; keep one")
     return (*names, *deviations), block_diag(covariance, np.diag(np.square([*deviations.values()])))

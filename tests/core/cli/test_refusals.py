@@ -22,7 +22,7 @@ SPECIFICATIONS = [
 
 TABLE = ("predict", "h.csv", "--composite-modulus", "1.36 MPa")
 BARE = ("predict", "bare.csv", "--composite-modulus", "1 MPa")
-STUDY = ("study", "uncertainty", "linear", "--sd")
+STUDY = ("study", "uncertainty", "linear")
 COMPARE = ("compare", "linear", "measured.csv")
 MAP = ("topography", "part.npy", "--pixel", "5 um", "--height-unit", "um", "--design", "linear")
 RADIUS = ("--contacts", "5", "--radius", "526 um")
@@ -50,13 +50,10 @@ REFUSALS = [
     (("study", "manufacturing", "linear", "--height-sd", "-3um"), "--height-sd", "-3um"),
     (("study", "manufacturing", "linear", "--position-sd", "1N"), "--position-sd", "1N"),
     (("study", "manufacturing", "linear", "--radius-sd", "100um"), "--radius-sd", "100um"),
-    (("study", "uncertainty", "linear"), "--sd", "no error"),
-    ((*STUDY, "radius"), "--sd radius", '""'),
-    ((*STUDY, "wear=2um"), "--sd", "wear=2um"),
-    ((*STUDY, "radius=2MPa"), "--sd radius", "2MPa"),
-    ((*STUDY, "radius=2um", "--sd", "radius=3um"), "--sd radius", "twice"),
-    ((*STUDY, "composite_modulus=1MPa"), "--sd composite_modulus", "1"),
-    ((*STUDY, "area_ratio=1%"), "area_ratio", "1%"),
+    (STUDY, "--radius-sd", "no error"),
+    ((*STUDY, "--radius-sd", "2MPa"), "--radius-sd", "2MPa"),
+    ((*STUDY, "--composite-modulus-sd", "1MPa"), "--composite-modulus-sd", "1MPa"),
+    ((*STUDY, "--area-ratio-sd", "1%"), "--area-ratio-sd", "1%"),
     (("study", "uncertainty", "linear", "--calibration", "measured.csv"), "measured.csv", "calibration"),
     ((*COMPARE, "--composite-modulus", "1.4"), "--composite-modulus", "1.4"),
     ((*COMPARE, "--area-ratio", "-1"), "--area-ratio", "-1"),

@@ -29,7 +29,7 @@ def test_study_prints_its_table_and_keeps_its_file(run):
 STUDIES = {
     "manufacturing": ("--height-sd", "1um,3um,5um", "--angle", "0.01deg", "--misfit", "--draws", 200),
     "misalignment": ("--angle", "0.1deg", "--shuffles", 3),
-    "uncertainty": ("--sd", "composite-modulus=0.04MPa", "--sd", "radius = 2 um", "--draws", 200),
+    "uncertainty": ("--composite-modulus-sd", "0.04MPa", "--radius-sd", "2 um", "--draws", 200),
 }
 ANSWERS = {
     "manufacturing": "With errors of the heights of up to 3.",
