@@ -73,8 +73,8 @@ def design(
     mf.files.refuse_existing(output, force, folder=True)
     with progress(), doing("designing"):
         specification = mf.read_spec(spec)
-        hardness, block = specification.hardness, specification.template.block
-        chosen = mf.files.chosen_model(specification.model, model, contact, block)
+        hardness, template = specification.hardness, specification.template
+        chosen = mf.files.chosen_model(specification.model, model, contact, template)
         try:
             result = specification.design(chosen)
         except Infeasible as error:

@@ -84,14 +84,11 @@ def predict(source: Path, load: tuple[float, ...], force: bool, as_json: bool, *
             refuse_if(names, f"{names}: only for tables of heights; {own}")
             stored = mf.load(source)
             surface, used = stored.surface, stored.law.model
-            remedy = "the folder's design has no block; design it again with a section [block]"
         else:
             advice = f"{source} is a specification; run metafem design {source} -o DIR, then predict DIR"
             refuse_if(source.suffix.lower() == ".toml", advice)
             surface, used = _surface(source, given, column), mf.Independent()
-            remedy = "a table holds none; add --width, --length and --thickness"
-        chosen = mf.files.chosen_model(used, model, contact, surface.block)
-        mf.files.refuse_missing_block(chosen, surface, remedy)
+        chosen = mf.files.chosen_model(used, model, contact, surface)
         law = mf.friction_law(surface, chosen, load=load or None)
     # all loads that the user states, otherwise about ten
     step = 1 if load else max(1, len(law.load) // 10)

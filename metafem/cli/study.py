@@ -100,8 +100,7 @@ def _of_law(
     design: Design, model: str | None, contact: str | None, load_range: Any, **others: Any
 ) -> dict[str, Any]:
     """Return the options with the model that --model and --contact state, and rescaled loads."""
-    used = mf.files.chosen_model(design.law.model, model, contact, design.surface.block)
-    mf.files.refuse_missing_block(used, design.surface, "design the folder again with a section [block]")
+    used = mf.files.chosen_model(design.law.model, model, contact, design.surface)
     if load_range is not None:
         load_range = mf.files.rescaled_range(load_range, design.surface.material)
     return {"model": used, "load_range": load_range, **others}

@@ -40,7 +40,6 @@ from .specification.read import contact_named as contact_named
 from .specification.read import of_table as of_table
 from .specification.read import parsed as parsed
 from .specification.read import read_spec as read_spec
-from .specification.read import refuse_missing_block as refuse_missing_block
 from .specification.read import section_value as section_value
 from .specification.read import toml_table as toml_table
 from .specification.sections import PartSection as PartSection

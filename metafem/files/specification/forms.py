@@ -10,6 +10,7 @@ from functools import cache
 from itertools import pairwise
 from typing import Any
 
+import metafem as mf
 from metafem.errors import InvalidInput, printable
 from metafem.files.specification import sections, suggestion
 from metafem.files.specification.sections import BOUNDS, Section, key, optional
@@ -45,9 +46,7 @@ class Sections(Section):
     material: sections.MaterialSection = key("the elastomer")
     friction: sections.FrictionSection | None = optional("needed for friction forces in N")
     lattice: sections.LatticeSection = key("sites of asperities")
-    sites: sections.SitesSection = key(
-        "empty sites, and sites with given heights", default=sections.SitesSection()
-    )
+    sites: sections.SitesSection = key("empty sites, and sites with given heights", default={})
     tools: sections.ToolsSection | None = optional("to choose from, instead of lattice.radius")
     block: sections.BlockSection | None = optional("needed for the part files and the models layer and block")
     cell: sections.CellSection | None = optional("period of an infinite surface; default: no repetition")
@@ -58,7 +57,7 @@ class Sections(Section):
     )
     cap: sections.AnyCap | None = optional("shape of the caps, of one of these kinds; default: spheres")
     contact: sections.AnyContact = key(
-        "law of one contact, of one of these kinds; default: hertz", default=sections.HERTZ
+        "law of one contact, of one of these kinds; default: hertz", default=mf.Hertz()
     )
     part: sections.PartSection = key("options of the part files", default=sections.PartSection())
     checks: sections.ChecksSection = key("further checks", default=sections.ChecksSection())

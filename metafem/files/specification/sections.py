@@ -64,22 +64,21 @@ class Section(BaseModel):
         return {**given, "file": None, **{name: list(column) for name, column in columns.items()}}
 
     @validator(mode="after")
-    def _valid(self) -> Self:
+    def _valid(self) -> Any:
+        """Return the value of the section, as which it is read."""
         given = [key for key in dict.fromkeys(sum(self.choices, ())) if getattr(self, key) is not None]
         has = f"has {' and '.join(given)}; it " if given else ""
         needs = f"{has}needs either {' or '.join(map(' and '.join, self.choices))}"
         refuse_if(self.choices and set(given) not in map(set, self.choices), needs)
-        self.value()
-        return self
+        return self.value()
 
     def value(self) -> Any:
-        """Return the value that the section describes, or None if it describes none by itself."""
-        return None if self.makes is None else type(self).makes(**self.given())  # type: ignore[misc]
+        """Return what the section describes, or the section itself."""
+        return self if self.makes is None else type(self).makes(**self.given())  # type: ignore[misc]
 
     def given(self) -> dict[str, Any]:
         """Return the values of the keys that have one, but those of the section itself."""
-        own = {name: value for name, value in self if value is not None and name not in ("kind", "file")}
-        return {name: value.value() if isinstance(value, Section) else value for name, value in own.items()}
+        return {name: value for name, value in self if value is not None and name not in ("kind", "file")}
 
     @classmethod
     def __get_pydantic_json_schema__(cls, core: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
@@ -169,10 +168,11 @@ class LatticeSection(Section):
     pitch: PositiveLength = key("distance between neighbours", "1.5 mm")
     radius: PositiveLength | None = optional("either: radius of curvature; or: radii in [tools]", "526 um")
 
-    def value(self) -> None:
+    def value(self) -> Self:
         """Refuse more sites than the record of a result can hold."""
         count, words = self.shape[0] * self.shape[1], "are allowed, so that the result can be read"
         refuse_if(count > SITES, f"has {count:,} sites; at most {SITES:,} {words}", key="shape")
+        return self
 
 
 class ToolsSection(Section):
@@ -322,7 +322,7 @@ AnyCap: Any = one_of(
 )
 
 Hertz, Elastic = kind("hertz", mf.Hertz), kind("elastic", mf.Elastic)
-HERTZ, ELASTIC = Hertz(kind="hertz"), {"kind": "elastic"}
+ELASTIC = {"kind": "elastic"}
 AnyContact: Any = one_of(
     Hertz,
     Elastic,
@@ -330,7 +330,10 @@ AnyContact: Any = one_of(
         "jkr",
         mf.JKR,
         adhesion_energy=(Energy, key("w", "9 mJ/m^2")),
-        cap=(one_of(Hertz, Elastic), key("one of the kinds above", ELASTIC, default=HERTZ)),
+        cap=(
+            one_of(Hertz, Elastic),
+            key("one of the kinds above", ELASTIC, default=mf.Hertz()),
+        ),
     ),
     kind("kogut-etsion", mf.KogutEtsion, hardness=(Stress, key("H of the softer material", "10 MPa"))),
     kind("jackson-green", mf.JacksonGreen, yield_strength=(Stress, key("of the softer material", "4 MPa"))),

@@ -8,14 +8,15 @@ import trimesh
 
 import metafem as mf
 from metafem.files import PartSection, part_notes, planned
-from metafem.files.mesh import (
+from metafem.files.part import (
+    USUAL,
     block_mesh,
     cap_faces,
     cap_vertices,
     mould_mesh,
     ring_count,
+    with_alignment,
 )
-from metafem.files.part import USUAL, with_alignment
 
 MATERIAL, BLOCK = mf.Material(1.36), mf.Block(8.0, 7.0, 3.0)
 HEIGHTS = np.array([0.02, 0.05, 0.1, 0.2, 0.3, 0.4])

@@ -138,11 +138,11 @@ def test_each_model_has_its_name():
     ]
     assert [spec(model=f'kind = "{name}"').model for name in files.MODELS] == models
     assert spec().model == models[-1]
-    folder = mf.Independent(contact=mf.Elastic())
-    assert files.chosen_model(folder, None, None) is folder
-    assert files.chosen_model(folder, "independent", None) == folder
-    assert files.chosen_model(folder, None, "hertz") == mf.Independent()
-    assert files.chosen_model(mf.Interacting(), "independent", "elastic") == folder
+    folder, template = mf.Independent(contact=mf.Elastic()), spec().template
+    assert files.chosen_model(folder, None, None, template) is folder
+    assert files.chosen_model(folder, "independent", None, template) == folder
+    assert files.chosen_model(folder, None, "hertz", template) == mf.Independent()
+    assert files.chosen_model(mf.Interacting(), "independent", "elastic", template) == folder
     assert with_contact(mf.Interacting(), mf.KogutEtsion(10.0)).order == 1  # it has no profile
     assert with_contact(mf.Interacting(), mf.Elastic()).order == 3
 
