@@ -83,12 +83,8 @@ def design(
         mf.save(result, output, specification=specification, pages=pages, force=force)
     part = mf.files.planned(result.surface, result.template, specification.part)
     notes = mf.report.all_notes(result, hardness) + mf.files.part_notes(part)
-    data = {
-        "folder": str(output),
-        **_data(result),
-        "chord_error_mm": part and part.chord_error,
-        "notes": notes_data(notes),
-    }
+    data = {"folder": str(output), **_data(result), "notes": notes_data(notes)}
+    data["chord_error_mm"] = part and part.chord_error
     rows = [
         *mf.report.parameter_rows(result),
         (*mf.report.misfit_words(result), ""),
@@ -99,10 +95,10 @@ def design(
     show(
         as_json,
         data,
-        head=[result.target.title, result.verdict],
+        lines=[result.target.title, result.verdict],
         tables=[(("", "", ""), rows, None), *fits],
         notes=notes,
-        lines=[f"wrote {output}/: open {output / 'report.html'}"],
+        files=[output / "report.html"],
     )
     if result.status is mf.DesignStatus.MISSED:
         sys.exit(NOT_ACHIEVED)

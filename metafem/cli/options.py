@@ -50,9 +50,7 @@ class Command(click.Command):
             return error
         found = error.at(f"{label}{bracket}{rest}")
         if isinstance(found.value, float) and text is not None:
-            entries = text.split(",") if isinstance(text, str) else text
-            index = int(rest[:-1]) if rest[:-1].isdecimal() else 0
-            found.value = entries[min(index, len(entries) - 1)]
+            found.value = text if isinstance(text, str) else ", ".join(text)
         return found
 
 

@@ -32,9 +32,8 @@ def show(
     as_json: bool,
     data: Any,
     *,
-    head: Iterable[str] = (),
-    tables: Iterable[Printed] = (),
     lines: Iterable[str] = (),
+    tables: Iterable[Printed] = (),
     notes: Iterable[Note] = (),
     files: Iterable[Path | None] = (),
 ) -> None:
@@ -45,12 +44,10 @@ def show(
     from rich.console import Console
 
     console = Console(width=None if sys.stdout.isatty() else WIDE, markup=False, highlight=False)
-    for line in head:
+    for line in lines:
         click.echo(line)
     for table in tables:
         print_table(console, *table)
-    for line in lines:
-        click.echo(line)
     for note in dict.fromkeys(notes):
         click.secho(f"{'warning' if note.warns else 'note'}: {note}", fg="yellow" if note.warns else None)
     for path in filter(None, files):
