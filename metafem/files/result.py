@@ -66,15 +66,13 @@ ARRAYS = ("float64", "int64")
 # Errors of a constructor that gets members of wrong types or values.
 WRONG = (ValueError, KeyError, TypeError, AttributeError, ArithmeticError)
 
-NO_PAGES: Mapping[str, str] = {}
-
 
 def save(
     design: Design,
     folder: str | Path,
     *,
     specification: Specification | None = None,
-    pages: Mapping[str, str] = NO_PAGES,
+    pages: Mapping[str, str] | None = None,
     force: bool = False,
 ) -> None:
     """Write a design and the files to make the part into a new folder.
@@ -123,7 +121,7 @@ def save(
     with doing("writing the files"), staged(folder, force, folder=True) as fresh:
         part = planned(design.surface, design.template, options)
         record = {"format": FORMAT, "versions": versions(), "hardness": hardness, "design": design}
-        texts = {"design.json": written(record), **result_tables(design, options), **pages}
+        texts = {"design.json": written(record), **result_tables(design, options), **(pages or {})}
         if part is not None:
             part.write(fresh)
             texts |= drilling_program(design, part.surface, options)
@@ -306,17 +304,10 @@ def stored_studies(folder: str | Path) -> dict[str, Dataset]:
 
 
 def study_data(study: Dataset) -> dict[str, Any]:
-    """Return a study as dicts, lists, numbers and texts; nan and infinite numbers become None."""
-    arrays = {
-        str(name): {
-            "dims": list(array.dims),
-            "units": array.attrs.get("units", ""),
-            "values": plain_data(array.values),
-        }
-        for name, array in study.variables.items()
-    }
+    """Return a study as `xarray.Dataset.to_dict` does; nan and infinite numbers become None."""
+    found: dict[str, Any] = plain_data(study.to_dict())
     notes = [note.to_json() for note in from_lines(str(study.attrs["notes"]))]
-    return {**study.attrs, "notes": notes, "data": arrays}
+    return {**found.pop("attrs"), "notes": notes, **found}
 
 
 def plain_data(value: Any) -> Any:

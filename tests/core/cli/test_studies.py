@@ -22,7 +22,7 @@ def test_study_prints_its_table_and_keeps_its_file(run):
     assert "--force" in run("study", "interaction", "small").refusal
     data = run("study", "interaction", "small", "--placements", 20, "--force", "--json").data
     with xr.open_dataset("small/interaction.nc", engine="h5netcdf") as kept:
-        assert kept.area_change.values.tolist() == data["data"]["area_change"]["values"]
+        assert kept.area_change.values.tolist() == data["data_vars"]["area_change"]["data"]
         assert kept.sinking.attrs["units"] == "mm"
 
 

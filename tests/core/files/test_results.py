@@ -325,9 +325,10 @@ def test_studies_are_kept_by_name_and_become_plain_data(folder):
         files.study_path(folder, "interaction", False)
     assert files.study_data(study) == {
         "study": "interaction", "notes": [], "draws": 20,
-        "data": {
-            "slope": {"dims": ["load"], "units": "mm", "values": [1.0, None]},
-            "count": {"dims": [], "units": "", "values": 3},
+        "coords": {}, "dims": {"load": 2},
+        "data_vars": {
+            "slope": {"dims": ["load"], "attrs": {"units": "mm"}, "data": [1.0, None]},
+            "count": {"dims": [], "attrs": {}, "data": 3},
         },
     }  # fmt: skip
     assert files.plain_data({"a": (np.arange(2), math.inf)}) == {"a": [[0, 1], None]}
