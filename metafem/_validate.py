@@ -42,28 +42,19 @@ POISSON: Mapping[str, Any] = {"at_least": 0.0, "at_most": 0.5}
 UNITS: Mapping[str, str] = {
     name: unit
     for unit, names in {
-        "mm": (
-            *("position", "height", "radius", "pitch", "width", "length", "thickness", "max_height"),
-            *("min_height", "offset", "height_step", "low", "high", "radii", "step", "x", "y", "rho", "f"),
-            *("separation", "approach", "cell", "contact_radius", "block_radius", "cell_radius"),
-            *("alignment_height", "chord_error", "indentation", "r", "tools", "radius_range"),
-            *("displacement", "boundary", "centre", "site_position", "frame"),
-            *("sd_position", "sd_height", "sd_radius", "pixel_size", "blur", "pinned"),
-        ),
-        "mm^2": (
-            *("rescaled_load", "rescaled_friction", "crossover_load", "crossover_loads", "load_range"),
-            *("area", "asperity_area", "area_before", "area_sheared", "smallest_area"),
-            *("area_error", "sheared_area", "sheared_area_error"),
-        ),
-        "N": ("load", "load_min", "friction_force"),
-        "N/mm": ("adhesion_energy",),
-        "MPa": (
-            *("composite_modulus", "young_modulus", "shear_strength", "hardness", "yield_strength"),
-            *("nominal_pressure", "nominal_shear_stress"),
-        ),
-        "rad": ("angle", "angle_x", "angle_y", "tilt", "rotation", "rotation_range"),
+        "mm": "position height radius pitch width length thickness max_height min_height offset height_step "
+        "low high radii step x y rho f separation approach cell contact_radius block_radius cell_radius "
+        "alignment_height chord_error indentation r tools radius_range displacement boundary centre "
+        "site_position frame sd_position sd_height sd_radius pixel_size blur pinned",
+        "mm^2": "rescaled_load rescaled_friction crossover_load crossover_loads load_range area "
+        "asperity_area area_before area_sheared smallest_area area_error sheared_area sheared_area_error",
+        "N": "load load_min friction_force",
+        "N/mm": "adhesion_energy",
+        "MPa": "composite_modulus young_modulus shear_strength hardness yield_strength nominal_pressure "
+        "nominal_shear_stress",
+        "rad": "angle angle_x angle_y tilt rotation rotation_range",
     }.items()
-    for name in names
+    for name in names.split()
 }
 
 

@@ -241,23 +241,18 @@ def problem(detail: Any, table: Mapping[str, Any]) -> InvalidInput:
             names = [*known, *["kind"] * bool(form["kinds"])] if outer else [*Sections.model_fields]
             words = f"is an unknown {'key' if outer else 'section'}{suggestion(str(keys[-1]), names)}"
             return InvalidInput(words, key=printable(path))
-        case "literal_error":
-            return _unknown(path, detail["input"], own["names"])
-        case "union_tag_not_found" | "union_tag_invalid":
-            return _unknown(f"{path}.kind", detail["input"].get("kind"), [*section_forms()[path]["kinds"]])
+        case "literal_error" | "union_tag_not_found" | "union_tag_invalid":
+            given, names = detail["input"], own.get("names")
+            if not names:
+                path, given, names = f"{path}.kind", given.get("kind"), [*section_forms()[path]["kinds"]]
+            example = f'kind = "{names[0]}"' if given is None else ""
+            must = f"is unknown{suggestion(str(given), names)}" if example == "" else "is missing"
         case "model_type" | "model_attributes_type" | "dict_type":
             example, must = "", f"must be a section: write [{path}] on a line of its own"
         case _:
             bounded = BOUNDS.keys() & detail.get("ctx", {}).keys()
             must = re.sub(r"^\w+ should", "must", detail["msg"]) + f" {own.get('unit', '')}" * bool(bounded)
     return as_given(InvalidInput(must.rstrip(), key=path, value="", example=example), table)
-
-
-def _unknown(key: str, given: Any, names: list[str]) -> InvalidInput:
-    """Return the problem that a name is missing, or is none of these."""
-    if given is None:
-        return InvalidInput("is missing", key=key, example=f'kind = "{names[0]}"')
-    return InvalidInput(f"is unknown{suggestion(str(given), names)}", key=key, value=as_written(given))
 
 
 def as_given(error: InvalidInput, table: Mapping[str, Any]) -> InvalidInput:
@@ -267,4 +262,5 @@ def as_given(error: InvalidInput, table: Mapping[str, Any]) -> InvalidInput:
         for part in re.findall(r"[^.\[\]]+", error.key):
             value = value[int(part) if part.isdecimal() else part]
         error.value = None if error.value is None else as_written(value)
+    error.value = None if error.value == "" else error.value
     return error
