@@ -9,16 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 import metafem as mf
-from metafem.cli.options import (
-    Decorator,
-    Name,
-    Quantity,
-    command,
-    force_option,
-    json_option,
-    model_options,
-    quantities,
-)
+from metafem.cli import options
 from metafem.cli.output import progress, show
 from metafem.errors import InvalidInput, refuse_if
 
@@ -39,21 +30,21 @@ INPUTS = {
 }
 
 
-def _option(name: str, kind: Any, words: str, **settings: Any) -> Decorator:
+def _option(name: str, kind: Any, words: str, **settings: Any) -> options.Decorator:
     return click.option(*name.split(), type=kind, help=words, show_default="default" in settings, **settings)
 
 
 # Types of options: numbers of at least 0, 1 and 2, angles, lengths and a list of lengths.
 FROM_0, FROM_1, FROM_2 = (click.IntRange(least) for least in range(3))
-ANGLE, LENGTH = Quantity("rad", "0.05deg"), Quantity("mm", "2um")
-LENGTHS, LEVELS = Quantity("mm", "3um", listed=True), "0,0.5um,1um,1.5um,2um,2.5um,3um"
+ANGLE, LENGTH = options.Quantity("rad", "0.05deg"), options.Quantity("mm", "2um")
+LENGTHS, LEVELS = options.Quantity("mm", "3um", listed=True), "0,0.5um,1um,1.5um,2um,2.5um,3um"
 
 FITTED = "Loads between which the slope is fitted, P/E* or P, such as 0.05mm^2 0.2mm^2."
 CALIBRATED = "Errors and correlations of a metafem calibrate -o FILE.toml; other options add inputs."
 
 # Options of several studies: the law, the draws, the seed, and the processes.
 LAW = (
-    *model_options("that of the folder"),
+    *options.model_options("that of the folder"),
     _option("--load-range", str, FITTED, nargs=2, metavar="FROM TO"),
 )
 DRAWS = _option("--draws", FROM_2, "Number of draws.", default=10_000)
@@ -70,7 +61,7 @@ def study() -> None:
     """
 
 
-def of_design(*options: Decorator, short_help: str) -> Callable[[Callable[..., Dataset]], None]:
+def of_design(*own: options.Decorator, short_help: str) -> Callable[[Callable[..., Dataset]], None]:
     """Return the decorator that adds the command of a study, from the function that computes its dataset.
 
     The function has a design and the options; those of `LAW` become its model and rescaled loads.
@@ -90,8 +81,13 @@ def of_design(*options: Decorator, short_help: str) -> Callable[[Callable[..., D
             show_study(as_json, (dataset, path))
 
         run.__doc__ = compute.__doc__
-        parts = (click.argument("folder", type=Name(), metavar="DIR"), *options, force_option, json_option)
-        study.add_command(command(*parts, name=name, short_help=short_help)(run))
+        parts = (
+            click.argument("folder", type=options.Name(), metavar="DIR"),
+            *own,
+            options.force_option,
+            options.json_option,
+        )
+        study.add_command(options.command(*parts, name=name, short_help=short_help)(run))
 
     return add
 
@@ -164,8 +160,8 @@ def misalignment(design: Design, **options: Any) -> Dataset:
 
 
 @of_design(
-    *quantities(INPUTS),
-    _option("--calibration", Name(), CALIBRATED, metavar="FILE.toml"),
+    *options.quantities(INPUTS),
+    _option("--calibration", options.Name(), CALIBRATED, metavar="FILE.toml"),
     *(*LAW, DRAWS, SEED),
     short_help="Error bars of the law, and which input matters most.",
 )

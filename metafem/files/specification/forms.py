@@ -52,13 +52,9 @@ class Sections(Section):
     cell: sections.CellSection | None = optional("period of an infinite surface; default: no repetition")
     limits: sections.LimitsSection = key("manufacturing limits")
     layout: sections.LayoutSection = key("assignment of heights to sites", default=sections.LayoutSection())
-    model: sections.ModelSection = key(
-        "model under which the target is to be met", default=sections.ModelSection()
-    )
-    cap: sections.AnyCap | None = optional("shape of the caps, of one of these kinds; default: spheres")
-    contact: sections.AnyContact = key(
-        "law of one contact, of one of these kinds; default: hertz", default=mf.Hertz()
-    )
+    model: sections.ModelSection = key("model of the law", default=sections.ModelSection())
+    cap: sections.AnyCap | None = optional("shape of the caps; default: spheres")
+    contact: sections.AnyContact = key("law of one contact; default: hertz", default=mf.Hertz())
     part: sections.PartSection = key("options of the part files", default=sections.PartSection())
     checks: sections.ChecksSection = key("further checks", default=sections.ChecksSection())
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
-from pydantic import BeforeValidator, Field, WithJsonSchema
+from pydantic import BeforeValidator, WithJsonSchema
 
 import metafem as mf
 from metafem import _validate as check
@@ -19,6 +19,7 @@ from metafem.files.specification.sections import (
     Positive,
     Section,
     key,
+    one_of,
     optional,
     text_schema,
 )
@@ -199,13 +200,7 @@ class PowerSection(TargetSection):
     prefactor: Positive | None = optional("C, for areas in mm^2; default: chosen by the design", 7.0)
 
 
-AnyTarget = Annotated[
-    PointsSection
-    | LinearSection
-    | BilinearSection
-    | SampledSection
-    | PowerSection
-    | MultilinearSection
-    | BandSection,
-    Field(discriminator="kind"),
-]
+AnyTarget: Any = one_of(
+    *(PointsSection, LinearSection, BilinearSection, SampledSection, PowerSection, MultilinearSection),
+    BandSection,
+)
