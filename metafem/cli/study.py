@@ -1,4 +1,4 @@
-"""The command study: one subcommand for each study, with options from one table."""
+"""The command study: one subcommand for each study."""
 
 from __future__ import annotations
 
