@@ -18,10 +18,6 @@ Decorator = Callable[[Any], Any]
 # Type of an option that names a file or folder.
 Name = partial(click.Path, path_type=Path)
 
-# Placeholder of a quantity in `--help`, by its unit.
-PLACEHOLDERS = {"mm": "LENGTH", "N": "FORCE", "rad": "ANGLE", "MPa": "STRESS", "%": "PERCENT", "1": "NUMBER"}
-
-
 # Key in the context of a command: the texts of its options, by name.
 TEXTS = "metafem.texts"
 
@@ -91,7 +87,7 @@ def quantity(name: str, unit: str, example: str, text: str, **settings: Any) -> 
     """Return the option of a quantity; the example is inserted at `{}` in the help text."""
     kind = float if unit == "1" else Quantity(unit, example)
     words = text.format(f'"{example}"')
-    return click.option(option_name(name), type=kind, metavar=PLACEHOLDERS[unit], help=words, **settings)
+    return click.option(option_name(name), type=kind, help=words, **settings)
 
 
 def quantities(declared: Mapping[str, tuple[str, str, str]]) -> list[Decorator]:

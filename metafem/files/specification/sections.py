@@ -12,7 +12,6 @@ from pydantic import (
     BeforeValidator,
     ConfigDict,
     Field,
-    GetJsonSchemaHandler,
     ValidationInfo,
     WithJsonSchema,
     create_model,
@@ -40,6 +39,11 @@ BOUNDS = {
 Choices = tuple[tuple[str, ...], ...]
 
 
+def _with_choices(schema: dict[str, Any], section: Any) -> None:
+    """Add the alternative sets of keys to a JSON schema, for `section_forms`."""
+    schema["x-choices"] = [list(choice) for choice in section.choices]
+
+
 class Section(BaseModel):
     """A section, which refuses unknown keys; `makes` is called with its keys to build its value.
 
@@ -47,7 +51,7 @@ class Section(BaseModel):
     names replace this key before the section is read.
     """
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, json_schema_extra=_with_choices)
     choices: ClassVar[Choices] = ()
     makes: ClassVar[Callable[..., Any] | None] = None
 
@@ -79,12 +83,6 @@ class Section(BaseModel):
     def given(self) -> dict[str, Any]:
         """Return the values of the keys that have one, but those of the section itself."""
         return {name: value for name, value in self if value is not None and name not in ("kind", "file")}
-
-    @classmethod
-    def __get_pydantic_json_schema__(cls, core: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
-        """Return the JSON schema, to which the alternative sets are added for `section_forms`."""
-        found = handler.resolve_ref_schema(handler(core))
-        return {**found, "x-choices": [list(choice) for choice in cls.choices]}
 
 
 def key(meaning: str, example: Any = None, *, default: Any = ..., **bounds: Any) -> Any:
