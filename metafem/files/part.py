@@ -69,7 +69,6 @@ class Part:
     """A part whose caps can be made, with the options of its files."""
 
     surface: Surface  # its asperities, followed by its alignment asperities
-    asperities: int  # number of asperities without those for alignment
     block: Block
     chord_error: float  # [mm]
 
@@ -101,7 +100,7 @@ def planned(surface: Surface, template: Surface, options: PartSection) -> Part |
     words = f"needs about {sides / chord_error:.2g} triangles; choose a larger one, for at most {MOST:,.0f}"
     given = f"{chord_error * MICROMETRES:g} um"
     refuse_if(sides / chord_error > MOST, words, key="part.chord_error", value=given)
-    return Part(whole, surface.count, surface.block, chord_error)
+    return Part(whole, surface.block, chord_error)
 
 
 def part_notes(part: Part | None) -> tuple[Note, ...]:
