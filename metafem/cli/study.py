@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 
 # Standard deviations of the inputs of `metafem study uncertainty`: unit, example and help text.
 INPUTS = {
-    "radius_sd": ("mm", "2um", "SD of the radii, such as {}."),
     "composite_modulus_sd": ("MPa", "0.04MPa", "SD of E*, such as {}."),
+    "radius_sd": ("mm", "2um", "SD of the radii, such as {}."),
     "load_sd": ("N", "2mN", "SD of the load, such as {}."),
     "shear_strength_sd": ("MPa", "0.006MPa", "SD of σ, such as {}."),
     "area_ratio_sd": ("1", "0.01", "SD of B, such as {}."),
