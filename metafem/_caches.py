@@ -6,7 +6,7 @@ import os
 import re
 import shutil
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -15,9 +15,8 @@ from typing import Any, BinaryIO
 # folder.
 VARIABLE = "METAFEM_CACHE_DIR"
 
-# Names of the files and folders that metafem writes to the cache; others are never removed.
+# Name of a folder of compiled kernels; others are never removed.
 _KERNELS = re.compile(r"[0-9a-f]{32}")
-_BLOCK = re.compile(r"\.?block-.*\.npz.*")
 
 
 def cache_folder() -> Path:
@@ -43,37 +42,16 @@ def kernel_folder() -> Path:
 
 def kept_kernels() -> list[Path]:
     """Return the subfolders of compiled kernels, newest first."""
-    return sorted(_children(kernel_folder(), _KERNELS), key=_time, reverse=True)
+    with suppress(FileNotFoundError, NotADirectoryError):
+        found = [path for path in kernel_folder().iterdir() if _KERNELS.fullmatch(path.name)]
+        return sorted(found, key=_time, reverse=True)
+    return []
 
 
-def kept_blocks() -> list[Path]:
-    """Return the files that store the influence matrices of blocks."""
-    return sorted(_children(cache_folder(), _BLOCK))
-
-
-def size(paths: list[Path]) -> int:
-    """Return the total size of files, and of all files in folders [bytes]."""
-    total = 0
-    for file in (file for path in paths for file in (path, *path.rglob("*"))):
-        with suppress(OSError):  # another process has removed it
-            total += file.stat().st_size if file.is_file() else 0
-    return total
-
-
-def remove(paths: list[Path]) -> int:
-    """Remove files and folders, and return the freed size [bytes].
-
-    This is safe while other processes use the cache: each file is either complete or absent, and a process
-    that finds no file computes its content again.
-    """
-    before = size(paths)
-    for path in paths:
-        if path.is_dir():
-            shutil.rmtree(path, ignore_errors=True)
-        else:
-            with suppress(OSError):
-                path.unlink()
-    return before - size(paths)
+def remove_old_kernels(kept: int) -> None:
+    """Remove compiled kernels but the newest; other processes that use them compile them again."""
+    for path in kept_kernels()[kept:]:
+        shutil.rmtree(path, ignore_errors=True)
 
 
 def write_whole(path: Path, write: Callable[[BinaryIO], Any]) -> None:
@@ -87,11 +65,6 @@ def write_whole(path: Path, write: Callable[[BinaryIO], Any]) -> None:
         fresh.replace(path)
     finally:
         fresh.unlink(missing_ok=True)
-
-
-def _children(folder: Path, name: re.Pattern[str]) -> Iterator[Path]:
-    with suppress(FileNotFoundError, NotADirectoryError):
-        yield from (path for path in folder.iterdir() if name.fullmatch(path.name))
 
 
 def _time(path: Path) -> float:

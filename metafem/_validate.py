@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+import operator
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from itertools import zip_longest
 from types import UnionType
 from typing import Any
@@ -12,8 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from metafem._given import shown, unit_of, with_unit
-from metafem.errors import InvalidInput, refuse_if
+from metafem.errors import InvalidInput, refuse_if, shown
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -26,32 +26,63 @@ SMALLEST, LARGEST = sys.float_info.min**0.2, sys.float_info.max**0.2
 # far above any part, so that lengths may also be given in units a million times larger or smaller.
 SHORTEST, LONGEST = 1e-12, 1e8
 
+# Limits of a number by their names: what holds, and its words.
+LIMITS: Mapping[str, tuple[Callable[[float, float], bool], str]] = {
+    "above": (operator.gt, "greater than"),
+    "at_least": (operator.ge, "at least"),
+    "at_most": (operator.le, "at most"),
+}
+
 # Bounds of Poisson's ratio; a material with 0.5 is incompressible.
 POISSON: Mapping[str, Any] = {"at_least": 0.0, "at_most": 0.5}
 
 
-def number(
-    name: str,
-    value: Any,
-    *,
-    above: float | None = None,
-    at_least: float | None = None,
-    at_most: float | None = None,
-) -> float:
-    """Return `value` as a finite float within the bounds, in the unit of the argument `name`."""
+# Unit of each argument and column of a table that has a unit. A name has one meaning in the whole package;
+# NAME_sd is its standard deviation.
+UNITS: Mapping[str, str] = {
+    name: unit
+    for unit, names in {
+        "mm": "position height radius pitch width length thickness max_height min_height offset height_step "
+        "low high radii step x y rho f separation approach cell contact_radius block_radius cell_radius "
+        "alignment_height chord_error indentation r tools radius_range displacement boundary centre "
+        "site_position frame sd_position sd_height sd_radius pixel_size blur pinned",
+        "mm^2": "rescaled_load rescaled_friction crossover_load crossover_loads load_range area "
+        "asperity_area area_before area_sheared smallest_area area_error sheared_area sheared_area_error",
+        "N": "load load_min friction_force",
+        "N/mm": "adhesion_energy",
+        "MPa": "composite_modulus young_modulus shear_strength hardness yield_strength nominal_pressure "
+        "nominal_shear_stress",
+        "rad": "angle angle_x angle_y tilt rotation rotation_range",
+    }.items()
+    for name in names.split()
+}
+
+
+def unit_of(name: str) -> str:
+    """Return the unit of an argument, such as "mm" for ``radius[3]``, or "1" if it has none."""
+    return UNITS.get(name.rpartition(".")[2].partition("[")[0].removesuffix("_sd"), "1")
+
+
+def with_unit(name: str, value: float) -> str:
+    """Return the value of an argument as text, with its unit."""
+    return f"{value:g} {unit_of(name)}".removesuffix(" 1")
+
+
+def number(name: str, value: Any, **limits: float | None) -> float:
+    """Return `value` as a finite float, in the unit of the argument `name`.
+
+    The limits are those of `LIMITS`; a limit None is not checked.
+    """
     if not isinstance(value, float):
         refuse_if(not scalar(value), "must be a single number", key=name, value=shown(value))
         value = plain(name, value)
     result = float(value)
     refuse_if(not math.isfinite(result), "must be finite", key=name, value=str(result))
-    for wrong, must, bound in (
-        (above is not None and not result > above, "greater than", above),
-        (at_least is not None and result < at_least, "at least", at_least),
-        (at_most is not None and result > at_most, "at most", at_most),
-    ):
-        if wrong and bound is not None:
+    for limit, bound in limits.items():
+        holds, must = LIMITS[limit]
+        if bound is not None and not holds(result, bound):
             raise InvalidInput(f"must be {must} {with_unit(name, bound)}", key=name, value=result)
-    least, most = bounds(name, above == 0.0)
+    least, most = bounds(name, limits.get("above") == 0.0)
     if result and not least <= abs(result) <= most:
         raise InvalidInput(_magnitude(name, least, most), key=name, value=result)
     return result

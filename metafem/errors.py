@@ -1,10 +1,13 @@
-"""Exceptions and warnings of the package."""
+"""Exceptions and warnings of the package, and the words of their messages."""
 
 from __future__ import annotations
 
+import re
+from importlib.util import find_spec
 from typing import Any
 
-from metafem._given import spoken
+# Arguments with an entry for each of some sites, which keep their numbers.
+BY_SITE = ("pinned",)
 
 
 class MetafemError(Exception):
@@ -111,3 +114,43 @@ class NotConverged(MetafemError):
 
 class MetafemWarning(UserWarning):
     """Warning that a result lies outside the range in which the model is valid."""
+
+
+def refuse_missing(package: str, extra: str, purpose: str) -> None:
+    """Raise InvalidInput, naming the extra and its purpose, if a package of the extra is not installed."""
+    refuse_if(
+        find_spec(package) is None, f"{purpose} needs the extra {extra}: pip install 'metafem[{extra}]'"
+    )
+
+
+def spoken(name: str) -> str:
+    """Return the name of an argument in words: entries count from 1, as those of a table do.
+
+    Examples
+    --------
+    >>> spoken("limits.offset"), spoken("radius[3]"), spoken("target.crossover_loads[0][1]")
+    ('limits.offset', 'entry 4 of radius', 'entry (1, 2) of target.crossover_loads')
+    """
+    found = re.fullmatch(r"([^][]+)((?:\[\d+(?:, \d+)*\])+)", name)
+    if found is None or found[1] in BY_SITE:
+        return name
+    places = [str(int(place) + 1) for place in re.findall(r"\d+", found[2])]
+    place = places[0] if len(places) == 1 else f"({', '.join(places)})"
+    return f"entry {place} of {found[1]}"
+
+
+def shown(value: Any, most: int = 60) -> str:
+    """Return any value as one line of text, for an error message."""
+    if isinstance(value, (str, bytes)):
+        value = value[: 2 * most]
+    try:
+        text = repr(value)
+    except Exception:  # an object of another library, or an integer with too many digits
+        text = f"{'an' if type(value).__name__[0] in 'aeiou' else 'a'} {type(value).__name__}"
+    return printable(" ".join(text.split()), most)
+
+
+def printable(text: str, most: int = 200) -> str:
+    """Return text as one line: unprintable characters are escaped, and long texts are cut."""
+    cut = text if len(text) <= most else text[: most - 1] + "…"
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in cut)

@@ -1,7 +1,7 @@
 """Tables of refusals: a call, and the key and the value that the message must hold."""
 
 import metafem as mf
-from metafem._given import spoken
+from metafem.errors import spoken
 
 
 def faults(rows):

@@ -109,7 +109,7 @@ class _Kept(NullCache):
             path = self._path(signature, result.library.codegen)
             if not path.parent.is_dir():
                 path.parent.mkdir(parents=True, exist_ok=True)
-                _caches.remove(_caches.kept_kernels()[MOST_VERSIONS:])
+                _caches.remove_old_kernels(MOST_VERSIONS)
             _caches.write_whole(path, lambda file: file.write(data))
 
     def _path(self, signature, codegen):

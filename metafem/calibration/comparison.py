@@ -9,12 +9,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from metafem import _validate as check
-from metafem._given import shown
 from metafem._validate import FloatArray
 from metafem._values import Value, percent, span
 from metafem.calibration.laws import MeasuredLaw
 from metafem.calibration.statistics import Verdict, checked_covariance
-from metafem.errors import refuse_if
+from metafem.errors import refuse_if, shown
 from metafem.inversion import Design
 from metafem.notes import Note
 from metafem.prediction import FrictionLaw

@@ -14,9 +14,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from metafem._given import printable
 from metafem._validate import FloatArray, IntArray
-from metafem.errors import refuse_if
+from metafem.errors import printable, refuse_if
 from metafem.notes import Note, information
 
 if TYPE_CHECKING:

@@ -32,11 +32,9 @@ from scipy.special import chndtr
 from scipy.stats import trim_mean
 
 from metafem import _validate as check
-from metafem._extras import refuse_missing
-from metafem._given import shown
 from metafem._validate import FloatArray, IntArray
 from metafem._values import Value
-from metafem.errors import InvalidInput, refuse_if
+from metafem.errors import InvalidInput, refuse_if, refuse_missing, shown
 from metafem.notes import Note
 from metafem.progress import each
 

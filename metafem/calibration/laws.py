@@ -10,13 +10,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from metafem import _validate as check
-from metafem._given import shown
 from metafem._validate import FloatArray
 from metafem._values import span
 from metafem.calibration.contact_table import of_contacts
 from metafem.calibration.statistics import PAPER, MeasurementErrors
 from metafem.drawing import MEASURED, calibration, name_law
-from metafem.errors import InvalidInput, refuse_if
+from metafem.errors import InvalidInput, refuse_if, shown
 from metafem.notes import Note, counted, to_lines
 from metafem.prediction import friction_law
 from metafem.prediction.base_law import BaseLaw

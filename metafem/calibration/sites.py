@@ -15,12 +15,11 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.spatial import cKDTree
 
 from metafem import _validate as check
-from metafem._given import shown
 from metafem._validate import FloatArray, IntArray
 from metafem._values import Value
 from metafem.calibration.contact_table import contact_table, listed
 from metafem.calibration.images import ContactAreas
-from metafem.errors import InvalidInput, refuse_if
+from metafem.errors import InvalidInput, refuse_if, shown
 from metafem.notes import Note
 
 if TYPE_CHECKING:

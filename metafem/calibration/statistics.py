@@ -15,11 +15,10 @@ from scipy.optimize.elementwise import find_root
 from scipy.special import gammaincc, ndtr
 
 from metafem import _validate as check
-from metafem._given import shown
 from metafem._validate import FloatArray
 from metafem._values import Value, three_digits
 from metafem.contact import Contact
-from metafem.errors import InvalidInput, NotConverged, refuse_if
+from metafem.errors import InvalidInput, NotConverged, refuse_if, shown
 from metafem.material import Friction, Material
 from metafem.notes import Note
 

@@ -11,11 +11,10 @@ import numpy as np
 import scipy
 
 from metafem import _validate as check
-from metafem._given import shown
 from metafem._validate import FloatArray
 from metafem._values import Value
 from metafem.caps.shapes import NO_CURVATURE, Cap
-from metafem.errors import InvalidInput, refuse_if
+from metafem.errors import InvalidInput, refuse_if, shown
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline, PchipInterpolator

@@ -19,8 +19,7 @@ from metafem.cli.options import (
     quantities,
     refuse_files,
 )
-from metafem.cli.output import notes_data, show
-from metafem.cli.progress import progress
+from metafem.cli.output import notes_data, progress, show
 from metafem.errors import refuse_if
 
 if TYPE_CHECKING:

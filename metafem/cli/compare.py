@@ -18,7 +18,7 @@ from metafem.cli.options import (
     json_option,
     quantities,
 )
-from metafem.cli.progress import loaded, progress
+from metafem.cli.output import progress
 from metafem.cli.study import show_study
 from metafem.errors import refuse_if
 
@@ -66,7 +66,7 @@ def compare(folder: Path, table: Path, explain: bool, force: bool, as_json: bool
     from metafem.studies.measured import explained, measured
 
     with progress():
-        design = loaded(folder)
+        design = mf.load(folder)
         values = {name: given[name] for name in PAIR if given[name] is not None}
         errors: dict[str, Any] = {}
         if given["calibration"] is not None:

@@ -10,10 +10,9 @@ from typing import TYPE_CHECKING, Any
 import click
 
 import metafem as mf
-from metafem.cli.group import NOT_ACHIEVED
+from metafem.cli import NOT_ACHIEVED
 from metafem.cli.options import Name, command, file_option, force_option, json_option, model_options
-from metafem.cli.output import notes_data, show
-from metafem.cli.progress import loaded, progress
+from metafem.cli.output import notes_data, progress, show
 from metafem.errors import Infeasible, refuse_if
 from metafem.files.specification import DEMOS
 from metafem.progress import doing
@@ -74,8 +73,8 @@ def design(
     mf.files.refuse_existing(output, force, folder=True)
     with progress(), doing("designing"):
         specification = mf.read_spec(spec)
-        hardness, block = specification.hardness, specification.template.block
-        chosen = mf.files.chosen_model(specification.model, model, contact, block)
+        hardness, template = specification.hardness, specification.template
+        chosen = mf.files.chosen_model(specification.model, model, contact, template)
         try:
             result = specification.design(chosen)
         except Infeasible as error:
@@ -84,12 +83,8 @@ def design(
         mf.save(result, output, specification=specification, pages=pages, force=force)
     part = mf.files.planned(result.surface, result.template, specification.part)
     notes = mf.report.all_notes(result, hardness) + mf.files.part_notes(part)
-    data = {
-        "folder": str(output),
-        **_data(result),
-        "chord_error_mm": part and part.chord_error,
-        "notes": notes_data(notes),
-    }
+    data = {"folder": str(output), **_data(result), "notes": notes_data(notes)}
+    data["chord_error_mm"] = part and part.chord_error
     rows = [
         *mf.report.parameter_rows(result),
         (*mf.report.misfit_words(result), ""),
@@ -100,10 +95,10 @@ def design(
     show(
         as_json,
         data,
-        head=[result.target.title, result.verdict],
+        lines=[result.target.title, result.verdict],
         tables=[(("", "", ""), rows, None), *fits],
         notes=notes,
-        lines=[f"wrote {output}/: open {output / 'report.html'}"],
+        files=[output / "report.html"],
     )
     if result.status is mf.DesignStatus.MISSED:
         sys.exit(NOT_ACHIEVED)
@@ -168,7 +163,7 @@ def report(folder: Path, as_json: bool) -> None:
     path = folder / "report.html"
     with progress():
         studies = mf.files.stored_studies(folder)
-        text = mf.report.page(loaded(folder), mf.files.stored_hardness(folder), studies=studies)
+        text = mf.report.page(mf.load(folder), mf.files.stored_hardness(folder), studies=studies)
         mf.files.write_text(path, text, force=True)
     show(as_json, {"report": str(path)}, files=[path])
 

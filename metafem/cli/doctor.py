@@ -1,24 +1,18 @@
-"""The command doctor: checks of the installation and of its caches."""
+"""The command doctor: checks of the installation."""
 
 from __future__ import annotations
 
 import math
+import sys
 import tempfile
 from pathlib import Path
 
-import click
-
 import metafem as mf
 from metafem import _caches
-from metafem.cli.group import NOT_ACHIEVED
+from metafem.cli import NOT_ACHIEVED
 from metafem.cli.options import command, json_option
 from metafem.cli.output import show
 from metafem.errors import refuse_if
-
-
-def _kept() -> list[Path]:
-    """Return the files and folders of the caches: compiled kernels, and the influence of blocks."""
-    return [*_caches.kept_kernels(), *_caches.kept_blocks()]
 
 
 def _installed() -> str:
@@ -32,7 +26,7 @@ def _cache() -> str:
     folder = _caches.cache_folder()
     folder.mkdir(parents=True, exist_ok=True)
     tempfile.TemporaryFile(dir=folder).close()
-    return f"{folder}; {_caches.size(_kept()) / 1e6:.1f} MB"
+    return str(folder)
 
 
 def _contact() -> str:
@@ -62,25 +56,19 @@ CHECKS = {
 }
 
 
-@command(
-    click.option("--clear-cache", is_flag=True, help="Remove compiled kernels and influences of blocks."),
-    json_option,
-    short_help="Check the installation.",
-)
-def doctor(clear_cache: bool, as_json: bool) -> None:
+@command(json_option, short_help="Check the installation.")
+def doctor(as_json: bool) -> None:
     """Check the installation: versions, caches, compiled kernels, and a design with its files and report."""
-    if clear_cache:
-        folder, freed, left = _caches.cache_folder(), _caches.remove(_kept()), _caches.size(_kept())
-        data = {"folder": str(folder), "freed_bytes": freed, "left_bytes": left}
-        show(as_json, data, lines=[f"removed {freed / 1e6:.1f} MB from {folder}, left {left / 1e6:.1f} MB"])
-        return
     findings = []
     for what, check in CHECKS.items():
         try:
             findings.append({"what": what, "found": check(), "well": True})
         except Exception as error:
             findings.append({"what": what, "found": f"{type(error).__name__}: {error}", "well": False})
-    lines = ["{} {what}: {found}".format("ok  " if each["well"] else "FAIL", **each) for each in findings]
-    show(as_json, findings, lines=lines)
+    show(
+        as_json,
+        findings,
+        lines=[f"{'ok  ' if each['well'] else 'FAIL'} {each['what']}: {each['found']}" for each in findings],
+    )
     if not all(each["well"] for each in findings):
-        click.get_current_context().exit(NOT_ACHIEVED)
+        sys.exit(NOT_ACHIEVED)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 import metafem as mf
-from metafem.cli.group import NOT_ACHIEVED
+from metafem.cli import NOT_ACHIEVED
 from metafem.cli.options import (
     Name,
     column_option,
@@ -21,8 +21,7 @@ from metafem.cli.options import (
     quantity,
     refuse_files,
 )
-from metafem.cli.output import in_rows, notes_data, show
-from metafem.cli.progress import progress
+from metafem.cli.output import in_rows, notes_data, progress, show
 from metafem.errors import refuse_if
 from metafem.notes import Note
 from metafem.progress import doing

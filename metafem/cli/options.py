@@ -10,29 +10,48 @@ from typing import Any
 import click
 
 import metafem as mf
-from metafem.cli.group import TEXTS, Command
 from metafem.errors import InvalidInput, refuse_if
 from metafem.files.specification import MODELS
 
 Decorator = Callable[[Any], Any]
 
-# How the option --contact states each contact law.
-CONTACTS = """hertz, elastic, jkr ADHESION_ENERGY [CAP], kogut-etsion HARDNESS, jackson-green YIELD_STRENGTH,
-tabulated FILE"""
-
 # Type of an option that names a file or folder.
 Name = partial(click.Path, path_type=Path)
 
-# Placeholder of a quantity in `--help`, by its unit.
-PLACEHOLDERS = {"mm": "LENGTH", "N": "FORCE", "rad": "ANGLE", "MPa": "STRESS", "%": "PERCENT", "1": "NUMBER"}
+# Key in the context of a command: the texts of its options, by name.
+TEXTS = "metafem.texts"
+
+
+class Command(click.Command):
+    """A command whose errors name its options, with the texts that were given, instead of arguments."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Parse the arguments, and keep the texts of the options."""
+        ctx.meta[TEXTS] = self.make_parser(ctx).parse_args([*args])[0]
+        return super().parse_args(ctx, args)
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Run the command."""
+        try:
+            return super().invoke(ctx)
+        except InvalidInput as error:
+            raise self._in_options(error, ctx.meta[TEXTS]) from None
+
+    def _in_options(self, error: InvalidInput, texts: Mapping[str, Any]) -> InvalidInput:
+        """Return an error of an argument as one of the option of this name."""
+        path, bracket, rest = error.key.partition("[")
+        label = {each.name: max(each.opts, key=len) for each in self.params}.get(path.rpartition(".")[2])
+        text = texts.get(path.rpartition(".")[2])
+        if label is None or (text is None and error.value is not None):
+            return error
+        found = error.at(f"{label}{bracket}{rest}")
+        if isinstance(found.value, float) and text is not None:
+            found.value = text if isinstance(text, str) else ", ".join(text)
+        return found
 
 
 class Quantity(click.ParamType):  # type: ignore[type-arg]
-    """Type of an option that is a quantity with a unit, or a list of quantities if `listed` is true.
-
-    The value is a number in the package's unit; the unit "load" is that of a rescaled load or a force. The
-    texts are stored in the context, for errors.
-    """
+    """Type of an option that is a quantity with a unit, or a list of quantities if `listed` is true."""
 
     name = "quantity"
 
@@ -43,17 +62,13 @@ class Quantity(click.ParamType):  # type: ignore[type-arg]
         """Return the number that a text states, or the numbers in a list with commas; 0 has any unit."""
         if not isinstance(value, str):
             return value
-        label = max(param.opts, key=len)
         parts = [part.strip() for part in value.split(",")] if self.listed else [value.strip()]
-        ctx.meta.setdefault(TEXTS, {}).setdefault(param.name, (label, []))[1].extend(parts)
         try:
-            if self.unit == "load":
-                return mf.files.given_load(value)
             found = [
-                0.0 if part == "0" else mf.files.converted(part, self.unit, self.example) for part in parts
+                0.0 if each == "0" else mf.files.converted(each, self.unit, self.example) for each in parts
             ]
         except InvalidInput as error:
-            raise error.at(label) from None
+            raise error.at(max(param.opts, key=len)) from None
         return found if self.listed else found[0]
 
 
@@ -72,7 +87,7 @@ def quantity(name: str, unit: str, example: str, text: str, **settings: Any) -> 
     """Return the option of a quantity; the example is inserted at `{}` in the help text."""
     kind = float if unit == "1" else Quantity(unit, example)
     words = text.format(f'"{example}"')
-    return click.option(option_name(name), type=kind, metavar=PLACEHOLDERS[unit], help=words, **settings)
+    return click.option(option_name(name), type=kind, help=words, **settings)
 
 
 def quantities(declared: Mapping[str, tuple[str, str, str]]) -> list[Decorator]:
@@ -93,11 +108,10 @@ def option_name(name: str) -> str:
 def model_options(default: str) -> list[Decorator]:
     """Return the options --model and --contact; `default` describes their default."""
     model = f"Model of the law; automatic is the fastest that is accurate enough. Default: {default}."
-    law = f'Law of one contact, a kind and its values: {CONTACTS}; such as "jkr 9 mJ/m^2 elastic". Default: '
-    law += f"{default.replace('independent', 'hertz')}."
+    law = 'Law of one contact: a kind of [contact] and its value, such as "jkr 9 mJ/m^2". Default: '
     return [
         click.option("--model", type=click.Choice(tuple(MODELS)), help=model),
-        click.option("--contact", metavar="LAW", help=law),
+        click.option("--contact", metavar="LAW", help=f"{law}{default.replace('independent', 'hertz')}."),
     ]
 
 

@@ -1,14 +1,17 @@
-"""The printer of results: lines and tables for a reader, or JSON for a program."""
+"""What a command prints: lines and tables for a reader, JSON for a program, and progress on a terminal."""
 
 from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
+
+from metafem.progress import listening
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -29,9 +32,8 @@ def show(
     as_json: bool,
     data: Any,
     *,
-    head: Iterable[str] = (),
-    tables: Iterable[Printed] = (),
     lines: Iterable[str] = (),
+    tables: Iterable[Printed] = (),
     notes: Iterable[Note] = (),
     files: Iterable[Path | None] = (),
 ) -> None:
@@ -41,13 +43,11 @@ def show(
         return
     from rich.console import Console
 
-    console = Console(width=None if sys.stdout.isatty() else WIDE)
-    for line in head:
+    console = Console(width=None if sys.stdout.isatty() else WIDE, markup=False, highlight=False)
+    for line in lines:
         click.echo(line)
     for table in tables:
         print_table(console, *table)
-    for line in lines:
-        click.echo(line)
     for note in dict.fromkeys(notes):
         click.secho(f"{'warning' if note.warns else 'note'}: {note}", fg="yellow" if note.warns else None)
     for path in filter(None, files):
@@ -59,18 +59,17 @@ def print_table(
 ) -> None:
     """Print a table; headings may wrap between words, but numbers never wrap."""
     from rich.box import SIMPLE_HEAD
-    from rich.markup import escape
     from rich.table import Table
 
     headed = any(columns)
     style: Any = {"title_justify": "left", "padding": (0, 1, 0, 0), "pad_edge": False, "show_header": headed}
-    table = Table(title=title and escape(title), box=SIMPLE_HEAD if headed else None, **style)
+    table = Table(title=title, box=SIMPLE_HEAD if headed else None, **style)
     for heading, *column in zip(columns, *rows, strict=True):
         longest = max(map(len, [*heading.split(), *column]), default=1)
         right = headed and table.columns
-        table.add_column(escape(heading), justify="right" if right else "left", min_width=longest)
+        table.add_column(heading, justify="right" if right else "left", min_width=longest)
     for row in rows:
-        table.add_row(*map(escape, row))
+        table.add_row(*row)
     console.print(table, crop=False)
 
 
@@ -110,3 +109,28 @@ def _text(value: Any) -> str:
 def notes_data(notes: Iterable[Note]) -> list[dict[str, Any]]:
     """Return level, text and numbers of each note, for JSON."""
     return [note.to_json() for note in notes]
+
+
+@contextmanager
+def progress() -> Iterator[None]:
+    """Show the running step on a terminal, and print on stderr when kernels are first compiled."""
+    from rich.console import Console
+    from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+
+    from metafem._kernels.compiled import on_first_compilation
+
+    console = Console(stderr=True)
+
+    def say(text: str) -> None:
+        console.print(text, highlight=False, markup=False, soft_wrap=True)
+
+    on_first_compilation(lambda: say("compiling kernels for this installation …"))
+    columns = SpinnerColumn(), TextColumn("{task.description}", markup=False), TimeElapsedColumn()
+    bar = Progress(*columns, console=console, transient=True)
+    task = bar.add_task("starting")
+
+    def on_step(step: str, done: float | None) -> None:
+        bar.update(task, description=step if done is None else f"{step}, {100.0 * done:.0f} %")
+
+    with bar if console.is_terminal else nullcontext(), listening(on_step, say):
+        yield

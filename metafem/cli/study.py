@@ -1,4 +1,4 @@
-"""The command study: one subcommand for each study, with options from one table."""
+"""The command study: one subcommand for each study."""
 
 from __future__ import annotations
 
@@ -9,11 +9,9 @@ from typing import TYPE_CHECKING, Any
 import click
 
 import metafem as mf
-from metafem.cli.group import TEXTS
-from metafem.cli.options import Decorator, Name, Quantity, command, force_option, json_option, model_options
-from metafem.cli.output import show
-from metafem.cli.progress import loaded, progress
-from metafem.errors import refuse_if
+from metafem.cli import options
+from metafem.cli.output import progress, show
+from metafem.errors import InvalidInput, refuse_if
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -22,46 +20,36 @@ if TYPE_CHECKING:
     from metafem.inversion import Design
     from metafem.surface import Surface
 
-# Unit and example of the standard deviation of each input of `metafem study uncertainty`.
+# Standard deviations of the inputs of `metafem study uncertainty`: unit, example and help text.
 INPUTS = {
-    "radius": ("mm", "2um"),
-    "composite_modulus": ("MPa", "0.04MPa"),
-    "load": ("N", "2mN"),
-    "shear_strength": ("MPa", "0.006MPa"),
-    "area_ratio": ("1", "0.01"),
+    "composite_modulus_sd": ("MPa", "0.04MPa", "SD of E*, such as {}."),
+    "radius_sd": ("mm", "2um", "SD of the radii, such as {}."),
+    "load_sd": ("N", "2mN", "SD of the load, such as {}."),
+    "shear_strength_sd": ("MPa", "0.006MPa", "SD of σ, such as {}."),
+    "area_ratio_sd": ("1", "0.01", "SD of B, such as {}."),
 }
 
 
-def _option(name: str, kind: Any, words: str, **settings: Any) -> Decorator:
+def _option(name: str, kind: Any, words: str, **settings: Any) -> options.Decorator:
     return click.option(*name.split(), type=kind, help=words, show_default="default" in settings, **settings)
 
 
 # Types of options: numbers of at least 0, 1 and 2, angles, lengths and a list of lengths.
 FROM_0, FROM_1, FROM_2 = (click.IntRange(least) for least in range(3))
-ANGLE, LENGTH = Quantity("rad", "0.05deg"), Quantity("mm", "2um")
-LENGTHS, LEVELS = Quantity("mm", "3um", listed=True), "0,0.5um,1um,1.5um,2um,2.5um,3um"
+ANGLE, LENGTH = options.Quantity("rad", "0.05deg"), options.Quantity("mm", "2um")
+LENGTHS, LEVELS = options.Quantity("mm", "3um", listed=True), "0,0.5um,1um,1.5um,2um,2.5um,3um"
 
 FITTED = "Loads between which the slope is fitted, P/E* or P, such as 0.05mm^2 0.2mm^2."
-DEVIATION = f"Standard deviation of an input; repeat it for several. The inputs are {', '.join(INPUTS)}."
-CALIBRATED = "Errors and correlations of a metafem calibrate -o FILE.toml; --sd adds other inputs."
+CALIBRATED = "Errors and correlations of a metafem calibrate -o FILE.toml; other options add inputs."
 
-# Options of the studies, each with its type, help text and settings; each study lists those that it has.
-OPTIONS: dict[str, Decorator] = {
-    "height_sd": _option("--height-sd", LENGTHS, "SD of the heights, such as 0.9um,3um.", default=LEVELS),
-    "tilt": _option("--angle", ANGLE, "Largest tilt about either axis.", default="0"),
-    "radius_sd": _option("--radius-sd", LENGTH, "SD of the radii.", default="0"),
-    "position_sd": _option("--position-sd", LENGTH, "SD of x and y of sites.", default="0"),
-    "misfit": _option("--misfit", bool, "Compare each law with the target; takes longer.", is_flag=True),
-    "angle": _option("--angle", ANGLE, "Largest angle, reached in 1,000 steps.", default="0.1deg"),
-    "shuffles": _option("--shuffles", FROM_0, "Number of random placements to compare with.", default=20),
-    "placements": _option("--placements", FROM_1, "Number of random placements.", default=1000),
-    "sd": _option("--sd", str, DEVIATION, multiple=True, metavar="INPUT=QUANTITY"),
-    "calibration": _option("--calibration", Name(), CALIBRATED, metavar="FILE.toml"),
-    "load_range": _option("--load-range", Quantity("load"), FITTED, nargs=2, metavar="FROM TO"),
-    "draws": _option("--draws", FROM_2, "Number of draws.", default=10_000),
-    "seed": _option("--seed rng", FROM_0, "Seed of the random numbers.", default=0),
-    "workers": _option("--workers", FROM_1, "Number of processes; no number depends on it.", default=1),
-}
+# Options of several studies: the law, the draws, the seed, and the processes.
+LAW = (
+    *options.model_options("that of the folder"),
+    _option("--load-range", str, FITTED, nargs=2, metavar="FROM TO"),
+)
+DRAWS = _option("--draws", FROM_2, "Number of draws.", default=10_000)
+SEED = _option("--seed rng", FROM_0, "Seed of the random numbers.", default=0)
+WORKERS = _option("--workers", FROM_1, "Number of processes; no number depends on it.", default=1)
 
 
 @click.group(short_help="Study the design of a result folder.")
@@ -73,15 +61,11 @@ def study() -> None:
     """
 
 
-def of_design(*names: str, short_help: str) -> Callable[[Callable[..., Dataset]], None]:
+def of_design(*own: options.Decorator, short_help: str) -> Callable[[Callable[..., Dataset]], None]:
     """Return the decorator that adds the command of a study, from the function that computes its dataset.
 
-    The function has a design and the options; `names` lists those in `OPTIONS`. The options of a law are
-    --model, --contact and --load-range.
+    The function has a design and the options; those of `LAW` become its model and rescaled loads.
     """
-    options = [OPTIONS[name] for name in names]
-    if "load_range" in names:
-        options[:0] = model_options("that of the folder")
 
     def add(compute: Callable[..., Dataset]) -> None:
         name = compute.__name__
@@ -91,14 +75,19 @@ def of_design(*names: str, short_help: str) -> Callable[[Callable[..., Dataset]]
 
             path = mf.files.study_path(folder, name, force)
             with progress(), parallel_config(n_jobs=workers):
-                design = loaded(folder)
+                design = mf.load(folder)
                 dataset = compute(design, **(_of_law(design, **given) if "load_range" in given else given))
                 mf.files.write_study(dataset, path, force=force)
             show_study(as_json, (dataset, path))
 
         run.__doc__ = compute.__doc__
-        parts = (click.argument("folder", type=Name(), metavar="DIR"), *options, force_option, json_option)
-        study.add_command(command(*parts, name=name, short_help=short_help)(run))
+        parts = (
+            click.argument("folder", type=options.Name(), metavar="DIR"),
+            *own,
+            options.force_option,
+            options.json_option,
+        )
+        study.add_command(options.command(*parts, name=name, short_help=short_help)(run))
 
     return add
 
@@ -107,8 +96,7 @@ def _of_law(
     design: Design, model: str | None, contact: str | None, load_range: Any, **others: Any
 ) -> dict[str, Any]:
     """Return the options with the model that --model and --contact state, and rescaled loads."""
-    used = mf.files.chosen_model(design.law.model, model, contact, design.surface.block)
-    mf.files.refuse_missing_block(used, design.surface, "design the folder again with a section [block]")
+    used = mf.files.chosen_model(design.law.model, model, contact, design.surface)
     if load_range is not None:
         load_range = mf.files.rescaled_range(load_range, design.surface.material)
     return {"model": used, "load_range": load_range, **others}
@@ -130,7 +118,12 @@ def show_study(as_json: bool, *studies: tuple[Dataset, Path]) -> None:
 
 
 @of_design(
-    *("height_sd", "tilt", "radius_sd", "position_sd", "misfit", "load_range", "draws", "seed", "workers"),
+    _option("--height-sd", LENGTHS, "SD of the heights, such as 0.9um,3um.", default=LEVELS),
+    _option("--angle", ANGLE, "Largest tilt about either axis.", default="0"),
+    _option("--radius-sd", LENGTH, "SD of the radii.", default="0"),
+    _option("--position-sd", LENGTH, "SD of x and y of sites.", default="0"),
+    _option("--misfit", bool, "Compare each law with the target; takes longer.", is_flag=True),
+    *(*LAW, DRAWS, SEED, WORKERS),
     short_help="How accurate the heights must be.",
 )
 def manufacturing(design: Design, height_sd: list[float], misfit: bool, **options: Any) -> Dataset:
@@ -148,7 +141,12 @@ def manufacturing(design: Design, height_sd: list[float], misfit: bool, **option
     return mf.studies.manufacturing(part, height_sd, others=others, **options)
 
 
-@of_design("angle", "shuffles", "load_range", "seed", "workers", short_help="How level the plane must be.")
+@of_design(
+    _option("--angle", ANGLE, "Largest angle, reached in 1,000 steps.", default="0.1deg"),
+    _option("--shuffles", FROM_0, "Number of random placements to compare with.", default=20),
+    *(*LAW, SEED, WORKERS),
+    short_help="How level the plane must be.",
+)
 def misalignment(design: Design, **options: Any) -> Dataset:
     """Study the law of a surface that is tilted relative to the plane.
 
@@ -162,26 +160,37 @@ def misalignment(design: Design, **options: Any) -> Dataset:
 
 
 @of_design(
-    *("sd", "calibration", "load_range", "draws", "seed"),
+    *options.quantities(INPUTS),
+    _option("--calibration", options.Name(), CALIBRATED, metavar="FILE.toml"),
+    *(*LAW, DRAWS, SEED),
     short_help="Error bars of the law, and which input matters most.",
 )
-def uncertainty(design: Design, sd: tuple[str, ...], calibration: Path | None, **options: Any) -> Dataset:
+def uncertainty(design: Design, calibration: Path | None, **options: Any) -> Dataset:
     """Study the error bars of the law for Gaussian errors of its inputs, and the share of each input.
 
     The shares are Sobol indices: the fraction of the variance that an input causes on its own, and the
     fraction that it causes together with other inputs. The result is the file DIR/uncertainty.nc.
 
-    Example: metafem study uncertainty linear --sd composite_modulus=0.04MPa --sd radius=2um
+    Example: metafem study uncertainty linear --composite-modulus-sd 0.04MPa --radius-sd 2um
     """
-    deviations: Any = given_deviations(sd)
+    given = {name.removesuffix("_sd"): options.pop(name) for name in INPUTS}
+    deviations: Any = {name: value for name, value in given.items() if value is not None}
     if calibration is not None:
         deviations = with_calibration(calibration, deviations, design.surface)
-    example = "--sd radius=2um, or --calibration calibration.toml"
-    refuse_if(not deviations, f"no error is given by --sd; write for example {example}")
-    return mf.studies.uncertainty(design.surface, deviations, **options)
+    example = "--radius-sd 2um, or --calibration calibration.toml"
+    refuse_if(not deviations, f"no error of an input is given; write for example {example}")
+    try:
+        return mf.studies.uncertainty(design.surface, deviations, **options)
+    except InvalidInput as error:
+        name = error.key.removeprefix("parameters.")
+        raise error.at(f"{name}_sd" if name in given else error.key) from None
 
 
-@of_design("placements", "seed", short_help="Elastic interaction, and assignments of heights to sites.")
+@of_design(
+    _option("--placements", FROM_1, "Number of random placements.", default=1000),
+    SEED,
+    short_help="Elastic interaction, and assignments of heights to sites.",
+)
 def interaction(design: Design, **options: Any) -> Dataset:
     """Compare the law of interacting asperities with the law of independent asperities.
 
@@ -204,25 +213,10 @@ def fidelity(design: Design) -> Dataset:
     return mf.studies.fidelity(design)
 
 
-def given_deviations(given: tuple[str, ...]) -> dict[str, float]:
-    """Return the standard deviations that --sd states, by the name of the input."""
-    found: dict[str, float] = {}
-    texts = click.get_current_context().meta.setdefault(TEXTS, {})
-    for text in given:
-        name, _, value = text.partition("=")
-        name = name.strip().replace("-", "_")
-        must = f"must be INPUT=QUANTITY, such as radius=2um; the inputs are {', '.join(INPUTS)}"
-        refuse_if(name not in INPUTS, f'--sd "{text:.60}" {must}')
-        refuse_if(name in found, f"--sd {name} is given twice")
-        found[name] = mf.files.quantity(f"--sd {name}", value, *INPUTS[name])
-        texts[f"parameters.{name}"] = f"--sd {name}", [value]
-    return found
-
-
 def with_calibration(
     path: Path, deviations: Mapping[str, float], surface: Surface
 ) -> tuple[tuple[str, ...], FloatArray]:
-    """Return the names of the inputs from a calibration and from ``--sd``, and their covariance."""
+    """Return the names of the inputs from a calibration and from other options, and their covariance."""
     import numpy as np
     from scipy.linalg import block_diag
 
@@ -230,5 +224,5 @@ def with_calibration(
 
     names, _, covariance = mf.files.read_parameters(path, nominal_values(surface))
     twice = ", ".join(name for name in names if name in deviations)
-    refuse_if(twice, f"--sd {twice} and --calibration both give the error of {twice}; keep one")
+    refuse_if(twice, f"two options give the error of {twice}: --calibration and its own; keep one")
     return (*names, *deviations), block_diag(covariance, np.diag(np.square([*deviations.values()])))

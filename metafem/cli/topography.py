@@ -9,11 +9,9 @@ from typing import TYPE_CHECKING, Any
 import click
 
 import metafem as mf
-from metafem._given import printable
 from metafem.cli.options import Name, command, file_option, force_option, json_option, quantity, refuse_files
-from metafem.cli.output import in_columns, in_rows, notes_data, show
-from metafem.cli.progress import loaded, progress
-from metafem.errors import InvalidInput
+from metafem.cli.output import in_columns, in_rows, notes_data, progress, show
+from metafem.errors import InvalidInput, printable
 
 if TYPE_CHECKING:
     from metafem.calibration import MadeSurface
@@ -52,7 +50,7 @@ def topography(
     """
     refuse_files(force, output)
     with progress():
-        design = loaded(folder)
+        design = mf.load(folder)
         heights, sides = mf.files.read_height_map(height_map, options["pixel"], options["height_unit"])
         try:
             made = mf.calibration.made_surface(heights, sides, design.surface, mould=options["mould"])

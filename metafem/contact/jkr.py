@@ -12,12 +12,11 @@ import numpy as np
 from scipy.optimize import elementwise
 
 from metafem import _validate as check
-from metafem._given import shown
 from metafem._validate import FloatArray, IntArray
 from metafem.caps.shapes import Values
 from metafem.contact.elastic import PARABOLOID
 from metafem.contact.law import Contact, material_of, sizes_of
-from metafem.errors import InvalidInput, refuse_if
+from metafem.errors import InvalidInput, refuse_if, shown
 from metafem.material import Material
 
 if TYPE_CHECKING:

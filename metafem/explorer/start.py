@@ -7,8 +7,7 @@ import socket
 from pathlib import Path
 
 from metafem import _validate as check
-from metafem._extras import refuse_missing
-from metafem.errors import InvalidInput
+from metafem.errors import InvalidInput, refuse_missing
 from metafem.explorer.history import State
 
 __all__ = ["explore"]

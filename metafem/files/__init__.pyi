@@ -16,7 +16,6 @@ from .images import read_height_map as read_height_map
 from .laws import read_law as read_law
 from .laws import read_measured_law as read_measured_law
 from .laws import read_sites as read_sites
-from .part import PartOptions as PartOptions
 from .part import part_notes as part_notes
 from .part import planned as planned
 from .result import load as load
@@ -41,10 +40,9 @@ from .specification.read import contact_named as contact_named
 from .specification.read import of_table as of_table
 from .specification.read import parsed as parsed
 from .specification.read import read_spec as read_spec
-from .specification.read import refuse_missing_block as refuse_missing_block
-from .specification.read import section_named as section_named
+from .specification.read import section_value as section_value
 from .specification.read import toml_table as toml_table
-from .specification.targets import given_load as given_load
+from .specification.sections import PartSection as PartSection
 from .specification.targets import rescaled_range as rescaled_range
 from .summits import heights_table as heights_table
 from .summits import law_table as law_table

@@ -14,13 +14,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from metafem import _validate as check
-from metafem._given import printable
 from metafem._validate import FloatArray
 from metafem.calibration import Calibration, joint_covariance
 from metafem.calibration.contact_table import by_image, pressed_images, sheared_points
 from metafem.calibration.statistics import UNITS, checked_covariance
 from metafem.contact import Hertz
-from metafem.errors import InvalidInput, refuse_if
+from metafem.errors import InvalidInput, printable, refuse_if
 from metafem.files.contacts import contacts_of
 from metafem.files.disk import TABLE, file_label, read_bytes
 from metafem.files.tables import NONE, Columns, Entries, Table, is_of_contacts, read_table

@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from metafem._given import printable
 from metafem.calibration.contact_table import COLUMNS as NAMES
-from metafem.errors import InvalidInput
+from metafem.errors import InvalidInput, printable
 from metafem.files.tables import Columns, Table, read_table
 
 if TYPE_CHECKING:

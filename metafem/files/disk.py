@@ -9,8 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from metafem._given import printable
-from metafem.errors import InvalidInput, refuse_if
+from metafem.errors import InvalidInput, printable, refuse_if
 
 # Largest size of each kind of file [bytes]. A specification with a thousand points has 30 kB. A summit takes
 # 60 bytes in a table and a site 300 bytes in a record, so that a million summits fit.
@@ -106,16 +105,6 @@ def refuse_unreadable(path: str | Path, missing: str = "no such file") -> None:
 def file_label(path: object) -> str:
     """Return the name of a file as errors state it, on one line."""
     return printable(str(path), 300)
-
-
-def decoded(path: str | Path, raw: bytes) -> str:
-    """Return the text of a UTF-8 file, without the byte-order mark that it may have."""
-    try:
-        return raw.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        line = raw.count(b"\n", 0, error.start) + 1
-        words = f"line {line} is not UTF-8; save the file with that encoding"
-        raise InvalidInput(f"{file_label(path)}: {words}") from None
 
 
 def text_of_table(path: str | Path, raw: bytes) -> str:

@@ -12,10 +12,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from metafem._extras import refuse_missing
-from metafem._given import printable
 from metafem.calibration.contact_table import listed
-from metafem.errors import InvalidInput, refuse_if
+from metafem.errors import InvalidInput, printable, refuse_if, refuse_missing
 from metafem.files.disk import file_label, refuse_unreadable
 from metafem.files.tables import Columns, Table
 from metafem.files.units import factor

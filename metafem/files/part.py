@@ -1,4 +1,7 @@
-"""The files of a part: its alignment asperities, checks, solids, table of holes and drilling program."""
+"""The files of a part: its alignment asperities, checks, closed meshes, table of holes and drilling program.
+
+A mesh is a pair: vertices (n, 3) [mm], and triangles (m, 3), counterclockwise, seen from outside.
+"""
 
 from __future__ import annotations
 
@@ -6,21 +9,24 @@ import math
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from metafem import _validate as check
+from metafem._validate import FloatArray, IntArray
 from metafem._values import MICROMETRES
-from metafem.caps import SPHERE, Caps
+from metafem.caps import SPHERE, Cap, Caps
 from metafem.errors import InvalidInput, refuse_if
-from metafem.files.mesh import block_mesh, mirrored, mould_mesh
 from metafem.files.summits import caps_column, csv
 from metafem.inversion import Design
 from metafem.notes import Note, information
 from metafem.progress import doing
 from metafem.surface import Block, Surface
+
+if TYPE_CHECKING:
+    from metafem.files.specification.sections import PartSection
 
 # Default chord error as a fraction of the smallest radius. For the source paper's radius of 526 um it is
 # 0.2 um, a quarter of the 0.9 um accuracy of the paper's moulds (doi:10.1126/science.adk4234).
@@ -38,52 +44,24 @@ APART = 4.0
 # Factor of a proposed length, which then suffices also when it is rounded to three digits.
 LARGER = 1.0051
 
+# Triangles of the sides and the bottom of the block. Corners 0 to 3 are those of the top face,
+# counterclockwise, and corners 4 to 7 lie below them.
+_BOX = np.array(
+    [face for i, j in ((0, 1), (1, 2), (2, 3), (3, 0)) for face in ((i, 4 + i, j), (j, 4 + i, 4 + j))]
+    + [(4, 6, 5), (4, 7, 6)]
+)
+_CORNERS = 8
+
+# Least number of rings: with one ring a cap would be a pyramid.
+_FEWEST = 2
+
+Mesh = tuple[FloatArray, IntArray]
+
 # First word of the line on the tolerance, which a study replaces.
 TOLERANCE = "Tolerance"
 
 # Decimals of a length in millimetres: a hundredth of a micrometre, a tenth of what machines position.
 DECIMALS = 5
-
-# Defaults of the feed of the plunge [mm/min], the speed of the spindle [1/min], the dwell at the bottom of a
-# hole [s] and the height of the tool above the mould between two holes [mm], for small carbide ball-end mills
-# in aluminium or brass.
-FEED, SPINDLE, DWELL, SAFE = 20.0, 8000.0, 0.5, 5.0
-
-
-@dataclass(frozen=True)
-class PartOptions:
-    """Options of the files to make a part.
-
-    Parameters
-    ----------
-    alignment_height : float, optional
-        Height of four alignment asperities outside the corners of the template [mm].
-    chord_error : float, optional
-        Largest depth of the faces of the mesh below the true caps [mm]. It acts like an error of the height:
-        at a given separation, the contact area of an asperity changes by at most ``pi R`` times the chord
-        error. Most of this change equals that of a common shift of all caps, which does not affect A0(P).
-        Default: 4e-4 of the smallest radius, or more if a solid would have over about two million triangles.
-    feed, spindle, dwell, safe_height : float
-        Feed of the plunge [mm/min], speed of the spindle [1/min], dwell at the bottom of each hole [s], and
-        height of the tool above the mould between two holes [mm], in ``mould.gcode``.
-
-    Examples
-    --------
-    >>> PartOptions(chord_error=1e-3).chord_error
-    0.001
-    """
-
-    alignment_height: float | None = None
-    chord_error: float | None = None
-    feed: float = FEED
-    spindle: float = SPINDLE
-    dwell: float = DWELL
-    safe_height: float = SAFE
-
-    def __post_init__(self) -> None:
-        for name in ("alignment_height", "chord_error", "feed", "spindle", "safe_height"):
-            check.member(self, name, optional=name in ("alignment_height", "chord_error"), above=0.0)
-        check.member(self, "dwell", at_least=0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,7 +69,6 @@ class Part:
     """A part whose caps can be made, with the options of its files."""
 
     surface: Surface  # its asperities, followed by its alignment asperities
-    asperities: int  # number of asperities without those for alignment
     block: Block
     chord_error: float  # [mm]
 
@@ -106,7 +83,7 @@ class Part:
             meshio.Mesh(vertices, [("triangle", faces)]).write(folder / name, "stl", binary=True)
 
 
-def planned(surface: Surface, template: Surface, options: PartOptions) -> Part | None:
+def planned(surface: Surface, template: Surface, options: PartSection) -> Part | None:
     """Return the part of a surface, or None if the surface has no block.
 
     Raises
@@ -123,7 +100,7 @@ def planned(surface: Surface, template: Surface, options: PartOptions) -> Part |
     words = f"needs about {sides / chord_error:.2g} triangles; choose a larger one, for at most {MOST:,.0f}"
     given = f"{chord_error * MICROMETRES:g} um"
     refuse_if(sides / chord_error > MOST, words, key="part.chord_error", value=given)
-    return Part(whole, surface.count, surface.block, chord_error)
+    return Part(whole, surface.block, chord_error)
 
 
 def part_notes(part: Part | None) -> tuple[Note, ...]:
@@ -205,6 +182,114 @@ def refuse_impossible(surface: Surface, block: Block, asperities: int) -> None:
         refuse(pairs[row], f"overlap or touch; {remedy}", "limits.max_height")
 
 
+def mirrored(points: FloatArray) -> FloatArray:
+    """Return points of the part as seen from the open face of the mould, x -> -x [mm], (n, 2) or (n, 3).
+
+    The part lies face down on the mould, so that its left and right are exchanged.
+    """
+    result = np.array(points)
+    result[:, 0] = 0.0 - result[:, 0]  # not -x, which would be -0.0 on the axis
+    return result
+
+
+def block_mesh(surface: Surface, block: Block, chord_error: float) -> Mesh:
+    """Return the mesh of the part: a block with caps, and its base plane at z = 0.
+
+    The base circles of the caps must not overlap and must lie within the block. The chord error is the
+    largest depth of a face below its cap [mm].
+
+    Examples
+    --------
+    >>> import metafem as mf
+    >>> surface = mf.Surface([[0, 0]], [0.1], 0.5, mf.Material(1.36))
+    >>> vertices, faces = block_mesh(surface, mf.Block(2, 2, 1), 1e-3)
+    >>> round(float(vertices[:, 2].max()), 12)
+    0.1
+    """
+    x, y = 0.5 * block.width, 0.5 * block.length
+    corners = [(-x, -y), (x, -y), (x, y), (-x, y)]
+    vertices = [np.array([(*corner, z) for z in (0.0, -block.thickness) for corner in corners])]
+    faces, rims, count = [_BOX], [np.arange(4)], _CORNERS
+    rings = ring_count(surface.height, surface.radius, chord_error, surface.cap)
+    for i, number in enumerate(rings.tolist()):
+        cap = cap_vertices(surface.height[i], surface.radius[i], number, surface.cap.one(i))
+        vertices.append(cap + np.append(surface.position[i], 0.0))
+        faces.append(count + cap_faces(number))
+        count += len(cap)
+        rims.append(np.arange(count - 6 * number, count))
+    points, plane = np.vstack(vertices), np.concatenate(rims)
+    # The face between the caps: no other point lies in the circle of a rim, so that its polygon is a union
+    # of Delaunay triangles, those that have all corners on one rim.
+    flat = _triangles(points[plane, :2])
+    rim = np.repeat(np.arange(4 + len(rings)), [1, 1, 1, 1, *6 * rings])[flat]
+    triangles = np.vstack([*faces, plane[flat[(rim[:, :1] != rim[:, 1:]).any(axis=1)]]])
+    refuse_if(not _closed(triangles, count), "the mesh of the part is not closed; it cannot be written")
+    return points, triangles
+
+
+def mould_mesh(part: Mesh, surface: Surface, block: Block) -> Mesh:
+    """Return the mesh of the mould: a plate with the block's outline and a cavity for each cap.
+
+    Its open face is z = 0; seen from there, the mould is the mirror image of the part. The plate is as thick
+    as the block plus the deepest cavity.
+    """
+    vertices = part[0].copy()
+    vertices[4:_CORNERS, 2] = block.thickness + float(surface.height.max())
+    # the caps point down, and the order of corners is reversed because inside and outside are exchanged
+    return mirrored(vertices) * (1.0, 1.0, -1.0), part[1][:, ::-1]
+
+
+def _closed(faces: IntArray, count: int) -> bool:
+    """Return whether two faces share each edge and traverse it in opposite directions."""
+    start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    forth, back = np.sort(start * count + end), np.sort(end * count + start)
+    return bool((forth == back).all() and (forth[1:] > forth[:-1]).all())
+
+
+def _triangles(points: FloatArray) -> IntArray:
+    """Return the Delaunay triangulation (m, 3) of points (n, 2), counterclockwise."""
+    from scipy.spatial import Delaunay
+
+    triangles = Delaunay(points).simplices
+    a, b, c = (points[triangles[:, k]] for k in range(3))
+    (ux, uy), (vx, vy) = (b - a).T, (c - a).T
+    result: IntArray = np.where((ux * vy < uy * vx)[:, None], triangles[:, ::-1], triangles)
+    return result
+
+
+def ring_count(height: FloatArray, radius: FloatArray, chord_error: float, cap: Cap = SPHERE) -> IntArray:
+    """Return the number of rings of each cap, (n,), with which its faces keep the chord error [mm]."""
+    return np.maximum(_FEWEST, np.ceil(cap.ring_count(height, radius, chord_error))).astype(np.int64)
+
+
+def cap_vertices(height: float, radius: float, rings: int, cap: Cap = SPHERE) -> FloatArray:
+    """Return the vertices of a cap with its summit above the origin [mm], (m, 3).
+
+    The vertices are the summit and rings of 6, 12, 18, ... points, at equal distances along the meridian from
+    the summit to the base plane z = 0. The last ``6 rings`` vertices are the rim, counterclockwise.
+    """
+    ring, turn = _rings(rings)
+    across, z = (each[0, ring] for each in cap.rings(np.array([height]), np.array([radius]), rings))
+    return np.column_stack([across * np.cos(turn), across * np.sin(turn), z])
+
+
+@cache
+def cap_faces(rings: int) -> IntArray:
+    """Return the outward faces of a cap, (6 rings^2, 3): those of a disc with rings of equal distances."""
+    ring, turn = _rings(rings)
+    result = _triangles(np.column_stack([ring * np.cos(turn), ring * np.sin(turn)]))
+    result.flags.writeable = False
+    return result
+
+
+def _rings(count: int) -> tuple[IntArray, FloatArray]:
+    """Return the ring and the angle [rad] of each vertex of a cap."""
+    size = np.maximum(6 * np.arange(count + 1), 1)
+    ring = np.repeat(np.arange(count + 1), size)
+    first = np.cumsum(size) - size
+    return ring, 2.0 * math.pi * (np.arange(len(ring)) - first[ring]) / size[ring]
+
+
 def mould_table(design: Design, part: Surface) -> str:
     """Return the text of mould.csv: one hole for each summit, of kind "asperity" or "alignment".
 
@@ -246,7 +331,7 @@ def with_tolerance(text: str, words: str) -> str:
     return line.sub(lambda found: f"{found[1]}{TOLERANCE}: {plain}{found[2] or ''}", text)
 
 
-def drilling_program(design: Design, part: Surface, options: PartOptions) -> dict[str, str]:
+def drilling_program(design: Design, part: Surface, options: PartSection) -> dict[str, str]:
     """Return the text of mould.gcode by its name; none if the holes need more than one ball-end mill.
 
     The tool plunges into each hole to the depth of its cap, dwells and returns to the safe height. Z is 0 at

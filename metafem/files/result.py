@@ -19,12 +19,10 @@ import numpy as np
 
 from metafem import _validate as check
 from metafem import fe, studies
-from metafem._given import printable
 from metafem.contact import TabulatedContact
-from metafem.errors import InvalidInput, refuse_if
+from metafem.errors import InvalidInput, printable, refuse_if
 from metafem.files.disk import RECORD, STUDIES, file_label, read_bytes, refuse_existing, staged, write_text
 from metafem.files.part import (
-    PartOptions,
     drilling_program,
     mould_table,
     planned,
@@ -32,6 +30,7 @@ from metafem.files.part import (
     with_tolerance,
 )
 from metafem.files.specification.read import Specification
+from metafem.files.specification.sections import PartSection
 from metafem.files.summits import heights_table, law_table, write_surface
 from metafem.inversion import Design
 from metafem.models.curve import ModelError
@@ -67,15 +66,13 @@ ARRAYS = ("float64", "int64")
 # Errors of a constructor that gets members of wrong types or values.
 WRONG = (ValueError, KeyError, TypeError, AttributeError, ArithmeticError)
 
-NO_PAGES: Mapping[str, str] = {}
-
 
 def save(
     design: Design,
     folder: str | Path,
     *,
     specification: Specification | None = None,
-    pages: Mapping[str, str] = NO_PAGES,
+    pages: Mapping[str, str] | None = None,
     force: bool = False,
 ) -> None:
     """Write a design and the files to make the part into a new folder.
@@ -118,13 +115,13 @@ def save(
     True
     """
     check.instance("design", design, Design, "a metafem.Design")
-    options, hardness, files = PartOptions(), None, dict[str, bytes]()
+    options, hardness, files = PartSection(), None, dict[str, bytes]()
     if specification is not None:
         options, hardness, files = specification.part, specification.hardness, {**specification.files}
     with doing("writing the files"), staged(folder, force, folder=True) as fresh:
         part = planned(design.surface, design.template, options)
         record = {"format": FORMAT, "versions": versions(), "hardness": hardness, "design": design}
-        texts = {"design.json": written(record), **result_tables(design, options), **pages}
+        texts = {"design.json": written(record), **result_tables(design, options), **(pages or {})}
         if part is not None:
             part.write(fresh)
             texts |= drilling_program(design, part.surface, options)
@@ -134,7 +131,7 @@ def save(
         write_surface(design, fresh / "surface.vtu")
 
 
-def result_tables(design: Design, part: PartOptions) -> dict[str, str]:
+def result_tables(design: Design, part: PartSection) -> dict[str, str]:
     """Return the texts of a design's tables by file name: its summits, its law and the holes of its mould."""
     whole = with_alignment(design.surface, design.template, part.alignment_height)
     return {
@@ -144,6 +141,7 @@ def result_tables(design: Design, part: PartOptions) -> dict[str, str]:
     }
 
 
+@doing("reading the design")
 def load(folder: str | Path) -> Design:
     """Return the design in a result folder; it equals the saved design bit for bit.
 
@@ -306,17 +304,10 @@ def stored_studies(folder: str | Path) -> dict[str, Dataset]:
 
 
 def study_data(study: Dataset) -> dict[str, Any]:
-    """Return a study as dicts, lists, numbers and texts; nan and infinite numbers become None."""
-    arrays = {
-        str(name): {
-            "dims": list(array.dims),
-            "units": array.attrs.get("units", ""),
-            "values": plain_data(array.values),
-        }
-        for name, array in study.variables.items()
-    }
+    """Return a study as `xarray.Dataset.to_dict` does; nan and infinite numbers become None."""
+    found: dict[str, Any] = plain_data(study.to_dict())
     notes = [note.to_json() for note in from_lines(str(study.attrs["notes"]))]
-    return {**study.attrs, "notes": notes, "data": arrays}
+    return {**found.pop("attrs"), "notes": notes, **found}
 
 
 def plain_data(value: Any) -> Any:

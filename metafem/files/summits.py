@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from metafem._given import shown
 from metafem._validate import IntArray
 from metafem.caps import SPHERE, Cap, Caps, Paraboloid, Power, Sphere
-from metafem.errors import InvalidInput, refuse_if
+from metafem.errors import InvalidInput, refuse_if, shown
 from metafem.files.tables import Columns, Table
 from metafem.inversion import Design
 from metafem.prediction import FrictionLaw, equilibrium

@@ -20,10 +20,9 @@ from typing import Any
 
 import numpy as np
 
-from metafem._given import UNITS as QUANTITIES
-from metafem._given import printable, shown, unit_of
-from metafem._validate import FloatArray
-from metafem.errors import InvalidInput, refuse_if
+from metafem._validate import UNITS as QUANTITIES
+from metafem._validate import FloatArray, unit_of
+from metafem.errors import InvalidInput, printable, refuse_if, shown
 from metafem.files.disk import TABLE, file_label, read_bytes, text_of_table
 from metafem.files.units import NUMBER, UNITS, factor, plain_unit
 from metafem.progress import message

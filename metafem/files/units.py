@@ -7,8 +7,7 @@ import re
 from fractions import Fraction
 from typing import Any
 
-from metafem._given import printable
-from metafem.errors import InvalidInput, refuse_if
+from metafem.errors import InvalidInput, printable, refuse_if
 
 # Numbers that neither overflow nor underflow in any unit.
 NUMBER = r"[+-]?([0-9]{1,40}\.?[0-9]{0,40}|\.[0-9]{1,40})([eE][+-]?[0-9]{1,2})?"

@@ -10,9 +10,8 @@ from typing import Any
 import numpy as np
 
 from metafem import _validate as check
-from metafem._given import shown
 from metafem._validate import FloatArray
-from metafem.errors import InvalidInput, refuse_if
+from metafem.errors import InvalidInput, refuse_if, shown
 from metafem.surface import Surface
 
 # Maximum number of height steps: finer steps are below the resolution of any machine and only cost time.

@@ -11,13 +11,12 @@ import numpy as np
 import scipy
 
 from metafem import _validate as check
-from metafem._given import shown
 from metafem._validate import FloatArray, IntArray
 from metafem.caps import SPHERE, Cap, Caps, Paraboloid, Power, Sphere
 from metafem.caps.shapes import STEEPEST
 from metafem.contact import Contact, Elastic
 from metafem.contact.elastic import PARABOLOID
-from metafem.errors import InvalidInput, refuse_if
+from metafem.errors import InvalidInput, refuse_if, shown
 from metafem.surface import Surface
 
 # Radii of a range up to COARSE [mm] are multiples of the first step [mm], larger ones of the second: ball-end

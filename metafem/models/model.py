@@ -6,12 +6,11 @@ from dataclasses import fields, replace
 from functools import cached_property
 from typing import Any, ClassVar, Protocol, cast, runtime_checkable
 
-from metafem._given import shown
 from metafem._validate import FloatArray
 from metafem.contact import Contact
 from metafem.contact.elastic import PARABOLOID as PARABOLOID
 from metafem.contact.law import checked_contact as checked_contact
-from metafem.errors import InvalidInput
+from metafem.errors import InvalidInput, shown
 from metafem.models.curve import Curve, areas_one_by_one
 from metafem.models.independent import Independent
 from metafem.models.interacting.model import Interacting

@@ -104,7 +104,7 @@ QUESTIONS: Mapping[str, tuple[str, str, Callable[[Dataset], Figure], str]] = {
     ),
     "uncertainty": (
         "Which input matters most?",
-        "metafem study uncertainty DIR --sd composite_modulus=0.04MPa --sd radius=2um",
+        "metafem study uncertainty DIR --composite-modulus-sd 0.04MPa --radius-sd 2um",
         uncertainty_figure,
         "Share of each input in the variance.",
     ),

@@ -8,8 +8,7 @@ from importlib.resources import files
 from typing import TYPE_CHECKING
 
 import metafem as mf
-from metafem._given import printable
-from metafem.errors import InvalidInput
+from metafem.errors import InvalidInput, printable
 
 if TYPE_CHECKING:
     from metafem.contact import Contact

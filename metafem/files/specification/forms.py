@@ -10,8 +10,8 @@ from functools import cache
 from itertools import pairwise
 from typing import Any
 
-from metafem._given import printable
-from metafem.errors import InvalidInput
+import metafem as mf
+from metafem.errors import InvalidInput, printable
 from metafem.files.specification import sections, suggestion
 from metafem.files.specification.sections import BOUNDS, Section, key, optional
 from metafem.files.specification.targets import AnyTarget
@@ -46,21 +46,15 @@ class Sections(Section):
     material: sections.MaterialSection = key("the elastomer")
     friction: sections.FrictionSection | None = optional("needed for friction forces in N")
     lattice: sections.LatticeSection = key("sites of asperities")
-    sites: sections.SitesSection = key(
-        "empty sites, and sites with given heights", default=sections.SitesSection()
-    )
+    sites: sections.SitesSection = key("empty sites, and sites with given heights", default={})
     tools: sections.ToolsSection | None = optional("to choose from, instead of lattice.radius")
     block: sections.BlockSection | None = optional("needed for the part files and the models layer and block")
     cell: sections.CellSection | None = optional("period of an infinite surface; default: no repetition")
     limits: sections.LimitsSection = key("manufacturing limits")
     layout: sections.LayoutSection = key("assignment of heights to sites", default=sections.LayoutSection())
-    model: sections.ModelSection = key(
-        "model under which the target is to be met", default=sections.ModelSection()
-    )
-    cap: sections.ShapeSection | None = optional("shape of the caps, of one of these kinds; default: spheres")
-    contact: sections.ContactSection = key(
-        "law of one contact, of one of these kinds; default: hertz", default=sections.HERTZ
-    )
+    model: sections.ModelSection = key("model of the law", default=sections.ModelSection())
+    cap: sections.AnyCap | None = optional("shape of the caps; default: spheres")
+    contact: sections.AnyContact = key("law of one contact; default: hertz", default=mf.Hertz())
     part: sections.PartSection = key("options of the part files", default=sections.PartSection())
     checks: sections.ChecksSection = key("further checks", default=sections.ChecksSection())
 
@@ -243,23 +237,18 @@ def problem(detail: Any, table: Mapping[str, Any]) -> InvalidInput:
             names = [*known, *["kind"] * bool(form["kinds"])] if outer else [*Sections.model_fields]
             words = f"is an unknown {'key' if outer else 'section'}{suggestion(str(keys[-1]), names)}"
             return InvalidInput(words, key=printable(path))
-        case "literal_error":
-            return _unknown(path, detail["input"], own["names"])
-        case "union_tag_not_found" | "union_tag_invalid":
-            return _unknown(f"{path}.kind", detail["input"].get("kind"), [*section_forms()[path]["kinds"]])
+        case "literal_error" | "union_tag_not_found" | "union_tag_invalid":
+            given, names = detail["input"], own.get("names")
+            if not names:
+                path, given, names = f"{path}.kind", given.get("kind"), [*section_forms()[path]["kinds"]]
+            example = f'kind = "{names[0]}"' if given is None else ""
+            must = f"is unknown{suggestion(str(given), names)}" if example == "" else "is missing"
         case "model_type" | "model_attributes_type" | "dict_type":
             example, must = "", f"must be a section: write [{path}] on a line of its own"
         case _:
             bounded = BOUNDS.keys() & detail.get("ctx", {}).keys()
             must = re.sub(r"^\w+ should", "must", detail["msg"]) + f" {own.get('unit', '')}" * bool(bounded)
     return as_given(InvalidInput(must.rstrip(), key=path, value="", example=example), table)
-
-
-def _unknown(key: str, given: Any, names: list[str]) -> InvalidInput:
-    """Return the problem that a name is missing, or is none of these."""
-    if given is None:
-        return InvalidInput("is missing", key=key, example=f'kind = "{names[0]}"')
-    return InvalidInput(f"is unknown{suggestion(str(given), names)}", key=key, value=as_written(given))
 
 
 def as_given(error: InvalidInput, table: Mapping[str, Any]) -> InvalidInput:
@@ -269,4 +258,5 @@ def as_given(error: InvalidInput, table: Mapping[str, Any]) -> InvalidInput:
         for part in re.findall(r"[^.\[\]]+", error.key):
             value = value[int(part) if part.isdecimal() else part]
         error.value = None if error.value is None else as_written(value)
+    error.value = None if error.value == "" else error.value
     return error

@@ -9,20 +9,19 @@ from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
-from pydantic import TypeAdapter, ValidationError
+from pydantic import Field, TypeAdapter, ValidationError
 
 import metafem as mf
-from metafem._given import printable, shown
 from metafem.contact import Contact
-from metafem.errors import InvalidInput, refuse_if
-from metafem.files.disk import RESERVED, SPECIFICATION, TABLE, decoded, file_label, read_bytes
+from metafem.errors import InvalidInput, printable, refuse_if, shown
+from metafem.files.disk import RESERVED, SPECIFICATION, TABLE, file_label, read_bytes
 from metafem.files.laws import Keys, columns_of
-from metafem.files.part import PartOptions, planned
-from metafem.files.specification import model_named, suggestion
+from metafem.files.part import planned
+from metafem.files.specification import model_named
 from metafem.files.specification.forms import Sections, as_given, problem, section_forms
-from metafem.files.specification.sections import ContactSection
+from metafem.files.specification.sections import PartSection
 from metafem.files.tables import table_of
 from metafem.files.units import as_written
 from metafem.inversion import Target
@@ -60,8 +59,8 @@ class Specification:
     model : Model
     tools : RadiusRange, tuple of float, or None
         Radii of tools to choose from [mm]; they replace the radius of the template.
-    part : PartOptions
-        Alignment asperities, chord error and file formats of the part.
+    part : PartSection
+        Alignment asperities, chord error and drilling program of the part.
     hardness : float or None
         H [MPa], for the plasticity index.
     text : str
@@ -70,62 +69,53 @@ class Specification:
         Files to store in the result folder: ``spec.toml`` and the tables that it names.
     """
 
-    sections: Sections
+    sections: Any
     table: Mapping[str, Any]  # the sections as they are written
     name: str
     limits: mf.Limits
     tools: mf.RadiusRange | tuple[float, ...] | None
-    part: PartOptions
+    part: PartSection
+    hardness: float | None
     text: str
     files: Mapping[str, bytes]
-
-    @property
-    def hardness(self) -> float | None:
-        """H [MPa]."""
-        return self.sections.checks.hardness
 
     @cached_property
     def target(self) -> Target:
         """The target law."""
         given = self.sections
         with self._within("target"):
-            return given.target.target(given.material.value(), _value(given.friction))
+            found: Target = given.target.target(given.material, given.friction)
+            return found
 
     @cached_property
     def model(self) -> Model:
         """The model under which the target is to be met."""
         given = self.sections
-        return model_named(given.model.kind, given.contact.value(), _value(given.block))
+        return model_named(given.model.kind, given.contact, given.block)
 
     @cached_property
     def template(self) -> mf.Surface:
         """The lattice; every site has the largest allowed height."""
-        given, cell = self.sections, self.sections.cell
-        (rows, columns), pitch = given.lattice.shape, given.lattice.pitch
+        given, tools = self.sections, self.tools
+        (rows, columns), pitch, radius = given.lattice.shape, given.lattice.pitch, given.lattice.radius
+        words = "or a section [tools] must give the radii, not both"
         with self._within("lattice"):
+            refuse_if((radius is None) == (tools is None), words, key="radius", example='radius = "526 um"')
             lattice = mf.Surface.square_lattice(
                 self.limits.top,
                 (rows, columns),
                 pitch,
-                radius=min(self._radii),
-                material=given.material.value(),
-                friction=_value(given.friction),
-                block=_value(given.block),
-                cap=_value(given.cap) or mf.Sphere(),
+                radius=radius or (tools.low if isinstance(tools, mf.RadiusRange) else min(tools or ())),
+                material=given.material,
+                friction=given.friction,
+                block=given.block,
+                cap=given.cap or mf.Sphere(),
             )
-        if cell is None:
+        if given.cell is None:
             return lattice
         with self._within("cell"):
-            sides = mf.PeriodicCell(cell.width or columns * pitch, cell.length or rows * pitch)
-            return lattice.replaced(cell=sides)
-
-    @property
-    def _radii(self) -> list[float]:
-        """The radii of the tools, their bounds, or the radius of the lattice [mm]."""
-        one, tools = self.sections.lattice.radius, self.sections.tools
-        words = "or a section [tools] must give the radii, not both"
-        refuse_if((one is None) == (tools is None), words, key="radius", example='radius = "526 um"')
-        return [one or 0.0] if tools is None else tools.radii or tools.radius_range or []
+            sides = given.cell.width or columns * pitch, given.cell.length or rows * pitch
+            return lattice.replaced(cell=mf.PeriodicCell(*sides))
 
     @contextmanager
     def _within(self, section: str = "") -> Iterator[None]:
@@ -138,24 +128,22 @@ class Specification:
 
     def check(self) -> None:
         """Raise InvalidInput if the sections do not suit each other, such as heights and radii."""
-        limits, template, sites = self.limits, self.template, self.sections.sites
+        template, sites = self.template, self.sections.sites
         _ = self.target, self.model
+        pinned = [site for site, height in sites.items() if height is not None]
         with self._within():
-            for key in ("empty", "pinned"):
-                last = max(getattr(sites, key), default=0)
-                words = f"holds {last}; the lattice has the sites 1 to {template.count}"
-                refuse_if(last > template.count, words, key=f"sites.{key}")
+            for site, height in sites.items():
+                words = f"holds {site + 1}; the lattice has the sites 1 to {template.count}"
+                refuse_if(
+                    site >= template.count, words, key=f"sites.{'empty' if height is None else 'pinned'}"
+                )
             try:
-                pinned_heights(template, limits)
+                pinned_heights(template, self.limits)
             except InvalidInput as error:
-                site = error.key.removeprefix("pinned[").rstrip("]")
-                if site.isdecimal():
-                    raise error.at(f"sites.heights[{sites.pinned.index(int(site) + 1)}]") from None
+                name = error.key.removeprefix("pinned[").rstrip("]")
+                if name.isdecimal():
+                    raise error.at(f"sites.heights[{pinned.index(int(name))}]") from None
                 raise InvalidInput(f"do not suit: {error}", key="sites") from None
-            largest = max(self._radii)
-            words = f"and limits.offset exceed the largest radius, {largest:g} mm; no cap is higher than that"
-            high = template.block is not None and template.cap == mf.Sphere() and limits.top > largest
-            refuse_if(high, words, key="limits.max_height", value=limits.max_height)
             if self.tools is None:
                 planned(template, template, self.part)
 
@@ -168,28 +156,22 @@ class Specification:
         """
         self.check()
         chosen, layout = self.model if model is None else model, self.sections.layout
-        remedy = "add [block] with width, length and thickness"
-        refuse_missing_block(chosen, self.template, remedy)
+        refuse_missing_block(chosen, self.template)
         with drafting() if draft else nullcontext():
             goal = self.target if target is None else target
             found = mf.design(goal, self.template, chosen, self.limits, layout.seed, tools=self.tools)
         return found if draft or layout.tilt is None else mf.arrange(found, layout.tilt, layout.seed)
 
 
-def _value(section: Any) -> Any:
-    """Return the value of a section, or None without the section."""
-    return None if section is None else section.value()
-
-
-def refuse_missing_block(model: Model, surface: mf.Surface, remedy: str) -> None:
-    """Raise InvalidInput if a model needs a block and the surface has none; the error states `remedy`."""
+def refuse_missing_block(model: Model, surface: mf.Surface) -> None:
+    """Raise InvalidInput if a model needs a block and the surface has none."""
     substrate = getattr(model, "substrate", None)
-    if surface.block is not None or not isinstance(substrate, Substrate):
-        return
     try:
-        substrate.for_surface(surface)
+        if surface.block is None and isinstance(substrate, Substrate):
+            substrate.for_surface(surface)
     except InvalidInput:
-        raise InvalidInput(f"the model {model.name} needs the block's dimensions: {remedy}") from None
+        needs = "needs the block: give its width, length and thickness, in a section [block] or by options"
+        raise InvalidInput(f"the model {model.name} {needs}") from None
 
 
 def read_spec(path: str | Path) -> Specification:
@@ -280,13 +262,14 @@ def _of_sections(table: Mapping[str, Any], text: str, source: Source, name: str)
     kept: dict[str, bytes] = {}
     table = {key: section for key, section in table.items() if key != "covariance"}  # which studies read
     try:
-        given = Sections.model_validate(table, context=_reader(source, kept))
+        given: Any = Sections.model_validate(table, context=_reader(source, kept))
     except ValidationError as error:
         problems = tuple(problem(each, table) for each in error.errors(include_url=False))
         raise InvalidInput(name, problems=problems) from None
-    limits = replace(given.limits.value(), pinned=given.sites.value())
+    limits = replace(given.limits, pinned=given.sites)
     files = {"spec.toml": text.encode("utf-8", "surrogatepass"), **kept}
-    return Specification(given, table, name, limits, _value(given.tools), given.part.value(), text, files)
+    options = limits, given.tools, given.part, given.checks.hardness
+    return Specification(given, table, name, *options, text, files)
 
 
 def toml_table(text: str, name: str = "spec.toml") -> dict[str, Any]:
@@ -297,12 +280,14 @@ def toml_table(text: str, name: str = "spec.toml") -> dict[str, Any]:
     >>> toml_table("[layout]\\nseed = 3")
     {'layout': {'seed': 3}}
     """
-    raw = text.encode("utf-8", "surrogatepass")
     most = f"{SPECIFICATION / 2**20:g} MiB, the limit for its kind of file"
-    refuse_if(len(raw) > SPECIFICATION, f"{name}: is larger than {most}")
-    text = decoded(name, raw)
+    refuse_if(len(text) > SPECIFICATION, f"{name}: is larger than {most}")
     try:
-        return tomllib.loads(text)
+        text.encode()
+        return tomllib.loads(text.removeprefix("\ufeff"))
+    except UnicodeEncodeError as error:
+        line = text.count("\n", 0, error.start) + 1
+        raise InvalidInput(f"{name}: line {line} is not UTF-8; save the file with that encoding") from None
     except (RecursionError, ValueError) as error:  # of deep nesting, or a number with thousands of digits
         end = f"at line {len(text.splitlines())}, the end of the file"
         cause = printable(str(error).replace("at end of document", end))
@@ -343,42 +328,36 @@ def _content(name: str, last: str, source: Source) -> bytes:
     return source[name] if name in source else source[last]
 
 
-def chosen_model(model: Model, name: str | None, contact: str | None, block: mf.Block | None = None) -> Model:
+def chosen_model(model: Model, name: str | None, contact: str | None, surface: mf.Surface) -> Model:
     """Return the model that ``--model`` and ``--contact`` state; defaults: `model` and its contact law."""
     law = contact_of(model) if contact is None else contact_named(contact)
-    return with_contact(model, law) if name is None else model_named(name, law, block)
+    found = with_contact(model, law) if name is None else model_named(name, law, surface.block)
+    refuse_missing_block(found, surface)
+    return found
 
 
 def contact_named(text: str) -> Contact:
-    """Return the contact law of ``--contact``: its kind, then a value, and the cap under adhesion.
+    """Return the contact law of ``--contact``: its kind, and the value of its first key.
 
     Examples
     --------
-    >>> contact_named("jkr 9 mJ/m^2 elastic")
-    JKR(adhesion_energy=9e-06, cap=Elastic())
+    >>> contact_named("jkr 9 mJ/m^2")
+    JKR(adhesion_energy=9e-06, cap=Hertz())
     """
-    section = section_named(text.split())
+    kind, _, value = text.strip().partition(" ")
+    keys = section_forms()["contact"]["keys"].get(kind, ())
+    name = next((key["name"] for key in keys if not key["listed"]), value)
+    given = {"kind": kind, **({name: value} if value else {})}
+    contact: Contact = section_value("contact", given)
+    return contact
+
+
+def section_value(name: str, given: Mapping[str, Any]) -> Any:
+    """Return the value of a section whose keys are given without a specification."""
+    field = Sections.model_fields[name]
+    kind: Any = Annotated[field.annotation, Field(discriminator=field.discriminator)]
     try:
-        laws: TypeAdapter[Any] = TypeAdapter(ContactSection)
-        law: Contact = laws.validate_python(section, context=_reader(Path(), {})).value()
-        return law
+        return TypeAdapter(kind).validate_python(given, context=_reader(Path(), {}))
     except ValidationError as error:
         detail = error.errors(include_url=False)[0]
-    found = problem({**detail, "loc": ("contact", *detail["loc"])}, {"contact": section})
-    raise InvalidInput(f'contact law "{printable(text, 60)}": {found}')
-
-
-def section_named(words: list[str]) -> dict[str, Any]:
-    """Return the section ``[contact]`` that the words of ``--contact`` describe."""
-    kind, *rest = words or [""]
-    kinds: dict[str, list[Any]] = section_forms()["contact"]["keys"]
-    unknown = f'contact law "{printable(kind, 60)}" is unknown{suggestion(kind, kinds)}'
-    refuse_if(kind not in kinds, unknown)
-    section: dict[str, Any] = {"kind": kind}
-    names = [key["name"] for key in kinds[kind] if not key["listed"]]
-    if "cap" in names and rest[-1:] and rest[-1] in kinds:
-        section["cap"] = {"kind": rest.pop()}
-    if rest:
-        refuse_if(not names, f'contact law "{kind}" has no value such as {printable(" ".join(rest), 60)}')
-        section[names[0]] = " ".join(rest)
-    return section
+    raise problem({**detail, "loc": (name, *detail["loc"])}, {name: given})

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable
-from typing import Annotated, Any, ClassVar, Literal, Self, cast
+from typing import Annotated, Any, ClassVar, Literal, Self, Union
 
 import numpy as np
 from pydantic import (
@@ -12,16 +12,15 @@ from pydantic import (
     BeforeValidator,
     ConfigDict,
     Field,
-    GetJsonSchemaHandler,
     ValidationInfo,
     WithJsonSchema,
+    create_model,
 )
 from pydantic import model_validator as validator
 
 import metafem as mf
 from metafem.errors import refuse_if
 from metafem.files.disk import RECORD
-from metafem.files.part import DWELL, FEED, SAFE, SPINDLE, PartOptions
 from metafem.files.specification import AUTOMATIC, MODELS
 from metafem.files.units import UNITS, converted, pattern
 
@@ -40,54 +39,50 @@ BOUNDS = {
 Choices = tuple[tuple[str, ...], ...]
 
 
+def _with_choices(schema: dict[str, Any], section: Any) -> None:
+    """Add the alternative sets of keys to a JSON schema, for `section_forms`."""
+    schema["x-choices"] = [list(choice) for choice in section.choices]
+
+
 class Section(BaseModel):
     """A section, which refuses unknown keys; `makes` is called with its keys to build its value.
 
-    Exactly one of the sets of keys in `choices` must be present.
+    Exactly one of the sets of keys in `choices` must be present. The columns of the table that a key `file`
+    names replace this key before the section is read.
     """
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, json_schema_extra=_with_choices)
     choices: ClassVar[Choices] = ()
     makes: ClassVar[Callable[..., Any] | None] = None
-
-    @validator(mode="after")
-    def _valid(self) -> Self:
-        given = [key for key in dict.fromkeys(sum(self.choices, ())) if getattr(self, key) is not None]
-        has = f"has {' and '.join(given)}; it " if given else ""
-        needs = f"{has}needs either {' or '.join(map(' and '.join, self.choices))}"
-        refuse_if(self.choices and set(given) not in map(set, self.choices), needs)
-        self.value()
-        return self
-
-    def value(self) -> Any:
-        """Return the value that the section describes, or None if it describes none by itself."""
-        return None if self.makes is None else type(self).makes(**self.given())  # type: ignore[misc]
-
-    def given(self) -> dict[str, Any]:
-        """Return the values of the keys that have one, but those of the section itself."""
-        own = {name: value for name, value in self if value is not None and name not in ("kind", "file")}
-        return {name: value.value() if isinstance(value, Section) else value for name, value in own.items()}
-
-    @classmethod
-    def __get_pydantic_json_schema__(cls, core: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
-        """Return the JSON schema, to which the alternative sets are added for `section_forms`."""
-        found = handler.resolve_ref_schema(handler(core))
-        return {**found, "x-choices": [list(choice) for choice in cls.choices]}
-
-
-class FromTable(Section):
-    """A section that may name a table by the key `file`; its columns replace the key before it is read."""
 
     @validator(mode="before")
     @classmethod
     def _with_columns(cls, given: Any, info: ValidationInfo) -> Any:
         """Return the section with the columns, which the function in the context of pydantic reads."""
-        if not isinstance(given, dict) or not isinstance(given.get("file"), str) or info.context is None:
+        named = "file" in cls.model_fields and isinstance(given, dict) and isinstance(given.get("file"), str)
+        if not named or info.context is None:
             return given
         columns = info.context(given["file"], given["kind"])
         twice = ", ".join(sorted(given.keys() & columns.keys()))
         refuse_if(twice, f"and {twice} both give the points; keep one", key="file")
         return {**given, "file": None, **{name: list(column) for name, column in columns.items()}}
+
+    @validator(mode="after")
+    def _valid(self) -> Any:
+        """Return the value of the section, as which it is read."""
+        given = [key for key in dict.fromkeys(sum(self.choices, ())) if getattr(self, key) is not None]
+        has = f"has {' and '.join(given)}; it " if given else ""
+        needs = f"{has}needs either {' or '.join(map(' and '.join, self.choices))}"
+        refuse_if(self.choices and set(given) not in map(set, self.choices), needs)
+        return self.value()
+
+    def value(self) -> Any:
+        """Return what the section describes, or the section itself."""
+        return self if self.makes is None else type(self).makes(**self.given())  # type: ignore[misc]
+
+    def given(self) -> dict[str, Any]:
+        """Return the values of the keys that have one, but those of the section itself."""
+        return {name: value for name, value in self if value is not None and name not in ("kind", "file")}
 
 
 def key(meaning: str, example: Any = None, *, default: Any = ..., **bounds: Any) -> Any:
@@ -171,10 +166,11 @@ class LatticeSection(Section):
     pitch: PositiveLength = key("distance between neighbours", "1.5 mm")
     radius: PositiveLength | None = optional("either: radius of curvature; or: radii in [tools]", "526 um")
 
-    def value(self) -> None:
+    def value(self) -> Self:
         """Refuse more sites than the record of a result can hold."""
         count, words = self.shape[0] * self.shape[1], "are allowed, so that the result can be read"
         refuse_if(count > SITES, f"has {count:,} sites; at most {SITES:,} {words}", key="shape")
+        return self
 
 
 class ToolsSection(Section):
@@ -255,15 +251,21 @@ class ModelSection(Section):
 
 
 class PartSection(Section):
-    """The section ``[part]``."""
+    """The section ``[part]``: options of the files to make a part.
 
-    makes = PartOptions
+    The chord error is the largest depth of the faces of the mesh below the true caps [mm]. It acts like an
+    error of the height: at a given separation, the contact area of an asperity changes by at most ``pi R``
+    times the chord error. Most of this change equals that of a common shift of all caps, which does not
+    affect A0(P). By default it is larger where a solid would have over about two million triangles. The
+    defaults of the drilling program are for small carbide ball-end mills in aluminium or brass.
+    """
+
     alignment_height: PositiveLength | None = optional("of four asperities to cut off after use", "400 um")
     chord_error: PositiveLength | None = optional("of the mesh below the caps; default: 4e-4 R", "1 um")
-    feed: Feed = key("of the plunge, in mould.gcode", "20 mm/min", default=FEED)
-    spindle: Speed = key("in mould.gcode", "8000 1/min", default=SPINDLE)
-    dwell: Time = key("at the bottom of each hole, in mould.gcode", "0.5 s", default=DWELL)
-    safe_height: PositiveLength = key("of the tool above the mould, in mould.gcode", "5 mm", default=SAFE)
+    feed: Feed = key("of the plunge, in mould.gcode", "20 mm/min", default=20.0)
+    spindle: Speed = key("in mould.gcode", "8000 1/min", default=8000.0)
+    dwell: Time = key("at the bottom of each hole, in mould.gcode", "0.5 s", default=0.5)
+    safe_height: PositiveLength = key("of the tool above the mould, in mould.gcode", "5 mm", default=5.0)
 
 
 class ChecksSection(Section):
@@ -275,98 +277,71 @@ class ChecksSection(Section):
 RHO, DEPTHS = ["0 um", "200 um", "400 um", "600 um"], ["0 um", "39 um", "184 um", "600 um"]
 
 
-class SphereCap(Section):
-    """Spheres."""
-
-    makes = mf.Sphere
-    kind: Literal["sphere"]
-
-
-class ParaboloidCap(Section):
-    """Paraboloids."""
-
-    makes = mf.Paraboloid
-    kind: Literal["paraboloid"]
+def kind(name: str, makes: Callable[..., Any], choices: Choices = (), **keys: tuple[Any, Any]) -> Any:
+    """Return the section of one kind, from the types and fields of its keys; `makes` describes it."""
+    words = (makes.__doc__ or "").splitlines()[0].replace("`", "")
+    fields: Any = {"kind": (Literal[name], ...), **keys}
+    found = create_model(makes.__name__, __base__=Section, __doc__=words, **fields)
+    found.makes, found.choices = makes, choices
+    return found
 
 
-class PowerLawCap(Section):
-    """Caps with the profile f = coefficient R (rho/R)^exponent."""
-
-    makes = mf.Power
-    kind: Literal["power"]
-    exponent: Number = key("2 is a paraboloid", 4.0, gt=1.0, le=32.0)
-    coefficient: Number = key("of the profile", 0.5, default=0.5, gt=0.0)
+def one_of(*kinds: Any) -> Any:
+    """Return the type of a section of one of these kinds."""
+    return Annotated[Union[kinds], Field(discriminator="kind")]  # noqa: UP007
 
 
-class ProfileCap(FromTable):
+def profile(**columns: Any) -> mf.Profile:
     """Caps with one profile f(rho) from a table."""
-
-    makes = staticmethod(lambda rho, f: mf.Profile(cast(Any, [rho, f])))
-    kind: Literal["profile"]
-    choices = (("rho", "f"), ("file",))
-    rho: list[Length] | None = optional("either: distances from the axis, from 0", RHO)
-    f: list[Length] | None = optional("with it: depths below the summit, from 0", DEPTHS)
-    file: str | None = optional("or: a table with columns such as rho_mm,f_um", "cap.csv")
+    return mf.Profile(np.array([*columns.values()]))
 
 
-class HertzSection(Section):
-    """Elastic paraboloids with the curvature of each summit."""
+RHO, DEPTHS = ["0 um", "200 um", "400 um", "600 um"], ["0 um", "39 um", "184 um", "600 um"]
+INDENTATIONS, FORCES = ["5 um", "20 um", "90 um"], ["0.46 mN", "3.7 mN", "35 mN"]
+AREAS = ["0.0083 mm^2", "0.033 mm^2", "0.15 mm^2"]
 
-    makes = mf.Hertz
-    kind: Literal["hertz"]
+AnyCap: Any = one_of(
+    kind("sphere", mf.Sphere),
+    kind("paraboloid", mf.Paraboloid),
+    kind(
+        "power",
+        mf.Power,
+        exponent=(Number, key("n; 2 is a paraboloid", 4.0, gt=1.0, le=32.0)),
+        coefficient=(Number, key("c", 0.5, default=0.5, gt=0.0)),
+    ),
+    kind(
+        "profile",
+        profile,
+        (("rho", "f"), ("file",)),
+        rho=(list[Length] | None, optional("either: distances from the axis, from 0", RHO)),
+        f=(list[Length] | None, optional("with it: depths below the summit, from 0", DEPTHS)),
+        file=(str | None, optional("or: a table with columns such as rho_mm,f_um", "cap.csv")),
+    ),
+)
 
-
-class ElasticSection(Section):
-    """Elastic caps of the shape in the section [cap]."""
-
-    makes = mf.Elastic
-    kind: Literal["elastic"]
-
-
-CapSection = HertzSection | ElasticSection
-Under = Annotated[CapSection, Field(discriminator="kind")]
-HERTZ = HertzSection(kind="hertz")
-
-
-class JKRSection(Section):
-    """Elastic caps with adhesion, from the theory of Johnson, Kendall and Roberts."""
-
-    makes = mf.JKR
-    kind: Literal["jkr"]
-    adhesion_energy: Energy = key("w", "9 mJ/m^2")
-    cap: Under = key("one of the kinds above", {"kind": "elastic"}, default=HERTZ)
-
-
-class KogutEtsionSection(Section):
-    """Elastic-plastic spheres, from the formulas of Kogut and Etsion."""
-
-    makes = mf.KogutEtsion
-    kind: Literal["kogut-etsion"]
-    hardness: Stress = key("H of the softer material", "10 MPa")
-
-
-class JacksonGreenSection(Section):
-    """Elastic-plastic spheres, from the formulas of Jackson and Green."""
-
-    makes = mf.JacksonGreen
-    kind: Literal["jackson-green"]
-    yield_strength: Stress = key("of the softer material", "4 MPa")
-
-
-class TabulatedSection(FromTable):
-    """Load and area of one asperity of any radius, from a table over its indentation."""
-
-    makes = mf.TabulatedContact
-    kind: Literal["tabulated"]
-    choices = (("indentation", "load", "area"), ("file",))
-    indentation: list[Length] | None = optional("either: d, increasing", ["5 um", "20 um", "90 um"])
-    load: list[Force] | None = optional("with it: P at these", ["0.46 mN", "3.7 mN", "35 mN"])
-    area: list[Area] | None = optional("with it: A at these", ["0.0083 mm^2", "0.033 mm^2", "0.15 mm^2"])
-    file: str | None = optional("or: a table such as indentation_um,load_mN,area_mm2", "contact.csv")
-
-
-ShapeSection = Annotated[SphereCap | ParaboloidCap | PowerLawCap | ProfileCap, Field(discriminator="kind")]
-ContactSection = Annotated[
-    CapSection | JKRSection | KogutEtsionSection | JacksonGreenSection | TabulatedSection,
-    Field(discriminator="kind"),
-]
+Hertz, Elastic = kind("hertz", mf.Hertz), kind("elastic", mf.Elastic)
+ELASTIC = {"kind": "elastic"}
+AnyContact: Any = one_of(
+    Hertz,
+    Elastic,
+    kind(
+        "jkr",
+        mf.JKR,
+        adhesion_energy=(Energy, key("w", "9 mJ/m^2")),
+        cap=(
+            one_of(Hertz, Elastic),
+            key("one of the kinds above", ELASTIC, default=mf.Hertz()),
+        ),
+    ),
+    kind("kogut-etsion", mf.KogutEtsion, hardness=(Stress, key("H of the softer material", "10 MPa"))),
+    kind("jackson-green", mf.JacksonGreen, yield_strength=(Stress, key("of the softer material", "4 MPa"))),
+    kind(
+        "tabulated",
+        mf.TabulatedContact,
+        (("indentation", "load", "area"), ("file",)),
+        indentation=(list[Length] | None, optional("either: d, increasing", INDENTATIONS)),
+        load=(list[Force] | None, optional("with it: P at these", FORCES)),
+        area=(list[Area] | None, optional("with it: A at these", AREAS)),
+        file=(str | None, optional("or: a table such as indentation_um,load_mN,area_mm2", "contact.csv")),
+    ),
+)

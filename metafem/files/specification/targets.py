@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
-from pydantic import BeforeValidator, Field, WithJsonSchema
+from pydantic import BeforeValidator, WithJsonSchema
 
 import metafem as mf
 from metafem import _validate as check
@@ -16,10 +16,10 @@ from metafem.files.specification.sections import (
     Area,
     Choices,
     Force,
-    FromTable,
     Positive,
     Section,
     key,
+    one_of,
     optional,
     text_schema,
 )
@@ -41,43 +41,41 @@ ARGUMENTS = {
     "friction_coefficients": ("slopes", -1, 1),
 }
 
-# A load and the unit in which it was written: mm^2 for P/E*, or N.
-Given = tuple[float, str]
 
-
-def given_load(given: Any) -> Given:
-    """Return the load that a text states, and its unit, mm^2 or N; errors do not name a key."""
-    unit = "N" if isinstance(given, str) and given.rstrip().endswith("N") else "mm^2"
-    return converted(given, unit, LOAD), unit
-
-
-def rescaled_range(given: Sequence[Given], material: mf.Material) -> tuple[float, float]:
-    """Return a range of rescaled loads [mm^2]."""
-    return check.interval("load_range", _rescaled([*given], material.composite_modulus))
-
-
-def _rescaled(given: Any, modulus: float) -> Any:
-    """Return a load, or the loads of nested lists, as rescaled loads [mm^2]; other values stay."""
+def in_newtons(given: Any) -> bool:
+    """Return whether a value, or one of nested lists, is a text in N."""
     if isinstance(given, list):
-        return [_rescaled(each, modulus) for each in given]
-    if not isinstance(given, tuple):
+        return any(map(in_newtons, given))
+    return isinstance(given, str) and given.rstrip().endswith("N")
+
+
+def rescaled(given: Any, modulus: float) -> Any:
+    """Return a load in mm^2 or N, or the loads of nested lists, as rescaled loads [mm^2]; numbers stay."""
+    if isinstance(given, list):
+        return [rescaled(each, modulus) for each in given]
+    if not isinstance(given, str):
         return given
-    load, unit = given
-    return load / modulus if unit == "N" else load
+    return converted(given, "N", LOAD) / modulus if in_newtons(given) else converted(given, "mm^2", LOAD)
 
 
-def _crossover(given: Any) -> Given | list[Given]:
-    """Return the load, or the pair of loads, that a value states."""
-    words = "must be a load or a pair of loads"
-    refuse_if(given == [], words, value="[]", example=f'"{LOAD}"')
-    return [given_load(load) for load in given] if isinstance(given, list) else given_load(given)
+def rescaled_range(given: Sequence[str], material: mf.Material) -> tuple[float, float]:
+    """Return a range of rescaled loads [mm^2] from the texts of two loads."""
+    return check.interval("load_range", rescaled([*given], material.composite_modulus))
+
+
+def _load(given: Any) -> Any:
+    """Return a load, or a pair of loads, as it is written; it becomes a number with the material."""
+    refuse_if(given == [], "must be a load or a pair of loads", value="[]", example=f'"{LOAD}"')
+    for each in given if isinstance(given, list) else [given]:
+        converted(each, "N" if in_newtons(each) else "mm^2", LOAD)
+    return given
 
 
 TEXT = text_schema("mm^2", "N")
 PAIR = {"type": "array", "items": TEXT, "minItems": 2, "maxItems": 2}
-Load = Annotated[Any, BeforeValidator(given_load), WithJsonSchema(TEXT)]
+Load = Annotated[Any, BeforeValidator(_load), WithJsonSchema(TEXT)]
 # one validator for a load or a pair: pydantic would report one error for each member of a union
-Crossover = Annotated[Any, BeforeValidator(_crossover), WithJsonSchema({"anyOf": [TEXT, PAIR]})]
+Crossover = Annotated[Any, BeforeValidator(_load), WithJsonSchema({"anyOf": [TEXT, PAIR]})]
 
 LOADS, FRICTIONS = ["0.144 mm^2", "0.336 mm^2"], ["0.84 mm^2", "1.68 mm^2"]
 FORCES = {"load": ["0.2 N", "0.4 N"], "friction": ["0.26 N", "0.53 N"], "highest": ["0.32 N", "0.62 N"]}
@@ -95,7 +93,7 @@ class TargetSection(Section):
     def target(self, material: mf.Material, friction: mf.Friction | None) -> Target:
         """Return the target; texts state it in N if a load is in N, or if it has friction forces."""
         given, modulus = self.given(), material.composite_modulus
-        wording = Wording(modulus) if "load" in given or _in_newtons([*given.values()]) else RESCALED
+        wording = Wording(modulus) if "load" in given or in_newtons([*given.values()]) else RESCALED
         arguments, names = dict[str, Any](), dict[str, str]()
         for name, value in given.items():
             argument, moduli, stresses = ARGUMENTS.get(name, (name, 0, 0))
@@ -104,21 +102,15 @@ class TargetSection(Section):
                 if friction is None:
                     raise InvalidInput("needs [friction] with shear_strength", key=name)
                 wording, size = Wording.of(material, friction), size * friction.stress
-            rescaled = (np.array(value) / size).tolist() if name in ARGUMENTS else _rescaled(value, modulus)
-            arguments[argument], names[argument] = rescaled, name
+            known = name in ARGUMENTS
+            arguments[argument] = (np.array(value) / size).tolist() if known else rescaled(value, modulus)
+            names[argument] = name
         try:
             found: Target = self.law(**arguments, wording=wording)
         except InvalidInput as error:
             argument, bracket, entry = error.key.partition("[")
             raise error.at(f"{names.get(argument, argument)}{bracket}{entry}") from None
         return found
-
-
-def _in_newtons(given: Any) -> bool:
-    """Return whether a load, or one of nested lists, was written in N."""
-    if isinstance(given, list):
-        return any(map(_in_newtons, given))
-    return isinstance(given, tuple) and given[1] == "N"
 
 
 class PointsSection(TargetSection):
@@ -133,7 +125,7 @@ class PointsSection(TargetSection):
     friction_force: list[Force] | None = optional("with it: F at these; needs [friction]", FORCES["friction"])
 
 
-class SampledSection(FromTable, PointsSection):
+class SampledSection(PointsSection):
     """A law of any shape, met in the least-squares sense.
 
     The columns of the table in `file` replace the key; areas may stand at loads.
@@ -199,7 +191,7 @@ class MultilinearSection(TargetSection):
 
 
 class PowerSection(TargetSection):
-    """mf.Friction proportional to a power of the load."""
+    """Friction proportional to a power of the load."""
 
     kind: Literal["power"]
     law = mf.PowerLaw
@@ -208,13 +200,7 @@ class PowerSection(TargetSection):
     prefactor: Positive | None = optional("C, for areas in mm^2; default: chosen by the design", 7.0)
 
 
-AnyTarget = Annotated[
-    PointsSection
-    | LinearSection
-    | BilinearSection
-    | SampledSection
-    | PowerSection
-    | MultilinearSection
-    | BandSection,
-    Field(discriminator="kind"),
-]
+AnyTarget: Any = one_of(
+    *(PointsSection, LinearSection, BilinearSection, SampledSection, PowerSection, MultilinearSection),
+    BandSection,
+)

@@ -8,13 +8,12 @@ from typing import Any, cast
 
 import numpy as np
 
-from metafem._given import shown
 from metafem._kernels.newton import TOLERANCE
 from metafem._validate import FloatArray
 from metafem.contact import JKR, Contact
 from metafem.contact.jkr import of_sizes
 from metafem.contact.law import sizes_of
-from metafem.errors import InvalidInput, NotConverged, refuse_if
+from metafem.errors import InvalidInput, NotConverged, refuse_if, shown
 from metafem.models.adhesion.contacts import Scene, States
 from metafem.models.adhesion.path import loaded, unloaded
 from metafem.models.curve import Curve, RescaledState, Sensitivity

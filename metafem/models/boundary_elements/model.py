@@ -7,11 +7,10 @@ from dataclasses import dataclass, field, replace
 from typing import ClassVar, cast
 
 from metafem import _validate as check
-from metafem._given import shown
 from metafem._validate import FloatArray
 from metafem.contact import Contact
 from metafem.contact.elastic import PARABOLOID
-from metafem.errors import InvalidInput
+from metafem.errors import InvalidInput, shown
 from metafem.models.boundary_elements.cells import Scene
 from metafem.models.boundary_elements.solve import COARSEST, initial_guess, solve
 from metafem.models.curve import Curve, controlled

@@ -5,7 +5,6 @@ import pytest
 
 from metafem._kernels import adhesion
 
-
 # Closed contacts of three states.
 CLOSED = np.array([[True, False, False], [True, True, False], [True, True, True]])
 

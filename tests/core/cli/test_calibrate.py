@@ -108,7 +108,7 @@ def test_the_covariance_is_handed_on_to_the_study(run, demo, tables):
     run("calibrate", "compression.csv", "shear.csv", *RADIUS, "-o", "calibration.toml")
     options = ("--calibration", "calibration.toml", "--draws", 512, "--json")
     data = run("study", "uncertainty", "linear", "--sd", "load=2mN", *options).data
-    parameters = data["data"]["parameter"]["values"]
+    parameters = data["coords"]["parameter"]["data"]
     assert parameters == ["radius + composite_modulus", "area_ratio + shear_strength", "load"]
     assert (
         "--sd radius and --calibration both give"

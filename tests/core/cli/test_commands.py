@@ -81,9 +81,8 @@ def test_a_missed_target_exits_with_one(run):
 
 def test_predict_reads_a_folder_and_a_table(run, demo):
     demo("linear")
-    layer, thick = ("--model", "layer"), ("--thickness", "7.2 mm")
-    block = (*thick, "--width", "20 mm", "--length", "20 mm")
-    for model, more in (((), ()), (layer, thick), (layer, block)):
+    block = ("--thickness", "7.2 mm", "--width", "20 mm", "--length", "20 mm")
+    for model, more in (((), ()), (("--model", "layer"), block)):
         folder = run("predict", "linear", *model, "--load", "0.2 N", "--json").data
         given = (*MATERIAL, *model, *more, "--load", "200 mN", "--json")
         table = run("predict", "linear/heights.csv", *given).data

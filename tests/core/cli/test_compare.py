@@ -25,8 +25,8 @@ def measured(demo):
 
 def test_a_measured_law_is_compared_and_stored(run, measured):
     data = run("compare", "linear", "measured.csv", "--json").data
-    np.testing.assert_allclose(np.array(data["data"]["deviation"]["values"])
-                               / data["data"]["predicted"]["values"], 0.03, atol=1e-4)  # fmt: skip
+    np.testing.assert_allclose(np.array(data["data_vars"]["deviation"]["data"])
+                               / data["data_vars"]["predicted"]["data"], 0.03, atol=1e-4)  # fmt: skip
     assert data["answer"].startswith("The measured law does not agree with the design")
     assert Path("linear/measured.nc").exists()
     again = run("compare", "linear", "measured.csv")
@@ -51,13 +51,13 @@ def test_a_calibration_gives_the_material_pair_with_its_errors(run, measured):
     Path("calibration.toml").write_text("\n".join(lines), "utf-8")
     data = run("compare", "linear", "measured.csv", "--calibration", "calibration.toml", "--json").data
     assert data["parameters"] == "composite_modulus area_ratio shear_strength"
-    ratio = np.array(data["data"]["deviation"]["values"]) / data["data"]["predicted"]["values"]
+    ratio = np.array(data["data_vars"]["deviation"]["data"]) / data["data_vars"]["predicted"]["data"]
     np.testing.assert_allclose(ratio, 0.0, atol=1e-4)
     options = ("--calibration", "calibration.toml", "--json", "--force")
     alone = run("compare", "linear", "measured.csv", "--shear-strength", "0.358 MPa", *options).data
     assert alone["parameters"] == "composite_modulus area_ratio"  # a stated strength is exact
     # 3 % more friction is less than two standard deviations of sigma and B
-    assert alone["data"]["chi_square"]["values"] < alone["data"]["freedom"]["values"] == 10
+    assert alone["data_vars"]["chi_square"]["data"] < alone["data_vars"]["freedom"]["data"] == 10
 
 
 def write_contacts(design, made):
@@ -83,9 +83,9 @@ def tilted(demo):
 
 def test_a_tilt_is_explained_and_stored(run, tilted):
     data = run("compare", "linear", "contacts.csv", "--explain", "--json").data["explanation"]
-    found = data["data"]
-    assert found["cause"]["values"][0] == "angle_x"
-    assert math.degrees(found["mean"]["values"][0]) == pytest.approx(0.1, abs=0.01)
+    found = data["data_vars"]
+    assert data["coords"]["cause"]["data"][0] == "angle_x"
+    assert math.degrees(found["mean"]["data"][0]) == pytest.approx(0.1, abs=0.01)
     assert Path("linear/explained.nc").exists()
     options = ("--explain", "--force")
     text = run("compare", "linear", "contacts.csv", *options).output

@@ -2,7 +2,7 @@
 
 from rich.console import Console
 
-from metafem.cli.progress import progress
+from metafem.cli.output import progress
 from metafem.progress import doing, each, message
 
 

@@ -22,14 +22,14 @@ def test_study_prints_its_table_and_keeps_its_file(run):
     assert "--force" in run("study", "interaction", "small").refusal
     data = run("study", "interaction", "small", "--placements", 20, "--force", "--json").data
     with xr.open_dataset("small/interaction.nc", engine="h5netcdf") as kept:
-        assert kept.area_change.values.tolist() == data["data"]["area_change"]["values"]
+        assert kept.area_change.values.tolist() == data["data_vars"]["area_change"]["data"]
         assert kept.sinking.attrs["units"] == "mm"
 
 
 STUDIES = {
     "manufacturing": ("--height-sd", "1um,3um,5um", "--angle", "0.01deg", "--misfit", "--draws", 200),
     "misalignment": ("--angle", "0.1deg", "--shuffles", 3),
-    "uncertainty": ("--sd", "composite-modulus=0.04MPa", "--sd", "radius = 2 um", "--draws", 200),
+    "uncertainty": ("--composite-modulus-sd", "0.04MPa", "--radius-sd", "2 um", "--draws", 200),
 }
 ANSWERS = {
     "manufacturing": "With errors of the heights of up to 3.",

@@ -7,15 +7,16 @@ import pytest
 import trimesh
 
 import metafem as mf
-from metafem.files import PartOptions, part_notes, planned
-from metafem.files.mesh import (
+from metafem.files import PartSection, part_notes, planned
+from metafem.files.part import (
+    USUAL,
     block_mesh,
     cap_faces,
     cap_vertices,
     mould_mesh,
     ring_count,
+    with_alignment,
 )
-from metafem.files.part import USUAL, with_alignment
 
 MATERIAL, BLOCK = mf.Material(1.36), mf.Block(8.0, 7.0, 3.0)
 HEIGHTS = np.array([0.02, 0.05, 0.1, 0.2, 0.3, 0.4])
@@ -89,7 +90,7 @@ GAPS = [*((10.0**n, 0.1) for n in (-9, -6, -5, -3)), (1.0, 1e-12), (1.0, 1e-9)]
 def test_what_is_written_is_watertight_in_single_precision(gap, height, tmp_path):
     pair = mf.Surface([[0.0, 0.0], [0.6 + gap, 0.0]], [0.1, height], 0.5, MATERIAL, block=BLOCK)
     try:
-        planned(pair, pair, PartOptions(chord_error=2e-3)).write(tmp_path)
+        planned(pair, pair, PartSection(chord_error="2 um")).write(tmp_path)
     except mf.InvalidInput:
         assert min(gap, 2.0 * (0.5 * height) ** 0.5) < 1e-5  # a few units of the last place
         return
@@ -98,7 +99,7 @@ def test_what_is_written_is_watertight_in_single_precision(gap, height, tmp_path
 
 
 def test_the_files_of_a_plan_are_solids(tmp_path):
-    part = planned(PART, PART, PartOptions(chord_error=1e-3))
+    part = planned(PART, PART, PartSection(chord_error="1 um"))
     assert part_notes(part) == ()
     triangles = len(block_mesh(PART, BLOCK, 1e-3)[1])
     files = {
@@ -112,12 +113,12 @@ def test_the_files_of_a_plan_are_solids(tmp_path):
         assert len(solid.faces) == triangles
         np.testing.assert_allclose(solid.bounds, bounds, rtol=1e-7)  # single precision
         assert (tmp_path / name).stat().st_size == 84 + 50 * triangles
-    assert planned(PART, PART, PartOptions()).chord_error == pytest.approx(4e-4 * 0.526, rel=1e-12)
-    assert planned(PART.replaced(block=None), PART, PartOptions()) is None
+    assert planned(PART, PART, PartSection()).chord_error == pytest.approx(4e-4 * 0.526, rel=1e-12)
+    assert planned(PART.replaced(block=None), PART, PartSection()) is None
     assert part_notes(None)[0].text.startswith("no part was written")
     lattice = {"radius": 0.526, "material": MATERIAL, "block": mf.Block(160, 160, 7)}
     many = mf.Surface.square_lattice(0.2, (100, 100), 1.5, **lattice)
-    coarse = planned(many, many, PartOptions()).chord_error
+    coarse = planned(many, many, PartSection()).chord_error
     assert 6 * (ring_count(many.height, many.radius, coarse) ** 2).sum() == pytest.approx(USUAL, rel=0.5)
 
 

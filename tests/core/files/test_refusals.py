@@ -83,9 +83,9 @@ def pipe(folder):
     mf.read_spec(folder / "pipe")
 
 
-def planned(part, alignment=None, **options):
+def planned(part, **options):
     """Return a call that plans the files of a part."""
-    return lambda folder: files.planned(part, part, files.PartOptions(alignment, **options))
+    return lambda folder: files.planned(part, part, files.PartSection(**options))
 
 
 REFUSALS = [
@@ -120,7 +120,7 @@ REFUSALS = [
     (of_spec(sites='pinned = [3]\nheights = ["0 um"]'), "sites.heights[0]", "is no summit of a part"),
     (of_spec(cell='width = "5 mm"'), "cell.width", "5 mm"),
     (of_spec(contact='kind = "sphere"'), "contact.kind", "sphere"),
-    (of_spec(limits='max_height = "600 um"'), "limits.max_height", '"600 um" and limits.offset exceed'),
+    (of_spec(limits='max_height = "600 um"'), "limits.max_height", "height 0.6 mm"),
     (of_spec(lattice='shape = [8, 8]\npitch = "0.75 mm"\nradius = "526 um"'), "limits.max_height",
      "0.156 mm high"),
     (of_spec(block='width = "20 mm"\nlength = "11 mm"\nthickness = "7 mm"'), "block.length", "20 by 11 mm"),
@@ -186,7 +186,7 @@ BORDERS = {
     ],
     "texts": [
         (of_file(mf.read_spec, "[lattice]\nshape = [8"), "t.csv", "line 2"),
-        (of_value(files.parsed, "a = '\ud800'"), "spec.toml", "line 1"),
+        (of_value(files.parsed, "a = '\ud800'"), "spec.toml", "line 1 is not UTF-8"),
         (of_value(files.parsed, "a = " + "[" * 9000), "spec.toml", "recursion"),
         (of_value(files.parsed, " " * (SPECIFICATION + 1)), "spec.toml", "0.25 MiB"),
         (of_file(mf.read_spec, large(SPECIFICATION)), "t.csv", "0.25 MiB"),
@@ -199,7 +199,7 @@ BORDERS = {
     ],
     "names": [
         (of_value(files.contact_named, "jkrr 4"), "jkrr", "jkr?"),
-        (of_value(files.contact_named, "hertz 3"), "hertz", "3"),
+        (of_value(files.contact_named, "hertz 3"), "contact.3", "unknown"),
         (of_value(files.contact_named, "jkr -1 N/m"), "adhesion_energy", "-1"),
         (of_value(model_named, "layr"), "model", "layr"),
         (of_value(files.demo_text, "lineal"), "lineal", "linear"),
@@ -217,10 +217,11 @@ BORDERS = {
         (of_file(files.read_parameters, "{}"), "t.csv", "metafem calibrate"),
         (planned(PART.replaced(height=[0.1, 0.1, 0.0, 0.1, 0.1, 0.1])), "(1.5, -0.75)", "height 0 mm"),
         (planned(PART.replaced(height=[0.1, 0.6, 0.1, 0.1, 0.1, 0.1])), "(0, -0.75)", "height 0.6"),
-        (planned(PART.replaced(block=mf.Block(6.8, 7.0, 3.0)), 0.4), "part.alignment_height", "6.8 by 7 mm"),
-        (planned(PAIR.replaced(position=np.zeros((1, 2)), height=[0.1], radius=[0.5]), 0.3),
+        (planned(PART.replaced(block=mf.Block(6.8, 7.0, 3.0)), alignment_height="0.4 mm"),
+        "part.alignment_height", "6.8 by 7 mm"),
+        (planned(PAIR.replaced(position=[[0, 0]], height=[0.1], radius=[0.5]), alignment_height="0.3 mm"),
         "part.alignment_height", "two sites"),
-        (planned(PAIR, 0.2), "overlap", "(0.6, 0) mm"),
+        (planned(PAIR, alignment_height="0.2 mm"), "overlap", "(0.6, 0) mm"),
     ],
 }  # fmt: skip
 

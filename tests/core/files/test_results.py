@@ -131,7 +131,7 @@ def test_the_program_drills_the_holes_of_the_table(folder):
         *("Casting: 20 by 20 mm", "7.2 mm above the face", "Tolerance: not stated"),
     ):
         assert words in comments
-    options = files.PartOptions(feed=30.0, spindle=6000.0, dwell=0.0, safe_height=2.0)
+    options = files.PartSection(feed="30 mm/min", spindle="6000 1/min", dwell="0 s", safe_height="2 mm")
     design = small()[1]
     surface = design.surface
     other = drilling_program(design, surface, options)["mould.gcode"]
@@ -167,7 +167,7 @@ def test_caps_cells_and_errors_have_columns_where_they_differ():
     assert columns(mould_table(design, caps))["cap"] == ["power 4.0 0.3"] * caps.count
     lattice = design.surface.replaced(cell=mf.PeriodicCell(4.5, 5.0))
     law = mf.friction_law(lattice, load=[0.01, 0.02])
-    table = columns(files.result_tables(replace(design, law=law), files.PartOptions())["law.csv"])
+    table = columns(files.result_tables(replace(design, law=law), files.PartSection())["law.csv"])
     assert list(table)[6:] == ["nominal_pressure_MPa", "nominal_shear_stress_MPa"]
     np.testing.assert_allclose(table["nominal_pressure_MPa"], law.load / 22.5, rtol=1e-12)
     np.testing.assert_allclose(table["nominal_shear_stress_MPa"], law.friction_force / 22.5, rtol=1e-12)
@@ -325,9 +325,10 @@ def test_studies_are_kept_by_name_and_become_plain_data(folder):
         files.study_path(folder, "interaction", False)
     assert files.study_data(study) == {
         "study": "interaction", "notes": [], "draws": 20,
-        "data": {
-            "slope": {"dims": ["load"], "units": "mm", "values": [1.0, None]},
-            "count": {"dims": [], "units": "", "values": 3},
+        "coords": {}, "dims": {"load": 2},
+        "data_vars": {
+            "slope": {"dims": ["load"], "attrs": {"units": "mm"}, "data": [1.0, None]},
+            "count": {"dims": [], "attrs": {}, "data": 3},
         },
     }  # fmt: skip
     assert files.plain_data({"a": (np.arange(2), math.inf)}) == {"a": [[0, 1], None]}

@@ -93,9 +93,9 @@ MEMBERS = [
     ({"limits": 'max_height = "120 um"\nmin_height = "10 um"\nheight_step = "6 um"\nheight_sd = "0.9 um"'},
      "limits", mf.Limits(0.12, 0.01, height_step=0.006, height_sd=0.0009)),
     ({}, "hardness", None),
-    ({"checks": 'hardness = "10 MPa"'}, "hardness", 10.0), ({}, "part", files.PartOptions()),
+    ({"checks": 'hardness = "10 MPa"'}, "hardness", 10.0), ({}, "part", files.PartSection()),
     ({"part": 'alignment_height = "400 um"\nchord_error = "1 um"'}, "part",
-     files.PartOptions(0.4, 0.001)),
+     files.PartSection(alignment_height="0.4 mm", chord_error="0.001 mm")),
     ({"sites": 'empty = [18, 4]\npinned = [10, 13]\nheights = ["150 um", "0.12 mm"]'}, "limits",
      mf.Limits(0.12, offset=0.084, pinned={3: None, 17: None, 9: 0.15, 12: 0.12})),
     ({}, "tools", None), ({"lattice": SHAPE, "tools": 'radii = ["526 um", "0.3 mm"]'}, "tools", (0.526, 0.3)),
@@ -138,11 +138,11 @@ def test_each_model_has_its_name():
     ]
     assert [spec(model=f'kind = "{name}"').model for name in files.MODELS] == models
     assert spec().model == models[-1]
-    folder = mf.Independent(contact=mf.Elastic())
-    assert files.chosen_model(folder, None, None) is folder
-    assert files.chosen_model(folder, "independent", None) == folder
-    assert files.chosen_model(folder, None, "hertz") == mf.Independent()
-    assert files.chosen_model(mf.Interacting(), "independent", "elastic") == folder
+    folder, template = mf.Independent(contact=mf.Elastic()), spec().template
+    assert files.chosen_model(folder, None, None, template) is folder
+    assert files.chosen_model(folder, "independent", None, template) == folder
+    assert files.chosen_model(folder, None, "hertz", template) == mf.Independent()
+    assert files.chosen_model(mf.Interacting(), "independent", "elastic", template) == folder
     assert with_contact(mf.Interacting(), mf.KogutEtsion(10.0)).order == 1  # it has no profile
     assert with_contact(mf.Interacting(), mf.Elastic()).order == 3
 
@@ -152,8 +152,8 @@ LAWS = {
     "hertz": ("", mf.Hertz()),
     "elastic": ("", mf.Elastic()),
     "jkr 9 mJ/m^2": ('adhesion_energy = "9 mJ/m^2"', mf.JKR(9e-6)),
-    "jkr 27mJ/m^2 elastic": (
-        'adhesion_energy = "0.027 N/m"\ncap = {kind = "elastic"}', mf.JKR(2.7e-5, mf.Elastic())
+    "jkr 27mJ/m^2": (
+        'adhesion_energy = "0.027 N/m"', mf.JKR(2.7e-5)
     ),
     "kogut-etsion 10 MPa": ('hardness = "10 MPa"', mf.KogutEtsion(10.0)),
     "jackson-green 4000kPa": ('yield_strength = "4 MPa"', mf.JacksonGreen(4.0)),

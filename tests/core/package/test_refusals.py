@@ -10,8 +10,8 @@ import pytest
 import xarray as xr
 
 import metafem as mf
-from metafem._extras import refuse_missing
-from metafem._given import shown, spoken, unit_of
+from metafem._validate import unit_of
+from metafem.errors import refuse_missing, shown, spoken
 
 U = pint.UnitRegistry()
 MATERIAL = mf.Material(1.36)
