@@ -45,7 +45,7 @@ def topography(
 ) -> None:
     """Measure heights, radii and positions of the asperities in MAP, and compare them with the design.
 
-    MAP is a height map in the format .x3p, .sur, .plux, .npy or in another format of a microscope. It
+    MAP is a height map in the format .x3p, .sur, .plux or in another format of a microscope. It
     is seen from the side of the asperities. Tilt and bow are subtracted, and a sphere is fitted to each cap.
 
     Example: metafem topography part.x3p --design linear -o made.csv

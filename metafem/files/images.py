@@ -137,8 +137,7 @@ def read_height_map(
     Parameters
     ----------
     path : str or Path
-        File in a format that SurfaceTopography reads: .x3p, .sur, .plux, .npy with
-        rows as in an image, and others.
+        File in a format that SurfaceTopography reads: .x3p, .sur, .plux and others.
     pixel : float, optional
         Distance between neighbouring pixels [mm]; default: that of the file.
     height_unit : str, optional
@@ -149,42 +148,31 @@ def read_height_map(
     InvalidInput
         If the file cannot be read or holds no map, or if the pixel or the unit is stated nowhere.
     """
+    refuse_missing("SurfaceTopography", "metrology", "reading height maps")
     name = file_label(path)
     refuse_unreadable(path)
-    sides: Any = None
-    unit = ""
+    with warnings.catch_warnings():  # its import warns of a missing mpi4py
+        warnings.simplefilter("ignore", ImportWarning)
+        from SurfaceTopography import IO
     try:
-        if Path(path).suffix.lower() == ".npy":
-            heights = np.load(path, allow_pickle=False).astype(float)
-        else:
-            heights, sides, unit = _of_instrument(path)
-    except (InvalidInput, MemoryError):
+        with IO.open_topography(str(path)) as reader:
+            channel = next(each for each in reader.channels if each.dim == 2 and each.is_height_channel)
+            sizes, points, unit = channel.physical_sizes, channel.nb_grid_pts, channel.unit or ""
+            values = channel.topography(**({} if sizes else {"physical_sizes": points})).heights()
+    except MemoryError:
         raise
     except Exception as error:  # the readers raise exceptions of all types for damaged files
         words = f"{type(error).__name__}: {printable(str(error))}"
         raise InvalidInput(f"{name} cannot be read as a height map: {words}") from None
     words = f'{name} does not state the size of its pixels; add for example --pixel "2 um"'
-    refuse_if(not pixel and not (sides and unit), words)
+    refuse_if(not pixel and not (sizes and unit), words)
     words = f'{name} does not state the unit of its heights; add for example --height-unit "um"'
     refuse_if(not height_unit and not unit, words)
+    # the first index runs along x, and the second upwards along y
+    heights = np.ma.filled(np.ma.asarray(values).astype(np.float64), np.nan).T[::-1]
     try:
         heights = (heights - np.nanmedian(heights)) * float(factor(height_unit or unit, "mm"))
     except InvalidInput as error:
         raise error.at("--height-unit") from None
-    width, height = (pixel, pixel) if pixel else np.multiply(sides, float(factor(unit, "mm"))).tolist()
-    return heights.astype(np.float32), (width, height)
-
-
-def _of_instrument(path: str | Path) -> tuple[NDArray[Any], Any, str]:
-    """Return the heights in a file of an instrument, the sides of a pixel, and their unit, if stated."""
-    refuse_missing("SurfaceTopography", "metrology", "reading height maps")
-    with warnings.catch_warnings():  # its import warns of a missing mpi4py
-        warnings.simplefilter("ignore", ImportWarning)
-        from SurfaceTopography import IO
-    with IO.open_topography(str(path)) as reader:
-        channel = next(each for each in reader.channels if each.dim == 2 and each.is_height_channel)
-        sizes, points = channel.physical_sizes, channel.nb_grid_pts
-        values = channel.topography(**({} if sizes else {"physical_sizes": points})).heights()
-    # its first index runs along x, and the second upwards along y
-    heights = np.ma.filled(np.ma.asarray(values).astype(np.float64), np.nan).T[::-1]
-    return heights, sizes and (sizes[0] / points[0], sizes[1] / points[1]), channel.unit or ""
+    sides = 2 * (pixel,) if pixel else np.divide(sizes, points) * float(factor(unit, "mm"))
+    return heights.astype(np.float32), (float(sides[0]), float(sides[1]))

@@ -1,5 +1,7 @@
 """`metafem topography` in an empty folder."""
 
+import warnings
+
 import numpy as np
 import pytest
 
@@ -12,18 +14,21 @@ DESIGN = mf.design(
     limits=mf.Limits(0.12, offset=0.06),
 )
 MADE = DESIGN.surface.replaced(height=DESIGN.surface.height + 4e-3)
-PIXEL = ("--pixel", "5 um", "--height-unit", "um")
 
 
 @pytest.fixture
 def part(run, tmp_path):
-    np.save(tmp_path / "part.npy", 1e3 * height_map(MADE, (960, 960), 5e-3))
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "Could not import mpi4py", ImportWarning)
+        from SurfaceTopography import Topography
+    heights = 1e3 * height_map(MADE, (960, 960), 5e-3)[::-1].T  # x along the first axis, y upwards
+    Topography(heights, (4.8e3, 4.8e3), unit="µm").to_x3p(str(tmp_path / "part.x3p"))
     mf.save(DESIGN, tmp_path / "design")
     return tmp_path
 
 
 def test_the_made_surface_is_printed_written_and_predicted(run, part):
-    measured = ("topography", "part.npy", *PIXEL, "--design", "design")
+    measured = ("topography", "part.x3p", "--design", "design")
     text = run(*measured, "-o", "made.csv").told
     assert "height_um 4.0" in " ".join(text.split())
     assert "not read" not in run("predict", "made.csv", "--composite-modulus", "1.36 MPa").told

@@ -295,22 +295,19 @@ def test_images_of_all_kinds_have_their_grey_levels(tmp_path):
             files.find_images([tmp_path / name for name in names])
 
 
-HEIGHTS = np.arange(30.0).reshape(6, 5)  # [um], with two holes
-HEIGHTS[0, 1] = HEIGHTS[4, 3] = np.nan
+HEIGHTS = np.arange(30.0).reshape(6, 5)  # [um]
 
 
-def test_height_maps_are_read_from_arrays(tmp_path):
-    np.save(tmp_path / "map.npy", HEIGHTS)
+def test_height_maps_are_read_from_texts(tmp_path):
+    np.savetxt(tmp_path / "map.txt", HEIGHTS[::-1])
     for pixel, unit in ((2e-3, "um"), (2e-3, "nm")):
-        heights, sides = files.read_height_map(tmp_path / "map.npy", pixel, unit)
+        heights, sides = files.read_height_map(tmp_path / "map.txt", pixel, unit)
         size = {"um": 1e-3, "nm": 1e-6}[unit]
         assert sides == pytest.approx((2e-3, 2e-3), rel=1e-12)
-        np.testing.assert_allclose(heights, size * (HEIGHTS - np.nanmedian(HEIGHTS)), rtol=1e-6)
-    (tmp_path / "t.npy").write_text("no")
+        np.testing.assert_allclose(heights, size * (HEIGHTS - np.median(HEIGHTS)), rtol=1e-6)
     for name, options, words in (
-        ("none.npy", (), "no such file"), ("map.npy", (), '--pixel "2 um"'),
-        ("map.npy", (2e-3,), '--height-unit "um"'), ("map.npy", (2e-3, "N"), '"N"'),
-        ("t.npy", (2e-3, "um"), "read as a height map"),
+        ("none.txt", (), "no such file"), ("map.txt", (), '--pixel "2 um"'),
+        ("map.txt", (2e-3,), '--height-unit "um"'), ("map.txt", (2e-3, "N"), '"N"'),
     ):  # fmt: skip
         with pytest.raises(mf.InvalidInput) as error:
             files.read_height_map(tmp_path / name, *options)
