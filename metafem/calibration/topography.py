@@ -111,7 +111,7 @@ def base(found: DataArray, free: Any = True) -> tuple[FloatArray, float]:
 
 def without(found: DataArray, coefficient: FloatArray) -> DataArray:
     """Return the map without a base."""
-    return found - polygrid2d(found.y.values, found.x.values, coefficient)
+    return found.copy(data=found.values - polygrid2d(found.y.values, found.x.values, coefficient))
 
 
 def correlated(residuals: Sequence[FloatArray], parameters: int, side: int) -> float:
