@@ -1,6 +1,5 @@
 from .comparison import Comparison as Comparison
 from .comparison import compare as compare
-from .compression import Sample as Sample
 from .compression import fit_compression as fit_compression
 from .contact_table import contact_table as contact_table
 from .crossovers import Crossover as Crossover

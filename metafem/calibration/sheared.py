@@ -11,14 +11,15 @@ from numpy.typing import ArrayLike
 
 from metafem import _validate as check
 from metafem._validate import FloatArray
-from metafem.calibration import errors_in_variables as variables
 from metafem.calibration.laws import MeasuredLaw
 from metafem.calibration.statistics import (
     PAPER,
     Calibration,
     Estimate,
+    Fit,
     MeasurementErrors,
     Verdict,
+    errors_in_variables,
     positive,
 )
 from metafem.contact.elastic import usual_law
@@ -41,7 +42,7 @@ RESIST = "forces that resist sliding are positive"
 Deviation = Callable[[FloatArray], FloatArray]
 
 
-def proportional(measured: FloatArray, deviation: Sequence[Deviation]) -> variables.Fit:
+def proportional(measured: FloatArray, deviation: Sequence[Deviation]) -> Fit:
     """Return the ratios q_j of quantities ``x_j = q_j x_(j-1)`` with errors, and the x_0 as abscissae.
 
     `measured` has the quantities x_0, x_1, ... of k points, (..., c, k), nan where not measured; each point
@@ -70,7 +71,7 @@ def proportional(measured: FloatArray, deviation: Sequence[Deviation]) -> variab
     # smaller values are noise and would have infinite weights
     least = 1e-6 * start.max(axis=-1, keepdims=True)
     start = np.maximum(start, least)
-    return variables.fit(model, y, of, ratio, start[..., None], (least[..., None], np.inf))
+    return errors_in_variables(model, y, of, ratio, start[..., None], (least[..., None], np.inf))
 
 
 def shear(

@@ -28,12 +28,10 @@ if TYPE_CHECKING:
 
     from metafem.calibration import Calibration, MeasurementErrors
 
-# Options of the dimensions of a sample, and of the standard deviations: unit, example and help text.
-LENGTHS = {
-    "radius": ("mm", "526 um", "Radius of the caps, such as {}; needed for E*."),
-    "radius_sd": ("mm", "5 um", "Its standard deviation, such as {}. Default: 0."),
-}
+# Options of the radius and of the standard deviations: unit, example and help text.
+RADIUS = {"radius": ("mm", "526 um", "Radius of the caps, such as {}; needed for E*.")}
 ERRORS = {
+    "radius_sd": ("mm", "5 um", "Standard deviation of the radius, such as {}. Default: 0."),
     "load_error": ("N", "5 mN", "Standard deviation of a load. Default: {}."),
     "boundary_error": (
         "mm",
@@ -49,7 +47,7 @@ ERRORS = {
 }
 
 # Member of MeasurementErrors for each option of a standard deviation.
-MEMBERS = dict(zip(ERRORS, ("load", "boundary", "friction_force", "friction_relative"), strict=True))
+MEMBERS = ("radius_sd", "load", "boundary", "friction_force", "friction_relative")
 
 # Name of each quantity that is printed.
 NAMES = {
@@ -63,7 +61,7 @@ NAMES = {
 
 @command(
     click.argument("data", type=Name(), nargs=-1, metavar="DATA.csv..."),
-    *quantities(LENGTHS),
+    *quantities(RADIUS),
     click.option(
         "--contacts",
         type=click.IntRange(min=1),
@@ -109,7 +107,8 @@ def calibrate(
     refuse_files(force, output)
     sources = [str(path) for path in data]
     refuse_if(not sources, "no table is given; write for example metafem calibrate compression.csv shear.csv")
-    given = {MEMBERS[name]: options[name] for name in ERRORS if options[name] is not None}
+    pairs = zip(MEMBERS, map(options.get, ERRORS), strict=True)
+    given = {name: value for name, value in pairs if value is not None}
     with progress():
         measured = mf.files.read_calibration(data, columns=columns_of(options["column"]))
         boundary = {} if measured.boundary is None else {"boundary": measured.boundary}
@@ -141,9 +140,8 @@ def _contact(points: DataFrame, options: Mapping[str, Any], errors: MeasurementE
     must = "leave it out; the tables hold the contacts of images one by one"
     refuse_if(not total and count is not None, f"--contacts = {count}: {must}")
     contacts = (count or 1) if total else area.shape[1]
-    sample = mf.calibration.Sample(contacts, options["radius_sd"] or 0.0, options["unusual"])
-    load, test = points["load"], points["test"]
-    return mf.calibration.fit_compression(load, area, radius, sample, errors=errors, test=test)
+    others = {"contacts": contacts, "errors": errors, "unusual": options["unusual"]}
+    return mf.calibration.fit_compression(points["load"], area, radius, test=points["test"], **others)
 
 
 def _shear(points: DataFrame, errors: MeasurementErrors) -> Calibration:

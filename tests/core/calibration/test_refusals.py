@@ -7,7 +7,6 @@ import metafem as mf
 from metafem.calibration import (
     MeasuredLaw,
     MeasurementErrors,
-    Sample,
     at_peak,
     compare,
     contact_areas,
@@ -97,10 +96,10 @@ REFUSALS = [
     (press(area=np.full(20, 0.1)), "area", "0.1"),
     (press(area=AREA[::-1]), "load", "E* is -"),
     (press(area=5.0 * AREA, load=5.0 * EXACT), "R is unusual", "0.526"),
-    (press(radius=300.0), "300 mm", "Sample(unusual=True)"),
+    (press(radius=300.0), "300 mm", "unusual=True"),
     (press(load=1e3 * EXACT), "MPa", "units of loads"),
-    (press(sample=Sample(radius_sd=0.6)), "radius_sd", "0.6"),
-    (lambda: Sample(0), "contacts", "0"),
+    (press(errors=MeasurementErrors(radius_sd=0.6)), "radius_sd", "0.6"),
+    (press(contacts=0), "contacts", "0"),
     (lambda: joint_covariance(*[shear(AREA, AREA, AREA)] * 2), "area_ratio", "two"),
     (slid(lambda b, s, f: (b, s, -f)), "friction_force", "sigma = -"),
     (slid(lambda b, s, f: (b, s[:5], f)), "area_sheared", "5"),
@@ -181,7 +180,7 @@ def test_areas_that_are_all_error_have_no_fit_or_a_positive_modulus():
     for seed in range(6):
         noise = errors.of_area(AREA) * np.random.default_rng(seed).standard_normal(20)
         try:
-            fit = fit_compression(EXACT, np.abs(AREA + noise), RADIUS, Sample(unusual=True), errors=errors)
+            fit = fit_compression(EXACT, np.abs(AREA + noise), RADIUS, unusual=True, errors=errors)
             found.append(fit.material.composite_modulus > 0.0 and np.isfinite(fit.covariance).all())
         except (mf.NotConverged, mf.InvalidInput) as error:
             found.append("area" in str(error))
