@@ -57,31 +57,31 @@ def fit_areas(
 ) -> Fit:
     """Return fits of E* and b to loads (..., k) [N] and areas (..., k, n) [mm^2] of single contacts.
 
-    The areas are those of all contacts, or equal areas for which one stands. Without adhesion, E* is the only
-    parameter.
+    The areas are those of all contacts, or equal areas for which one stands. Their sum is the abscissa of a
+    point, of which each contact has its measured share. Without adhesion, E* is the only parameter.
     """
     alike, count = contacts // area.shape[-1], 2 if adhesive else 1
-    measured = np.concatenate([load[..., None], area], axis=-1)
+    total = area.sum(axis=-1)
+    shares = area / total[..., None]
 
-    def model(p: FloatArray, area: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return load and areas, with ``P = c sum_j (E* 4 a_j^3/(3 R) - b sqrt(8 pi a_j^3))``."""
-        a = np.sqrt(area / math.pi)[..., None]
-        single = np.concatenate([4.0 / (3.0 * radius) * a**3, -math.sqrt(8.0 * math.pi) * a**1.5], axis=-1)
-        slope = np.divide([1.5, 0.75] * single, area[..., None], where=a > 0.0, out=np.zeros(single.shape))
-        load, by_area = (alike * each[..., :count] @ p[..., None, :, None] for each in (single, slope))
-        value = np.concatenate([load.sum(axis=-2), area], axis=-1)
-        by_load = alike * single[..., :count].sum(axis=-2)[..., None, :]
-        by_p = np.concatenate([by_load, np.zeros((*area.shape, count))], axis=-2)
-        own = np.broadcast_to(np.eye(area.shape[-1]), (*area.shape, area.shape[-1]))
-        return value, by_p, np.concatenate([np.swapaxes(by_area, -1, -2), own], axis=-2)
+    def model(p: FloatArray, x: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return load and sum of areas, with ``P = c sum_j (E* 4 a_j^3/(3 R) - b sqrt(8 pi a_j^3))``."""
+        a = np.sqrt(shares * x[..., None] / math.pi)
+        each = [4.0 / (3.0 * radius) * (a**3).sum(axis=-1), -math.sqrt(8.0 * math.pi) * (a**1.5).sum(axis=-1)]
+        by_p = alike * np.stack(each, axis=-1)[..., :count]
+        part = by_p * p[..., None, :]
+        # the parts grow as x^(3/2) and x^(3/4)
+        by_x = (part * [1.5, 0.75][:count]).sum(axis=-1) / x
+        derivatives = np.stack([by_p, np.zeros(by_p.shape)], axis=-2)
+        return np.stack([part.sum(axis=-1), x], axis=-1), derivatives, np.stack([by_x, np.ones(x.shape)], -1)
 
     def deviation(value: FloatArray) -> FloatArray:
-        each = errors.of_area(value[..., 1:])
+        each = errors.of_area(shares * value[..., 1:])
         each = np.where(area > 0.0, each, np.maximum(each, errors.of_open)) / math.sqrt(alike)
-        return np.concatenate([errors.of_load(value[..., :1]), each], axis=-1)
+        return np.stack([errors.of_load(value[..., 0]), np.linalg.norm(each, axis=-1)], axis=-1)
 
-    start, bounds = np.zeros((*load.shape[:-1], count)), (SMALLEST_PART * area, np.inf)
-    return errors_in_variables(model, measured, deviation, start, area, bounds)
+    measured, start = np.stack([load, total], axis=-1), np.zeros((*load.shape[:-1], count))
+    return errors_in_variables(model, measured, deviation, start, total, SMALLEST_PART * total)
 
 
 def of_root(fit: Fit) -> tuple[FloatArray, FloatArray]:

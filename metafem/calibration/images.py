@@ -110,7 +110,7 @@ COMPACT = 0.97
 MARGIN = 4
 
 # Attributes of `ContactAreas` that have one value or point for each contact, and their types.
-CONTACT = [
+CONTACT: list[Any] = [
     *(("area", "f8"), ("area_error", "f8"), ("centre", "f8", 2), ("axes", "f8", 2), ("angle", "f8")),
     *(("edge", "?"), ("merged", "?")),
 ]

@@ -60,9 +60,9 @@ def proportional(measured: FloatArray, deviation: Sequence[Deviation]) -> Fit:
 
     def model(q: FloatArray, x: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         by_x = factors(q)
-        later = np.tri(count + 1, count, -1)
-        by_q = x[..., None] * later * (by_x[..., None] / q[..., None, None, :])
-        return x * by_x, by_q, np.broadcast_to(by_x[..., None], (*x.shape[:-1], count + 1, 1))
+        by_q = np.tri(count + 1, count, -1) * (by_x[..., None] / q[..., None, None, :])
+        value = x[..., None] * by_x
+        return value, x[..., None, None] * by_q, np.broadcast_to(by_x, value.shape)
 
     def of(value: FloatArray) -> FloatArray:
         return np.stack([each(value[..., j]) for j, each in enumerate(deviation)], axis=-1)
@@ -70,8 +70,7 @@ def proportional(measured: FloatArray, deviation: Sequence[Deviation]) -> Fit:
     start = (filled * factors(ratio)).sum(axis=-1) / (known * factors(ratio) ** 2).sum(axis=-1)
     # smaller values are noise and would have infinite weights
     least = 1e-6 * start.max(axis=-1, keepdims=True)
-    start = np.maximum(start, least)
-    return errors_in_variables(model, y, of, ratio, start[..., None], (least[..., None], np.inf))
+    return errors_in_variables(model, y, of, ratio, np.maximum(start, least), least)
 
 
 def shear(

@@ -68,7 +68,7 @@ def test_of_given_variances_it_is_the_regression_of_odrpack():
     )  # fmt: skip
     deviation = np.sqrt(np.diag(found.covariance))
     assert (np.abs(found.parameter - other.beta) < 1e-5 * deviation).all()
-    assert np.abs(found.abscissa[:, 0] - other.xplusd).max() < 1e-6 * sd.max()
+    assert np.abs(found.abscissa - other.xplusd).max() < 1e-6 * sd.max()
     assert found.chi_square.sum() == pytest.approx(other.sum_square, rel=1e-6)
 
 

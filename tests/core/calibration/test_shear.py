@@ -25,7 +25,7 @@ def test_the_fit_minimises_the_sum_over_factors_and_values():
     points, _ = sheared(np.random.default_rng(3), tests=1, loads=4)
     points[2, 1] = points[0, 2] = np.nan
     fit = proportional(points, errors)
-    ratio, value = fit.parameter, fit.abscissa[:, 0]
+    ratio, value = fit.parameter, fit.abscissa
     fitted = np.vstack([value, ratio.cumprod()[:, None] * value])
     deviation = np.stack([of(each) for of, each in zip(errors, fitted, strict=True)])
 
