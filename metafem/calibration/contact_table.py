@@ -87,11 +87,12 @@ def listed(names: Iterable[str]) -> str:
     return ", ".join(printable(name, 60) for name in every[:NAMED]) + more
 
 
-def pressed_images(table: DataFrame) -> tuple[IntArray, list[Note]]:
-    """Return the numbers of the images that a compression fit uses, and notes on omitted images.
+def pressed_points(table: DataFrame) -> tuple[DataFrame, list[Note]]:
+    """Return the points of a compression fit, one for each used image, and notes on omitted images.
 
-    The measured load is the sum over all contacts. If the area of one contact is unknown, so is its share of
-    the load, and the image does not determine E*. A fit to the sum of the other areas would bias E*.
+    The columns are load [N], area_1, area_2 ... [mm^2] and test. The measured load is the sum over all
+    contacts. If the area of one contact is unknown, so is its share of the load, and the image does not
+    determine E*. A fit to the sum of the other areas would bias E*.
     """
     images, areas = by_image(table)
     area, loaded = areas["area"], images["load"].notna().to_numpy()
@@ -102,20 +103,22 @@ def pressed_images(table: DataFrame) -> tuple[IntArray, list[Note]]:
     missing = listed(f"{what} {number}" for number in unknown) or "all contacts"
     words = f"E* is fitted without {listed(images['image'][left])}: the area of {missing} is 0 or unknown"
     notes = [Note(f"{words}, and the load is that of all contacts")] * bool(left.any())
-    return np.flatnonzero(used), notes
+    named = {f"area_{i + 1}": each for i, each in enumerate(area.T)}
+    return images[["load", "test"]].assign(**named)[used], notes
 
 
-def sheared_points(table: DataFrame) -> tuple[FloatArray, IntArray, list[Note]]:
-    """Return points for a shear fit (3, k), the image of each point (k,), and notes on missing quantities.
+def sheared_points(table: DataFrame) -> tuple[DataFrame, list[Note]]:
+    """Return the points of a shear fit, and notes on missing quantities.
 
-    The rows of the points are the areas before and after shear [mm^2] and the friction forces [N]. Values
-    that were not measured are nan.
+    The columns are area_before, area_sheared [mm^2], friction_force [N], nan if not measured, and test.
 
     An image gives one point if all its contacts were measured before and after shear. Otherwise the contacts
     that are visible before and after shear give a point that determines B; a contact that is too small to be
     detected in one of the two images would bias the ratio of the sums. The sheared areas of all contacts, if
     they were measured, give another one with the friction force, which determines sigma.
     """
+    import pandas as pd
+
     images, areas = by_image(table)
     before, after, force = areas["area"], areas["sheared_area"], images["friction_force"].to_numpy()
     both = np.isfinite(before) & np.isfinite(after)
@@ -124,13 +127,16 @@ def sheared_points(table: DataFrame) -> tuple[FloatArray, IntArray, list[Note]]:
     whole, total = both.all(axis=1) & ~hides, np.where(hides, np.nan, after.sum(axis=1))
     some, alone = seen.any(axis=1), ~whole & (total > 0.0) & np.isfinite(force)
     sums = [np.where(seen, area, 0.0).sum(axis=1) for area in (before, after)]
-    ratio = np.array([*sums, np.where(whole, force, np.nan)])
-    strength = np.array([np.full(len(force), np.nan), total, force])
-    points = np.hstack([ratio[:, some], strength[:, alone]])
+    points = [
+        images[["test"]].assign(area_before=first, area_sheared=second, friction_force=third)[chosen]
+        for first, second, third, chosen in (
+            (*sums, np.where(whole, force, np.nan), some),
+            (np.nan, total, force, alone),
+        )
+    ]
     unused = np.isfinite(force) & np.isfinite(after).any(axis=1) & ~whole & ~alone
     words = f"sigma is fitted without {listed(images['image'][unused])}, of which a contact is not measured"
-    notes = [information(f"{words} before or after shear")] * bool(unused.any())
-    return points, np.append(np.flatnonzero(some), np.flatnonzero(alone)), notes
+    return pd.concat(points), [information(f"{words} before or after shear")] * bool(unused.any())
 
 
 def of_contacts(

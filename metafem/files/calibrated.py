@@ -17,13 +17,13 @@ from metafem import _validate as check
 from metafem._given import printable
 from metafem._validate import FloatArray
 from metafem.calibration import Calibration, joint_covariance
-from metafem.calibration.contact_table import by_image, pressed_images, sheared_points
+from metafem.calibration.contact_table import pressed_points, sheared_points
 from metafem.calibration.statistics import UNITS, checked_covariance
 from metafem.contact import Hertz
 from metafem.errors import InvalidInput, refuse_if
 from metafem.files.contacts import contacts_of
 from metafem.files.disk import TABLE, file_label, read_bytes
-from metafem.files.tables import NONE, Columns, Entries, Table, is_of_contacts, read_table
+from metafem.files.tables import NONE, Columns, Table, is_of_contacts, read_table
 from metafem.notes import Note, information
 
 if TYPE_CHECKING:
@@ -83,7 +83,7 @@ def read_calibration(paths: Iterable[str | Path], *, columns: Mapping[str, str] 
 
     notes: list[Note] = []
     tests: tuple[list[DataFrame], list[DataFrame]] = [], []
-    boundaries: list[float | None] = []
+    boundaries: list[float] = []
     files = [Path(path) for path in paths]
     stems = [path.stem for path in files]
     for path in files:
@@ -91,11 +91,9 @@ def read_calibration(paths: Iterable[str | Path], *, columns: Mapping[str, str] 
         table = read_table(path, columns, every=len(files) == 1)
         # files of the same name in different folders are different tests
         label = path.stem if stems.count(path.stem) == 1 else str(path.with_suffix(""))
-        if is_of_contacts(table):
-            points, boundary, left_out = _of_contacts(table, label)
-            notes += left_out
-        else:
-            points, boundary = _of_tests(COLUMNS.read(table), label), None
+        kind = _of_contacts if is_of_contacts(table) else _of_tests
+        points, boundary, left_out = kind(table, label)
+        notes += left_out
         boundaries.append(boundary)
         for of_kind, own in zip(tests, points, strict=True):
             of_kind += [own] * (len(own) > 0)
@@ -106,19 +104,19 @@ def read_calibration(paths: Iterable[str | Path], *, columns: Mapping[str, str] 
         len({tuple(each) for each in tests[0]}) > 1,
         "the tables hold the areas of different numbers of contacts; calibrate them one by one",
     )
-    known = [each for each in boundaries if each is not None]
-    rms = float(np.sqrt(np.mean(np.square(known)))) if len(known) == len(files) else None
+    rms = float(np.sqrt(np.mean(np.square(boundaries))))
     pressed, sheared = (pd.concat(of_kind, ignore_index=True) if of_kind else None for of_kind in tests)
-    return CalibrationData(pressed, sheared, rms, notes)
+    return CalibrationData(pressed, sheared, rms if rms > 0.0 else None, notes)
 
 
-def _of_tests(entries: Entries, label: str) -> tuple[DataFrame, DataFrame]:
+def _of_tests(table: Table, label: str) -> tuple[tuple[DataFrame, DataFrame], float, list[Note]]:
     """Return the points of compression and of shear tests in a table, which may be empty."""
     import pandas as pd
 
+    entries = COLUMNS.read(table)
     names, of_shear = sorted(entries.columns.keys() - {"test"}), "area_sheared" in entries.columns
     twice = {"area", "area_before"} <= {*names}
-    refuse_if(twice, f"{entries.table.name} has the columns area and area_before; keep one")
+    refuse_if(twice, f"{table.name} has the columns area and area_before; keep one")
     # entries of a shear test may be empty
     read = {name: entries.numbers(name, empty=of_shear) for name in names}
     for name in names:
@@ -128,33 +126,25 @@ def _of_tests(entries: Entries, label: str) -> tuple[DataFrame, DataFrame]:
     points["test"] = [printable(text, 60) for text in entries.texts("test")] if named else label
     points = points.reindex(columns=["load", "area", *SHEARED[1:], "test"])
     sheared = points.rename(columns={"area": "area_before"})[[*SHEARED, "test"]]
-    return points[["load", "area", "test"]].dropna(), sheared if of_shear else sheared[:0]
+    return (points[["load", "area", "test"]].dropna(), sheared if of_shear else sheared[:0]), np.nan, []
 
 
-def _of_contacts(table: Table, label: str) -> tuple[tuple[DataFrame, DataFrame], float | None, list[Note]]:
+def _of_contacts(table: Table, label: str) -> tuple[tuple[DataFrame, DataFrame], float, list[Note]]:
     """Return the points of a table of contacts, and notes on images that are left out.
 
     The second value is the rms error of the contacts' boundary [mm] that explains the errors of the areas, or
-    None.
+    nan.
     """
-    import pandas as pd
-
     contacts = contacts_of(table)
-    images, areas = by_image(contacts)
-    test = images["test"].replace("", label).to_numpy()
-    used, left_out = pressed_images(contacts)
-    points, image, without = sheared_points(contacts)
+    contacts["test"] = contacts["test"].replace("", label)
+    (pressed, left_out), (sheared, without) = pressed_points(contacts), sheared_points(contacts)
     why = "; ".join(map(str, left_out)) or "no image has a load and an area"
     must = f"holds neither images with a load and the areas of all contacts, nor sheared areas: {why}"
-    refuse_if(not used.size and not image.size, f"{table.name} {must}")
-    pressed = pd.DataFrame(areas["area"][used]).rename(columns=lambda i: f"area_{i + 1}")
-    pressed = pressed.assign(load=images["load"].to_numpy()[used], test=test[used])
-    sheared = pd.DataFrame(points.T, columns=SHEARED).assign(test=test[image])
+    refuse_if(pressed.empty and sheared.empty, f"{table.name} {must}")
     closed = contacts[contacts["area"] > 0.0]
     errors = closed["area_error"] / (2.0 * np.sqrt(np.pi * closed["area"]))
-    boundary = float(np.sqrt(np.mean(errors**2))) or None if errors.size else None
     notes = [Note(f"{table.name}: {note}", note.level) for note in (*left_out, *without)]
-    return (pressed, sheared), boundary, notes
+    return (pressed, sheared), float(np.sqrt((errors**2).mean())), notes
 
 
 @contextmanager
