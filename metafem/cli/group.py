@@ -14,7 +14,7 @@ from metafem.errors import InvalidInput, MetafemError
 # Module of each command.
 MODULES = {
     "demo": "design", "design": "design", "spec": "design", "predict": "predict", "study": "study",
-    "calibrate": "calibrate", "images": "images", "topography": "images", "compare": "compare",
+    "calibrate": "calibrate", "images": "images", "compare": "compare",
     "report": "design", "explore": "design", "doctor": "doctor",
 }  # fmt: skip
 

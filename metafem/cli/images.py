@@ -1,4 +1,4 @@
-"""The commands images and topography: contacts in images, and the made surface on a height map."""
+"""The command images: measurement of contacts in images."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from metafem.cli.options import (
     refuse_files,
 )
 from metafem.cli.output import in_rows, notes_data, show
-from metafem.cli.progress import loaded, progress
+from metafem.cli.progress import progress
 from metafem.errors import refuse_if
 from metafem.notes import Note
 from metafem.progress import doing
@@ -30,15 +30,13 @@ from metafem.progress import doing
 if TYPE_CHECKING:
     from pandas import DataFrame
 
-    from metafem.calibration import MadeSurface, SiteMatch
+    from metafem.calibration import SiteMatch
 
 # Formats of the picture of what was found.
 FORMATS = (".svg", ".png")
 
 # Difference of a matched lattice's scale from 1 above which a warning is given: areas are then wrong by 2 %.
 SCALE = 0.01
-
-UM = 1e3
 
 
 @command(
@@ -172,7 +170,7 @@ def _measured(files: Any, forces: DataFrame, options: dict[str, Any]) -> tuple[d
 def _wrong_size(pixel: float, match: SiteMatch | None) -> list[Note]:
     """Return a note if the sites are farther apart, or nearer, than in the design."""
     scale = 1.0 if match is None else match.scale
-    agrees = f"with pixels of {UM * pixel / scale:.4g} um they would agree"
+    agrees = f"with pixels of {1e3 * pixel / scale:.4g} um they would agree"
     text = f"the sites are {scale:.4f} times as far apart as in the design; {agrees}, and areas would change"
     return [Note(text)] * (abs(scale - 1.0) > SCALE)
 
@@ -191,90 +189,3 @@ def _sums(table: DataFrame) -> DataFrame:
     sums[errors] **= 0.5
     units = {**dict.fromkeys(by[2:], "N"), **dict.fromkeys([*areas, *errors], "mm2")}
     return sums.reset_index().rename(columns={name: f"{name}_{unit}" for name, unit in units.items()})
-
-
-@command(
-    click.argument("height_map", type=Name(), metavar="MAP"),
-    file_option("--design folder", "DIR", "Result folder of the design.", required=True),
-    quantity("pixel", "mm", "2 um", "Distance of two pixels, {}. Default: that of MAP."),
-    click.option("--height-unit", metavar="UNIT", help='Unit of the heights, "um". Default: that of MAP.'),
-    click.option("--mould", is_flag=True, help="The map shows the mould: its holes are the caps."),
-    file_option("-o --output", "MADE.csv", "File of the made surface, for metafem predict."),
-    force_option,
-    json_option,
-    short_help="Measure a made surface on a height map.",
-)
-def topography(
-    height_map: Path,
-    folder: Path,
-    output: Path | None,
-    force: bool,
-    as_json: bool,
-    **options: Any,
-) -> None:
-    """Measure heights, radii and positions of the asperities in MAP, and compare them with the design.
-
-    MAP is a height map in the format .x3p, .sur, .plux or in another format of a microscope. It
-    is seen from the side of the asperities. Tilt and bow are subtracted, and a sphere is fitted to each cap.
-
-    Example: metafem topography part.x3p --design linear -o made.csv
-    """
-    refuse_files(force, output)
-    with progress():
-        design = loaded(folder)
-        heights, sides = mf.files.read_height_map(height_map, options["pixel"], options["height_unit"])
-        with mf.files.of_tables([str(height_map)]):
-            made = mf.calibration.made_surface(heights, sides, design.surface, mould=options["mould"])
-        law = mf.friction_law(made.surface, design.law.model, load=design.law.load)
-        if output is not None:
-            mf.files.write_text(output, mf.files.made_table(made, design.sites), force=force)
-    touching = design.law.area > 0.0
-    single = {
-        "measured": made.surface.count,
-        "designed": made.design.count,
-        "roughness_um": UM * made.roughness,
-        "area_change_percent": _rms(100.0 * (law.area[touching] / design.law.area[touching] - 1.0)),
-    }
-    data: dict[str, Any] = mf.files.plain_data(
-        {
-            **single,
-            "load_N": law.load,
-            "designed_area_mm2": design.law.area,
-            "made_area_mm2": law.area,
-            "site": design.sites[made.site] + 1,
-            "missing": design.sites[made.missing] + 1,
-            "height_mm": made.surface.height,
-            "radius_mm": made.surface.radius,
-            "sd_height_mm": made.height_sd,
-            "height_error_mm": made.height_error,
-            "errors": _errors(made),
-            "notes": notes_data(made.notes),
-            "files": [] if output is None else [str(output)],
-        }
-    )
-    tables = [in_rows(data["errors"]), in_rows([single])]
-    show(as_json, data, tables=tables, notes=made.notes, files=[output])
-
-
-def _errors(made: MadeSurface) -> list[dict[str, Any]]:
-    """Return mean, standard deviation and largest value of the errors of heights, radii and positions."""
-    relative = 100.0 / made.design.radius[made.site]
-    return [
-        {
-            "made_minus_designed": name,
-            "mean": float(values.mean()),
-            "sd": float(values.std()),
-            "largest": float(values.flat[abs(values).argmax()]),
-            "standard_error": _rms(error),
-        }
-        for name, values, error in (
-            ("height_um", UM * made.height_error, UM * made.height_sd),
-            ("radius_percent", relative * made.radius_error, relative * made.radius_sd),
-            # the alignment makes the mean errors of the positions 0
-            ("position_um", UM * made.position_error, UM * made.position_sd),
-        )
-    ]
-
-
-def _rms(values: Any) -> float:
-    return math.sqrt(float((values**2).mean()))

@@ -164,15 +164,15 @@ def read_height_map(
     except Exception as error:  # the readers raise exceptions of all types for damaged files
         words = f"{type(error).__name__}: {printable(str(error))}"
         raise InvalidInput(f"{name} cannot be read as a height map: {words}") from None
-    words = f'{name} does not state the size of its pixels; add for example --pixel "2 um"'
+    words = f"{name} does not state the size of its pixels; give for example pixel=2e-3 [mm]"
     refuse_if(not pixel and not (sizes and unit), words)
-    words = f'{name} does not state the unit of its heights; add for example --height-unit "um"'
+    words = f'{name} does not state the unit of its heights; give for example height_unit="um"'
     refuse_if(not height_unit and not unit, words)
     # the first index runs along x, and the second upwards along y
     heights = np.ma.filled(np.ma.asarray(values).astype(np.float64), np.nan).T[::-1]
     try:
         heights = (heights - np.nanmedian(heights)) * float(factor(height_unit or unit, "mm"))
     except InvalidInput as error:
-        raise error.at("--height-unit") from None
+        raise error.at("height_unit") from None
     sides = 2 * (pixel,) if pixel else np.divide(sizes, points) * float(factor(unit, "mm"))
     return heights.astype(np.float32), (float(sides[0]), float(sides[1]))

@@ -2,7 +2,6 @@
 
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from metafem import cli
@@ -24,7 +23,6 @@ TABLE = ("predict", "h.csv", "--composite-modulus", "1.36 MPa")
 BARE = ("predict", "bare.csv", "--composite-modulus", "1 MPa")
 STUDY = ("study", "uncertainty", "linear", "--sd")
 COMPARE = ("compare", "linear", "measured.csv")
-MAP = ("topography", "part.txt", "--pixel", "5 um", "--height-unit", "um", "--design", "linear")
 RADIUS = ("--contacts", "5", "--radius", "526 um")
 
 # A call, the key and the value.
@@ -67,9 +65,7 @@ REFUSALS = [
     (("calibrate", "shear.csv", "--friction-relative-error", "3"), "--friction-relative-error", "3"),
     (("calibrate", "shear.csv", "-o", "a.txt"), "a.txt", ".toml"),
     (("calibrate", "negative.csv", *RADIUS), "negative.csv, line 3", "-1"),
-    ((*MAP[:2], "--design", "linear"), "part.txt", "pixels"),
     (("images", "part.txt", "--pixel", "5 um", "--picture", "made.pdf"), "made.pdf", ".svg"),
-    ((*MAP, "-o", "part.txt"), "part.txt", "exists"),
     (("images", "nosuchfolder", "--pixel", "5 um"), "nosuchfolder", "no such file"),
     (("images", "part.txt"), "--pixel", "Missing option"),
 ]  # fmt: skip
@@ -110,7 +106,7 @@ def test_a_call_is_refused_by_its_key_and_value(run, demo, arguments, key, value
         "0.1,0.5,0.42,0.16", "0.2,0.8,0.68,0.26",
     )  # fmt: skip
     Path("empty.csv").touch()
-    np.savetxt("part.txt", np.zeros((40, 40)))
+    Path("part.txt").touch()
     before = sorted(path for path in Path().rglob("*"))
     result = run(*arguments)
     assert (result.exit_code, refused(result, key, value)) == (2, True)

@@ -306,8 +306,8 @@ def test_height_maps_are_read_from_texts(tmp_path):
         assert sides == pytest.approx((2e-3, 2e-3), rel=1e-12)
         np.testing.assert_allclose(heights, size * (HEIGHTS - np.median(HEIGHTS)), rtol=1e-6)
     for name, options, words in (
-        ("none.txt", (), "no such file"), ("map.txt", (), '--pixel "2 um"'),
-        ("map.txt", (2e-3,), '--height-unit "um"'), ("map.txt", (2e-3, "N"), '"N"'),
+        ("none.txt", (), "no such file"), ("map.txt", (), "pixel=2e-3"),
+        ("map.txt", (2e-3,), 'height_unit="um"'), ("map.txt", (2e-3, "N"), '"N"'),
     ):  # fmt: skip
         with pytest.raises(mf.InvalidInput) as error:
             files.read_height_map(tmp_path / name, *options)
