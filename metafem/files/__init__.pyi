@@ -5,12 +5,12 @@ from .calibrated import of_tables as of_tables
 from .calibrated import printed as printed
 from .calibrated import read_calibration as read_calibration
 from .calibrated import read_parameters as read_parameters
-from .contacts import contacts_table as contacts_table
-from .contacts import read_contacts as read_contacts
 from .disk import refuse_existing as refuse_existing
 from .disk import staged as staged
 from .disk import write_text as write_text
+from .images import contacts_table as contacts_table
 from .images import find_images as find_images
+from .images import read_contacts as read_contacts
 from .images import read_forces as read_forces
 from .images import read_height_map as read_height_map
 from .laws import read_law as read_law

@@ -21,8 +21,8 @@ from metafem.calibration.contact_table import pressed_points, sheared_points
 from metafem.calibration.statistics import UNITS, checked_covariance
 from metafem.contact import Hertz
 from metafem.errors import InvalidInput, refuse_if
-from metafem.files.contacts import contacts_of
 from metafem.files.disk import TABLE, file_label, read_bytes
+from metafem.files.images import read_contacts
 from metafem.files.tables import NONE, Columns, Table, is_of_contacts, read_table
 from metafem.notes import Note, information
 
@@ -135,7 +135,7 @@ def _of_contacts(table: Table, label: str) -> tuple[tuple[DataFrame, DataFrame],
     The second value is the rms error of the contacts' boundary [mm] that explains the errors of the areas, or
     nan.
     """
-    contacts = contacts_of(table)
+    contacts = read_contacts(table)
     contacts["test"] = contacts["test"].replace("", label)
     (pressed, left_out), (sheared, without) = pressed_points(contacts), sheared_points(contacts)
     why = "; ".join(map(str, left_out)) or "no image has a load and an area"

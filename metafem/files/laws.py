@@ -91,14 +91,13 @@ def read_measured_law(
     array([0.05, 0.1 ])
     """
     from metafem.calibration import MeasuredLaw, measured_law
-    from metafem.files.contacts import contacts_of
+    from metafem.files.images import read_contacts
 
     table = read_table(source)
     options: dict[str, Any] = {} if errors is None else {"errors": errors}
     if is_of_contacts(table):
         try:
-            contacts = contacts_of(table)
-            return measured_law(contacts, material, friction, sites=sites, **options)
+            return measured_law(read_contacts(table), material, friction, sites=sites, **options)
         except InvalidInput as error:
             raise InvalidInput(f"{table.name}: {error}") from None
     entries = LAW.read(table)

@@ -9,7 +9,7 @@ import pytest
 
 import metafem as mf
 from metafem.calibration import MeasurementErrors
-from metafem.files.contacts import contacts_table
+from metafem.files.images import contacts_table
 from tests.calibration.contacts import table_of
 
 A = np.linspace(0.08, 0.4, 20)
