@@ -22,9 +22,7 @@ from metafem.calibration.statistics import (
     errors_in_variables,
     positive,
 )
-from metafem.contact import JKR, Hertz
 from metafem.errors import NotConverged, refuse_if
-from metafem.material import Material
 from metafem.notes import Note, information
 
 # Smallest number of points: two for the parameters and one for a residual.
@@ -203,8 +201,6 @@ def fit_compression(
         parameters=("radius", "composite_modulus")[known:],
         covariance=joint[known:, known:],
         verdict=Verdict(float(fit.chi_square.sum()), len(loads) - 2),
-        material=Material(stiffness.value),
-        contact_law=JKR(energy.value) if low else Hertz(),
         notes=tuple(_notes(low > 0.0, widest)),
     ).of_tests(
         test, len(loads), lambda own: fit_compression(loads[own], np.asarray(area)[own], size, **given)

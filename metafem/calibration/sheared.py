@@ -24,7 +24,6 @@ from metafem.calibration.statistics import (
 )
 from metafem.contact.elastic import usual_law
 from metafem.errors import InvalidInput, refuse_if
-from metafem.material import Friction
 from metafem.models import Independent, Model
 from metafem.notes import information
 from metafem.prediction import equilibrium
@@ -154,7 +153,6 @@ def shear(
         parameters=("area_ratio", "shear_strength"),
         covariance=covariance,
         verdict=verdict,
-        friction=Friction(strength, min(ratio, 1.0)),
         notes=(information(words),) if unused else (),
     ).of_tests(test, len(before), lambda rows: shear(*points[:, rows], errors=errors))
 

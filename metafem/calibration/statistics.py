@@ -17,8 +17,8 @@ from scipy.special import gammaincc, ndtr
 from metafem import _validate as check
 from metafem._given import shown
 from metafem._validate import FloatArray
-from metafem._values import Value, three_digits
-from metafem.contact import Contact
+from metafem._values import Value
+from metafem.contact import JKR, Contact, Hertz
 from metafem.errors import InvalidInput, NotConverged, refuse_if
 from metafem.material import Friction, Material
 from metafem.notes import Note
@@ -100,7 +100,7 @@ class Verdict:
 
     def __str__(self) -> str:
         freedom = f"{self.freedom} degree{'s' * (self.freedom != 1)} of freedom"
-        return f"chi² = {three_digits(self.chi_square)} with {freedom} (p = {self.probability:.2g})"
+        return f"chi² = {self.chi_square:.3g} with {freedom} (p = {self.probability:.2g})"
 
     def to_dict(self) -> dict[str, Any]:
         """Return the attributes by name."""
@@ -166,12 +166,27 @@ class Calibration(Value):
     parameters: tuple[str, ...]
     covariance: FloatArray
     verdict: Verdict
-    material: Material | None = None
-    contact_law: Contact | None = None
-    friction: Friction | None = None
     tests: tuple[str, ...] = ()
     heterogeneity: Verdict | None = None
     notes: tuple[Note, ...] = ()
+
+    @property
+    def material(self) -> Material | None:
+        """Material with the E* of compression tests."""
+        found = self.estimates.get("composite_modulus")
+        return found and Material(found.value)
+
+    @property
+    def contact_law(self) -> Contact | None:
+        """Contact law of compression tests."""
+        found = self.estimates.get("adhesion_energy")
+        return found and (JKR(found.value) if found.interval[0] else Hertz())
+
+    @property
+    def friction(self) -> Friction | None:
+        """Friction of shear tests."""
+        found = self.estimates.get("shear_strength")
+        return found and Friction(found.value, min(self.estimates["area_ratio"].value, 1.0))
 
     def __repr__(self) -> str:
         stated = [

@@ -19,7 +19,6 @@ from metafem._validate import FloatArray
 from metafem.calibration import Calibration, joint_covariance
 from metafem.calibration.contact_table import pressed_points, sheared_points
 from metafem.calibration.statistics import UNITS, checked_covariance
-from metafem.contact import Hertz
 from metafem.errors import InvalidInput, refuse_if
 from metafem.files.disk import TABLE, file_label, read_bytes
 from metafem.files.images import read_contacts
@@ -182,7 +181,7 @@ def calibration_text(
     lines = [FIRST, *(f"# Measured: {source}" for source in sources)]
     if contact is not None:
         lines += ["", "[material]", _stated("composite_modulus", contact), "", "[contact]"]
-        if contact.contact_law == Hertz():
+        if not contact.estimates["adhesion_energy"].interval[0]:
             _, interval, unit, _ = printed("adhesion_energy", contact)
             lines += ['kind = "hertz"', f"# The adhesion energy is {interval} {unit}."]
         else:
