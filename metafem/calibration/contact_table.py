@@ -15,8 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from metafem._given import printable
-from metafem._validate import FloatArray, IntArray
-from metafem.errors import refuse_if
+from metafem._validate import FloatArray
 from metafem.notes import Note, information
 
 if TYPE_CHECKING:
@@ -137,52 +136,3 @@ def sheared_points(table: DataFrame) -> tuple[DataFrame, list[Note]]:
     unused = np.isfinite(force) & np.isfinite(after).any(axis=1) & ~whole & ~alone
     words = f"sigma is fitted without {listed(images['image'][unused])}, of which a contact is not measured"
     return pd.concat(points), [information(f"{words} before or after shear")] * bool(unused.any())
-
-
-def of_contacts(
-    table: DataFrame, rescaled: bool, numbers: IntArray | None
-) -> tuple[dict[str, Any], tuple[Note, ...]]:
-    """Return the arrays of a measured law by name, and notes on the omitted images.
-
-    `numbers` are the sites of the design's asperities; if None, asperity i is at site i. If friction forces
-    were measured and can be `rescaled`, an image needs a friction force; otherwise it needs the areas of all
-    contacts.
-    """
-    images, areas = by_image(table)
-    area, error, force = areas["area"], areas["area_error"], images["friction_force"].to_numpy()
-    by_force = rescaled and bool(np.isfinite(force).any())
-    site = table["site"].iloc[: area.shape[1]]
-    matched = bool(site.notna().all())
-    whole: Any = np.isfinite(area).all(axis=1)
-    used = images["load"].notna().to_numpy() & (np.isfinite(force) if by_force else whole)
-    what = "a friction force" if by_force else "the areas of all its contacts"
-    refuse_if(not used.any(), f"none of the {len(used)} images has a load and {what}")
-    left = listed(images["image"][~used])
-    notes = [Note(f"images without a load and {what} are left out: {left}")] * (left != "")
-    area, error = area[used], np.nan_to_num(error[used])
-    overlooked = float(np.max(error, where=area == 0.0, initial=0.0))
-    if overlooked > 0.0 and not by_force:
-        words = f"contacts of less than {overlooked:.2g} mm^2 count as open; the errors of the total areas do"
-        notes.append(Note(f"{words} not include what these contacts lack"))
-    found: dict[str, Any] = {"load": images["load"].to_numpy()[used]}
-    if np.isfinite(force[used]).all():
-        found["friction_force"] = force[used]
-    if matched:
-        found |= {"asperity_area": area, "asperity_area_sd": error}
-        found["site"] = _asperities(site.to_numpy(dtype=np.int64), numbers)
-    if whole[used].all():
-        found["area"] = area.sum(axis=1)
-        sd = np.sqrt((np.where(area > 0.0, error, 0.0) ** 2).sum(axis=1))  # without errors of open contacts
-        if (sd > 0.0).all():  # an image without contacts has sd 0: use the default errors then
-            found["area_sd"] = sd
-    return found, tuple(notes)
-
-
-def _asperities(sites: IntArray, numbers: IntArray | None) -> IntArray:
-    """Return the numbers of the design's asperities at sites."""
-    if numbers is None:
-        return sites
-    wrong = listed(map(str, sites[~np.isin(sites, numbers)] + 1))
-    refuse_if(wrong, f"the contacts have site {wrong}, which the design leaves empty or does not have")
-    order = np.argsort(numbers)
-    return order[np.searchsorted(numbers, sites, sorter=order)]
