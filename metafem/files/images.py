@@ -131,7 +131,7 @@ def read_forces(names: Sequence[str], source: str | Path | Table | None) -> tupl
         entries.refuse(column, wrong, must)
     absent = [name for name in shown if name not in ("", *names)]
     listing = f"{listed(absent)} is not among the images {listed(names)}; a page is named a.tif:1"
-    words = f"{entries.table.name}: {listing}"
+    words = f"{entries.name}: {listing}"
     refuse_if(not found["image"].isin(names).any(), words)
     found["sheared_image"] = found["sheared_image"].where(found["sheared_image"].isin(names), "")
     rows = every[~every["image"].isin(found["sheared_image"])].merge(found, how="left", on="image")
@@ -162,9 +162,7 @@ def read_contacts(source: str | Path | Table) -> DataFrame:
 
     entries = CONTACTS.read(source)
     matched = any(entries.texts("site"))
-    site = (
-        [number - 1 for number in entries.whole("site", 1)] if matched else [pd.NA] * len(entries.table.rows)
-    )
+    site = [number - 1 for number in entries.whole("site", 1)] if matched else [pd.NA] * len(entries.rows)
     found = pd.DataFrame(
         {name: entries.texts(name) for name in ("image", "test")}
         | {"contact": entries.whole("contact", 1), "site": pd.array(site, dtype="Int64")}
@@ -192,7 +190,7 @@ def read_contacts(source: str | Path | Table) -> DataFrame:
     size = of_image["contact"].transform("size")
     for name in found["image"][size < of_contact.ngroups][:1]:
         words = f"image {printable(name, 60)} lacks contacts that others have; add them"
-        raise InvalidInput(f"{entries.table.name}: {words}, with the area 0 if they are open")
+        raise InvalidInput(f"{entries.name}: {words}, with the area 0 if they are open")
     return found.iloc[np.lexsort([of_contact.ngroup(), of_image.ngroup()])].reset_index(drop=True)
 
 
