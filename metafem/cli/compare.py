@@ -16,19 +16,15 @@ from metafem.cli.options import (
     command,
     force_option,
     json_option,
-    quantities,
+    quantity,
 )
 from metafem.cli.progress import loaded, progress
 from metafem.cli.study import show_study
-from metafem.errors import refuse_if
 
-# Options of the material pair, whose errors shift all points together: unit, example and help text.
+# Parameters of the material pair, whose errors shift all points together.
+PAIR = ("composite_modulus", "shear_strength", "area_ratio")
+
 DESIGNED = "Default: that of the calibration or of the design."
-PAIR = {
-    "composite_modulus": ("MPa", "1.36 MPa", f"E* of the part, such as {{}}. {DESIGNED}"),
-    "shear_strength": ("MPa", "0.404 MPa", f"σ of static or sliding friction, such as {{}}. {DESIGNED}"),
-    "area_ratio": ("1", "0.85", f"B. {DESIGNED}"),
-}
 
 
 @command(
@@ -41,7 +37,9 @@ PAIR = {
         metavar="FILE.toml",
         help="E*, σ and B of the part with their errors and correlations, from metafem calibrate.",
     ),
-    *quantities(PAIR),
+    quantity(
+        "shear_strength", "MPa", "0.404 MPa", f"σ of static or sliding friction, such as {{}}. {DESIGNED}"
+    ),
     click.option("--explain", is_flag=True, help="State which errors of the part explain the difference."),
     force_option,
     json_option,
@@ -67,24 +65,17 @@ def compare(folder: Path, table: Path, explain: bool, force: bool, as_json: bool
 
     with progress():
         design = loaded(folder)
-        values = {name: given[name] for name in PAIR if given[name] is not None}
-        errors: dict[str, Any] = {}
-        if given["calibration"] is not None:
+        surface, strength, calibration = design.surface, given["shear_strength"], given["calibration"]
+        stated, errors = {} if strength is None else {"shear_strength": strength}, dict[str, Any]()
+        if calibration is not None:
             # the calibration's error does not apply to a value that an option states
-            others = PAIR.keys() - values.keys()
-            names, value, covariance = mf.files.read_parameters(given["calibration"], others)
+            names, value, covariance = mf.files.read_parameters(calibration, {*PAIR} - stated.keys())
             errors = {"parameters": names, "covariance": covariance}
-            values |= dict(zip(names, value.tolist(), strict=True))
-        surface, modulus = design.surface, values.pop("composite_modulus", None)
-        material = (
-            surface.material if modulus is None else mf.Material(modulus, surface.material.poisson_ratio)
-        )
-        friction = surface.friction
-        if values:
-            needs = "--area-ratio needs --shear-strength, which the design does not state"
-            refuse_if(friction is None and "shear_strength" not in values, needs)
-            designed = {} if friction is None else asdict(friction)
-            friction = mf.Friction(**designed | values)
+            stated |= dict(zip(names, value.tolist(), strict=True))
+        modulus = stated.pop("composite_modulus", surface.material.composite_modulus)
+        material = mf.Material(modulus, surface.material.poisson_ratio)
+        designed = {} if surface.friction is None else asdict(surface.friction)
+        friction = mf.Friction(**designed | stated) if stated else surface.friction
         read = mf.files.read_table(table, columns_of(given["column"]))
         law = mf.files.read_measured_law(read, material, friction, sites=design.sites)
         wanted = ("measured", "explained")[: 1 + explain]
