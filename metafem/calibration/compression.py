@@ -126,8 +126,8 @@ def fit_compression(
     radius : float
         Radius R of the caps [mm].
     contacts : int
-        Number of contacts that share a load and are far apart; default: 1. If only their total area was
-        measured, the contacts are assumed to be equal.
+        Number of contacts that share a load and are far apart, if only their total area was measured; they
+        are assumed to be equal. Default: 1.
     errors : MeasurementErrors
         Standard deviations of the total loads, of the areas of single contacts, whose errors are independent,
         and of R; default: the error bars of Aymard et al., and an exact R. An open contact has the error of a
@@ -161,10 +161,10 @@ def fit_compression(
     (1.36, [1.341, 1.379], 9e-06)
     """
     check.instance("errors", errors, MeasurementErrors, "a metafem.calibration.MeasurementErrors")
-    size, count = check.number("radius", radius, above=0.0), check.integer("contacts", contacts, at_least=1)
+    size = check.number("radius", radius, above=0.0)
     less = f"must be less than the radius, {size:g} mm"
     refuse_if(errors.radius_sd >= size, less, key="radius_sd", value=errors.radius_sd)
-    loads, areas = _points(load, area, count)
+    loads, areas, count = _points(load, area, check.integer("contacts", contacts, at_least=1))
     fit = fit_areas(loads, areas, size, count, errors)
     if not fit.converged:
         raise NotConverged(
@@ -207,19 +207,23 @@ def fit_compression(
     )
 
 
-def _points(load: ArrayLike, area: ArrayLike, contacts: int) -> tuple[FloatArray, FloatArray]:
-    """Return the checked loads (k,), and areas of single contacts (k, contacts), or of equal ones (k, 1)."""
+def _points(load: ArrayLike, area: ArrayLike, contacts: int) -> tuple[FloatArray, FloatArray, int]:
+    """Return checked loads (k,), areas of single contacts (k, n) or equal ones (k, 1), and their number."""
     loads = check.array("load", load, shape=(None,))
-    count, one_by_one = len(loads), np.ndim(area) == 2
-    few = f"load has {count} points; E* and the adhesion energy need at least {FEWEST}, at different areas"
-    refuse_if(count < FEWEST, few)
-    given = check.array("area", area, shape=(count, contacts) if one_by_one else (count,))
+    few = f"load has {len(loads)} points; E* and the adhesion energy need at least {FEWEST}, at different"
+    refuse_if(len(loads) < FEWEST, f"{few} areas")
+    given = check.array("area", area, shape=(len(loads), None)[: np.ndim(area) or 1])
     check.refuse_entries("area", given, given < 0.0, "must not be negative")
-    total = given.sum(axis=1) if one_by_one else given
+    areas = given.reshape(len(loads), -1)
+    total, count = areas.sum(axis=1), areas.shape[1]
     check.refuse_entries("area", total, total == 0.0, "is no contact; leave the row out")
     same = f"all areas are {total.max():g} mm^2: E* and the adhesion energy need points at different areas"
     refuse_if(np.ptp(total) <= ONE_AREA * total.max(), same)
-    return loads, given if one_by_one else given[:, None] / contacts
+    if count == 1:
+        return loads, areas / contacts, contacts
+    must = f"must be 1 or {count}, because area has the {count} contacts one by one"
+    refuse_if(contacts not in (1, count), must, key="contacts", value=contacts)
+    return loads, areas, count
 
 
 def _refuse_unusual(modulus: float, widest: float, radius: float, contacts: int) -> None:

@@ -342,10 +342,7 @@ def stack_areas(
 
 def grey_values(image: Any) -> NDArray[Any]:
     """Return the grey values of an image, (rows, columns), row 0 at the top, in the original data type."""
-    try:
-        values = np.asarray(image)
-    except ValueError:  # lists of different lengths
-        values = np.asarray(None)
+    values = np.asarray(image)
     wrong = values.dtype.kind not in "uif" or values.ndim != 2 or min(values.shape) < FEWEST
     refuse_if(
         wrong or np.ma.is_masked(image),

@@ -423,12 +423,7 @@ def found_figure(
     # put the number next to the contact, outside its outline
     away = where + 0.75 * np.sqrt(np.nan_to_num(area) / np.pi)[:, None] * [1.0, -1.0]
     numbers = (rows["contact"] if match is None else rows["site"] + 1).astype(str).to_numpy()
-    for which, colour in (
-        (area > 0.0, drawing.MEASURED),
-        (np.isnan(area), drawing.FLAGGED),
-        (area == 0.0, drawing.OPEN),
-    ):
-        drawing.numbers(ax, away[which], numbers[which], colour)
+    drawing.numbers(ax, away, numbers, drawing.MEASURED)
     column = "contact" if match is None else "site"
     drawing.heading(ax, f"{rows['image'].iloc[0]}: numbers are those of the column {column}")
     return figure

@@ -14,6 +14,7 @@ from metafem.cli.options import (
     column_option,
     columns_of,
     command,
+    file_option,
     force_option,
     json_option,
     quantities,
@@ -24,9 +25,8 @@ from metafem.cli.progress import progress
 from metafem.errors import refuse_if
 
 if TYPE_CHECKING:
-    from pandas import DataFrame
-
     from metafem.calibration import Calibration, MeasurementErrors
+    from metafem.files import CalibrationData
 
 # Options of the radius and of the standard deviations: unit, example and help text.
 RADIUS = {"radius": ("mm", "526 um", "Radius of the caps, such as {}; needed for E*.")}
@@ -64,9 +64,8 @@ NAMES = {
     *quantities(RADIUS),
     click.option(
         "--contacts",
-        type=click.IntRange(min=1),
-        help="Number of contacts under one load, of which the table has the total area. Default: 1, or that "
-        "of the columns.",
+        default=1,
+        help="Number of contacts under one load, of which a table has the total area. Default: 1.",
     ),
     *quantities(ERRORS),
     column_option,
@@ -75,12 +74,10 @@ NAMES = {
         is_flag=True,
         help="Accept moduli outside 0.01 to 100 MPa, and contact radii outside 0.001 R to R.",
     ),
-    click.option(
-        "-o",
-        "--output",
-        type=Name(),
-        metavar="FILE.toml",
-        help="Write sections of a specification, with the covariance for metafem study uncertainty "
+    file_option(
+        "-o --output",
+        "FILE.toml",
+        "Write sections of a specification, with the covariance for metafem study uncertainty "
         "--calibration and metafem compare --calibration.",
     ),
     force_option,
@@ -88,11 +85,7 @@ NAMES = {
     short_help="Measure E*, adhesion energy, B and σ from tables of tests.",
 )
 def calibrate(
-    data: tuple[Path, ...],
-    output: Path | None,
-    force: bool,
-    as_json: bool,
-    **options: Any,
+    data: tuple[Path, ...], output: Path | None, force: bool, as_json: bool, **options: Any
 ) -> None:
     """Determine composite modulus, adhesion energy, area ratio and shear strength from tables of tests.
 
@@ -113,41 +106,36 @@ def calibrate(
         measured = mf.files.read_calibration(data, columns=columns_of(options["column"]))
         boundary = {} if measured.boundary is None else {"boundary": measured.boundary}
         errors = mf.calibration.MeasurementErrors(**boundary | given)
-        contact, shear = measured.compression, measured.shear
         with mf.files.of_tables(sources):
-            pressed = None if contact is None else _contact(contact, options, errors)
-            slid = None if shear is None else _shear(shear, errors)
-        found = [each for each in (pressed, slid) if each is not None]
+            found = [*_fitted(measured, errors, options)]
         notes = [*measured.notes, *(note for each in found for note in each.notes)]
         if output is not None:
-            text = mf.files.calibration_text(pressed, slid, sources=sources)
+            text = mf.files.calibration_text(*found, sources=sources)
             mf.files.write_text(output, text, force=force)
-    results = {"files": sources, **mf.files.calibration_data(pressed, slid), "notes": notes_data(notes)}
-    rows = [[NAMES[name], *mf.files.printed(name, each)] for each in found for name in each.estimates]
+    results = {"files": sources, **mf.files.calibration_data(*found), "notes": notes_data(notes)}
+    stated = [pair for each in found for pair in each.estimates.items()]
+    rows = [[NAMES[name], *mf.files.printed(name, estimate)] for name, estimate in stated]
     rows = [[text.replace("^2", "²") for text in row] for row in rows]
     table = ("quantity", "value", "68 % interval", "unit", "± standard deviation"), rows, None
     lines = [text for each in found for text in _verdicts(each)]
     show(as_json, results, tables=[table], lines=lines, notes=notes, files=[output])
 
 
-def _contact(points: DataFrame, options: Mapping[str, Any], errors: MeasurementErrors) -> Calibration:
-    """Return the calibration of E* and the adhesion energy by compression tests."""
-    radius, count = options["radius"], options["contacts"]
-    example = '--radius "526 um" --radius-sd "5 um"'
-    refuse_if(radius is None, f"E* needs the radius of the caps; add for example {example}")
-    total = "area" in points
-    area = points["area"] if total else points.filter(like="area_")
-    must = "leave it out; the tables hold the contacts of images one by one"
-    refuse_if(not total and count is not None, f"--contacts = {count}: {must}")
-    contacts = (count or 1) if total else area.shape[1]
-    others = {"contacts": contacts, "errors": errors, "unusual": options["unusual"]}
-    return mf.calibration.fit_compression(points["load"], area, radius, test=points["test"], **others)
-
-
-def _shear(points: DataFrame, errors: MeasurementErrors) -> Calibration:
-    """Return the calibration of B and sigma by shear tests."""
-    values = (points[name] for name in ("area_before", "area_sheared", "friction_force"))
-    return mf.calibration.shear(*values, errors=errors, test=points["test"])
+def _fitted(
+    measured: CalibrationData, errors: MeasurementErrors, options: Mapping[str, Any]
+) -> Iterator[Calibration]:
+    """Yield the calibrations by compression and by shear tests, where there are such tests."""
+    pressed, slid, radius = measured.compression, measured.shear, options["radius"]
+    if pressed is not None:
+        example = '--radius "526 um" --radius-sd "5 um"'
+        refuse_if(radius is None, f"E* needs the radius of the caps; add for example {example}")
+        area, more = pressed.filter(like="area"), {name: options[name] for name in ("contacts", "unusual")}
+        yield mf.calibration.fit_compression(
+            pressed["load"], area, radius, errors=errors, test=pressed["test"], **more
+        )
+    if slid is not None:
+        values = (slid[name] for name in ("area_before", "area_sheared", "friction_force"))
+        yield mf.calibration.shear(*values, errors=errors, test=slid["test"])
 
 
 def _verdicts(found: Calibration) -> Iterator[str]:

@@ -14,6 +14,7 @@ from metafem.cli.options import (
     column_option,
     columns_of,
     command,
+    file_option,
     force_option,
     json_option,
     quantity,
@@ -21,25 +22,13 @@ from metafem.cli.options import (
 from metafem.cli.progress import loaded, progress
 from metafem.cli.study import show_study
 
-# Parameters of the material pair, whose errors shift all points together.
-PAIR = ("composite_modulus", "shear_strength", "area_ratio")
-
-DESIGNED = "Default: that of the calibration or of the design."
-
 
 @command(
     click.argument("folder", type=Name(), metavar="DIR"),
     click.argument("table", type=Name(), metavar="MEASURED.csv"),
     column_option,
-    click.option(
-        "--calibration",
-        type=Name(),
-        metavar="FILE.toml",
-        help="E*, σ and B of the part with their errors and correlations, from metafem calibrate.",
-    ),
-    quantity(
-        "shear_strength", "MPa", "0.404 MPa", f"σ of static or sliding friction, such as {{}}. {DESIGNED}"
-    ),
+    file_option("--calibration", "FILE.toml", "E*, σ and B of the part with their errors and correlations."),
+    quantity("shear_strength", "MPa", "0.404 MPa", "σ, such as {}. Default: that of calibration or design."),
     click.option("--explain", is_flag=True, help="State which errors of the part explain the difference."),
     force_option,
     json_option,
@@ -61,6 +50,7 @@ def compare(folder: Path, table: Path, explain: bool, force: bool, as_json: bool
 
     Example: metafem compare linear measured.csv --calibration calibration.toml --explain
     """
+    from metafem.calibration.comparison import PARAMETERS
     from metafem.studies.measured import explained, measured
 
     with progress():
@@ -69,7 +59,7 @@ def compare(folder: Path, table: Path, explain: bool, force: bool, as_json: bool
         stated, errors = {} if strength is None else {"shear_strength": strength}, dict[str, Any]()
         if calibration is not None:
             # the calibration's error does not apply to a value that an option states
-            names, value, covariance = mf.files.read_parameters(calibration, {*PAIR} - stated.keys())
+            names, value, covariance = mf.files.read_parameters(calibration, {*PARAMETERS} - stated.keys())
             errors = {"parameters": names, "covariance": covariance}
             stated |= dict(zip(names, value.tolist(), strict=True))
         modulus = stated.pop("composite_modulus", surface.material.composite_modulus)

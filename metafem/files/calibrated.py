@@ -18,7 +18,7 @@ from metafem._given import printable
 from metafem._validate import FloatArray
 from metafem.calibration import Calibration, joint_covariance
 from metafem.calibration.contact_table import pressed_points, sheared_points
-from metafem.calibration.statistics import UNITS, checked_covariance
+from metafem.calibration.statistics import UNITS, Estimate, checked_covariance
 from metafem.errors import InvalidInput, refuse_if
 from metafem.files.disk import TABLE, file_label, read_bytes
 from metafem.files.images import read_contacts
@@ -157,46 +157,43 @@ def of_tables(files: Sequence[str]) -> Iterator[None]:
         raise InvalidInput(f"{', '.join(files)}: {error}") from None
 
 
-def calibration_data(contact: Calibration | None, shear: Calibration | None) -> dict[str, Any]:
+def calibration_data(*found: Calibration) -> dict[str, Any]:
     """Return the results for JSON; ``covariance`` has the values and the covariance of the parameters."""
-    found = {kind: each for kind, each in (("compression", contact), ("shear", shear)) if each is not None}
-    names, matrix = joint_covariance(*found.values())
-    values = {name: each.value for one in found.values() for name, each in one.estimates.items()}
+    names, matrix = joint_covariance(*found)
+    values = {name: estimate.value for each in found for name, estimate in each.estimates.items()}
     covariance = {
         "parameters": list(names),
         "units": [UNITS[name] for name in names],
         "values": [values[name] for name in names],
         "matrix": matrix.tolist(),
     }
-    return {kind: each.to_dict() for kind, each in found.items()} | {"covariance": covariance}
+    kinds = {"compression" if "adhesion_energy" in each.estimates else "shear": each for each in found}
+    return {kind: each.to_dict() for kind, each in kinds.items()} | {"covariance": covariance}
 
 
-def calibration_text(
-    contact: Calibration | None,
-    shear: Calibration | None,
-    *,
-    sources: Sequence[str] = (),
-) -> str:
+def calibration_text(*found: Calibration, sources: Sequence[str] = ()) -> str:
     """Return the results as TOML: sections of a specification, and the section ``[covariance]``."""
     lines = [FIRST, *(f"# Measured: {source}" for source in sources)]
-    if contact is not None:
-        lines += ["", "[material]", _stated("composite_modulus", contact), "", "[contact]"]
-        if not contact.estimates["adhesion_energy"].interval[0]:
-            _, interval, unit, _ = printed("adhesion_energy", contact)
-            lines += ['kind = "hertz"', f"# The adhesion energy is {interval} {unit}."]
+    for each in found:
+        adhesion = each.estimates.get("adhesion_energy")
+        if adhesion is None:
+            lines += ["", "[friction]", _stated("shear_strength", each), _stated("area_ratio", each)]
+            continue
+        lines += ["", "[material]", _stated("composite_modulus", each), "", "[contact]"]
+        if adhesion.interval[0]:
+            lines += ['kind = "jkr"', _stated("adhesion_energy", each)]
         else:
-            lines += ['kind = "jkr"', _stated("adhesion_energy", contact)]
-    if shear is not None:
-        lines += ["", "[friction]", _stated("shear_strength", shear), _stated("area_ratio", shear)]
-    covariance = calibration_data(contact, shear)["covariance"]
+            _, interval, unit, _ = printed("adhesion_energy", adhesion)
+            lines += ['kind = "hertz"', f"# The adhesion energy is {interval} {unit}."]
     # JSON strings, numbers and lists are valid in TOML
+    covariance = calibration_data(*found)["covariance"]
     lines += ["", "[covariance]", *(f"{name} = {json.dumps(value)}" for name, value in covariance.items())]
     return "\n".join(lines) + "\n"
 
 
 def _stated(name: str, found: Calibration) -> str:
     """Return the line of a quantity with its interval."""
-    value, interval, unit, _ = printed(name, found, digits=3)
+    value, interval, unit, _ = printed(name, found.estimates[name], digits=3)
     if name == "area_ratio":
         value = f"{min(float(value), 1.0):g}"  # errors may make the estimate larger
     fits = "" if found.verdict.fits else "; the law does not fit"
@@ -229,7 +226,7 @@ def read_parameters(
     return tuple(names[i] for i in used), value[used], covariance[np.ix_(used, used)]
 
 
-def printed(name: str, found: Calibration, digits: int = 2) -> tuple[str, str, str, str]:
+def printed(name: str, estimate: Estimate, digits: int = 2) -> tuple[str, str, str, str]:
     """Return value, 68 % interval, unit and standard deviation of a quantity as texts.
 
     The value has the decimals that show `digits` digits of its standard deviation, and the others two.
@@ -238,11 +235,11 @@ def printed(name: str, found: Calibration, digits: int = 2) -> tuple[str, str, s
     --------
     >>> from metafem.calibration import shear
     >>> found = shear([0.05, 0.1, 0.2], [0.0425, 0.085, 0.17], [0.0157, 0.0315, 0.0629])
-    >>> printed("area_ratio", found), printed("shear_strength", found)[2]
-    (('0.850', '0.840 to 0.860', '', '0.011'), 'MPa')
+    >>> printed("area_ratio", found.estimates["area_ratio"])
+    ('0.850', '0.840 to 0.860', '', '0.011')
     """
     unit, size = PRINTED.get(name, (UNITS[name].replace("1", ""), 1.0))
-    value, sd, (low, high) = found.estimates[name]
+    value, sd, (low, high) = estimate
 
     def text(number: float, digits: int = 2) -> str:
         if not (sd > 0.0 and math.isfinite(sd)):

@@ -210,11 +210,9 @@ def test_a_calibration_is_written_as_sections():
     assert read.template.friction.shear_strength == pytest.approx(0.37, abs=1e-4)
     assert read.template.friction.area_ratio == pytest.approx(0.85, abs=1e-4)
     assert read.model.contact.adhesion_energy == pytest.approx(5e-4, rel=0.02)
-    doubtful = files.calibration_text(adhesive(1e-7), None)
+    doubtful = files.calibration_text(adhesive(1e-7))
     assert 'kind = "hertz"\n# The adhesion energy is 0 to' in doubtful
-    bent = files.calibration_text(
-        None, shear(np.pi * A**2, 0.85 * np.pi * A**2, 0.3145 * np.pi * A**2 + 0.01)
-    )
+    bent = files.calibration_text(shear(np.pi * A**2, 0.85 * np.pi * A**2, 0.3145 * np.pi * A**2 + 0.01))
     assert list(tomllib.loads(bent)) == ["friction", "covariance"]
     assert "the law does not fit" in bent
 
@@ -231,7 +229,7 @@ def test_without_adhesion_the_modulus_is_that_of_no_adhesion():
     found = fit_compression(2.0 * 1.36 * 4.0 / 3.0 * A**3 / 0.526 - rising, np.pi * A**2, 0.526)
     assert found.estimates["adhesion_energy"].value == 0.0
     modulus, sd, _ = found.estimates["composite_modulus"]
-    table = tomllib.loads(files.calibration_text(found, None))
+    table = tomllib.loads(files.calibration_text(found))
     assert table["contact"] == {"kind": "hertz"}
     written = float(table["material"]["composite_modulus"].removesuffix(" MPa"))
     assert written == pytest.approx(modulus, abs=0.01 * sd)
@@ -253,7 +251,7 @@ def test_a_calibration_is_written_as_data():
     # the second test has twice the load
     load, labels = load_of(0.0), ["a"] * 20 + ["b"] * 20
     both = fit_compression(np.append(load, 2.0 * load), np.tile(np.pi * A**2, 2), 0.526, test=labels)
-    both = calibration_data(both, None)["compression"]
+    both = calibration_data(both)["compression"]
     assert (both["tests"], both["heterogeneity"]["fits"]) == (["a", "b"], False)
 
 
