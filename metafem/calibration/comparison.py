@@ -160,17 +160,7 @@ def compare(
     surface = design.surface.replaced(material=measured.material)
     with doing("computing the law of the design at the measured loads"):
         predicted, slope = law.computed(surface, design.law.model, newtons)
-    found = law.rescaled_friction
-    # areas do not depend on the shear strength and the area ratio
-    by_stress = -found if law.stress_of_forces else 0.0 * found
-    changes = {"composite_modulus": slope * law.load / measured.material.composite_modulus}
-    if friction is not None:
-        changes["shear_strength"] = by_stress / friction.shear_strength
-        changes["area_ratio"] = by_stress / friction.area_ratio
-    jacobian = np.array([changes[name] for name in names]).reshape(len(names), len(found)).T
-    variance = law.rescaled_friction_sd**2 + (slope * law.load_sd) ** 2
-    total = np.diag(variance) + jacobian @ matrix @ jacobian.T
-    deviation = found - predicted
+    deviation, total = law.rescaled_friction - predicted, _covariance(law, slope, names, matrix)
     # if the design's law is correct, the whitened residuals are independent
     residual = np.linalg.solve(np.linalg.cholesky(total), deviation)
     return Comparison(
@@ -182,6 +172,20 @@ def compare(
         parameters=dict(zip(names, np.sqrt(np.diag(matrix)).tolist(), strict=True)),
         notes=(*_exchanged(law, design.law, deviation / predicted), *notes),
     )
+
+
+def _covariance(law: MeasuredLaw, slope: FloatArray, names: Sequence[str], matrix: FloatArray) -> FloatArray:
+    """Return the covariance of the deviations, from the slopes of the law of the design."""
+    found, friction = law.rescaled_friction, law.friction
+    # areas do not depend on the shear strength and the area ratio
+    by_stress = -found if law.stress_of_forces else 0.0 * found
+    changes = {"composite_modulus": slope * law.load / law.material.composite_modulus}
+    if friction is not None:
+        changes["shear_strength"] = by_stress / friction.shear_strength
+        changes["area_ratio"] = by_stress / friction.area_ratio
+    jacobian = np.array([changes[name] for name in names]).reshape(len(names), len(found)).T
+    variance = law.rescaled_friction_sd**2 + (slope * law.load_sd) ** 2
+    return np.asarray(np.diag(variance) + jacobian @ matrix @ jacobian.T)
 
 
 def _exchanged(measured: MeasuredLaw, law: FrictionLaw, relative: FloatArray) -> Iterator[Note]:

@@ -165,7 +165,32 @@ def fit_compression(
     less = f"must be less than the radius, {size:g} mm"
     refuse_if(errors.radius_sd >= size, less, key="radius_sd", value=errors.radius_sd)
     loads, areas, count = _points(load, area, check.integer("contacts", contacts, at_least=1))
-    fit = fit_areas(loads, areas, size, count, errors)
+    found, verdict = _estimates(loads, areas, size, count, errors)
+    modulus, energy, sd = found["composite_modulus"], found["adhesion_energy"], errors.radius_sd
+    widest = math.sqrt(areas.max() / math.pi) / size
+    if not unusual:
+        _refuse_unusual(modulus.value, widest, size, count)
+    both = sd**2 / size * modulus.value
+    joint = np.array([[sd**2, both], [both, modulus.sd**2]])
+    known = 0 if sd else 1  # an exact radius is no parameter
+    # an error of the radius is common to all tests
+    given: dict[str, Any] = {"contacts": count, "errors": replace(errors, radius_sd=0.0), "unusual": unusual}
+    return Calibration(
+        estimates=found | ({"radius": positive(size, sd**2)} if sd else {}),
+        parameters=("radius", "composite_modulus")[known:],
+        covariance=joint[known:, known:],
+        verdict=verdict,
+        notes=tuple(_notes(energy.interval[0] > 0.0, widest)),
+    ).of_tests(
+        test, len(loads), lambda own: fit_compression(loads[own], np.asarray(area)[own], size, **given)
+    )
+
+
+def _estimates(
+    loads: FloatArray, areas: FloatArray, radius: float, contacts: int, errors: MeasurementErrors
+) -> tuple[dict[str, Estimate], Verdict]:
+    """Return E* and w, and whether the law fits."""
+    fit = fit_areas(loads, areas, radius, contacts, errors)
     if not fit.converged:
         raise NotConverged(
             "the fit of E* and the adhesion energy does not converge; leave out areas that are not much "
@@ -176,35 +201,19 @@ def fit_compression(
     falls = f"the load does not grow with the contact area: the fitted E* is {modulus:.3g} MPa; check the"
     refuse_if(not modulus > 0.0, f"{falls} columns and their order")
     # at given loads and areas, E* grows in proportion to R, and sqrt(w) as 1/sqrt(R)
-    share = errors.radius_sd / size
+    share = errors.radius_sd / radius
     root = positive(float(root), covariance[1, 1] + (0.5 * share * root) ** 2)
     low, high = root.interval
     energy = Estimate(max(root.value, 0.0) ** 2, 0.5 * (high**2 - low**2), (low**2, high**2))
-    variance = covariance[0, 0]
+    verdict = Verdict(float(fit.chi_square.sum()), len(loads) - 2)
     if not low:
-        alone = fit_areas(loads, areas, size, count, errors, adhesive=False)
-        modulus, variance = alone.parameter[0], alone.covariance[0, 0]
-    stiffness = positive(float(modulus), variance + (share * modulus) ** 2)
-    widest = math.sqrt(areas.max() / math.pi) / size
-    if not unusual:
-        _refuse_unusual(stiffness.value, widest, size, count)
-    found = {"composite_modulus": stiffness, "adhesion_energy": energy}
-    sd, both = errors.radius_sd, errors.radius_sd * share * stiffness.value
-    joint = np.array([[sd**2, both], [both, stiffness.sd**2]])
-    known = 0 if sd else 1  # an exact radius is no parameter
-    if sd:
-        found["radius"] = positive(size, sd**2)
-    # an error of the radius is common to all tests
-    given: dict[str, Any] = {"contacts": count, "errors": replace(errors, radius_sd=0.0), "unusual": unusual}
-    return Calibration(
-        estimates=found,
-        parameters=("radius", "composite_modulus")[known:],
-        covariance=joint[known:, known:],
-        verdict=Verdict(float(fit.chi_square.sum()), len(loads) - 2),
-        notes=tuple(_notes(low > 0.0, widest)),
-    ).of_tests(
-        test, len(loads), lambda own: fit_compression(loads[own], np.asarray(area)[own], size, **given)
-    )
+        fit = fit_areas(loads, areas, radius, contacts, errors, adhesive=False)
+    modulus, variance = float(fit.parameter[0]), float(fit.covariance[0, 0])
+    found = {
+        "composite_modulus": positive(modulus, variance + (share * modulus) ** 2),
+        "adhesion_energy": energy,
+    }
+    return found, verdict
 
 
 def _points(load: ArrayLike, area: ArrayLike, contacts: int) -> tuple[FloatArray, FloatArray, int]:

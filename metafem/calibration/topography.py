@@ -396,13 +396,8 @@ def _map(height_map: ArrayLike, pixel_size: Any, mould: bool) -> DataArray:
 
 def _levelled(surface: DataArray, design: Surface, mould: bool) -> tuple[DataArray, list[FloatArray]]:
     """Return the map without its base, and initial guesses of the caps."""
-    refuse_if(
-        design.cap != SPHERE,
-        f"must be {SPHERE!r}: spheres are fitted to the map. Measure summits of other caps by other means, "
-        "and set their heights by surface.replaced(height=...)",
-        key="design_surface.cap",
-        value=repr(design.cap),
-    )
+    must = f"must be {SPHERE!r}, because spheres are fitted to the map"
+    refuse_if(design.cap != SPHERE, must, key="design_surface.cap", value=repr(design.cap))
     measurable = design.height > FLATTEST * design.radius
     refuse_if(not measurable.any(), f"design_surface has no summit above {FLATTEST:g} of its radius")
     lowest = float(min(design.height[measurable].min(), design.radius.min()))
