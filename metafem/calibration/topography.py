@@ -317,7 +317,8 @@ def made_surface(
     Parameters
     ----------
     height_map : array_like, (rows, columns)
-        Heights [mm], nan where not measured. As in an image, columns run along x and rows downwards along -y.
+        Heights [mm], nan or masked where not measured. As in an image, columns run along x and rows downwards
+        along -y; those that SurfaceTopography reads are ``topography.to_unit("mm").heights().T[::-1]``.
     pixel_size : float or (float, float)
         Distance between the centres of neighbouring pixels [mm], or the two distances along x and y.
     design_surface : Surface
@@ -385,7 +386,7 @@ def _map(height_map: ArrayLike, pixel_size: Any, mould: bool) -> DataArray:
     """Return the checked map; that of a mould upside down."""
     sides = np.broadcast_to(pixel_size, 2) if check.scalar(pixel_size) else pixel_size
     width, height = check.array("pixel_size", sides, shape=(2,), positive=True).tolist()
-    heights = check.array_with_gaps("height_map", height_map, shape=(None, None))
+    heights = check.array_with_gaps("height_map", np.ma.filled(height_map, np.nan), shape=(None, None))
     small = f"the map has shape {heights.shape}; it must have at least {FEWEST} rows and columns"
     refuse_if(min(heights.shape) < FEWEST, small)
     z = -heights if mould else heights

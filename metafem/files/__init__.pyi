@@ -12,7 +12,6 @@ from .images import contacts_table as contacts_table
 from .images import find_images as find_images
 from .images import read_contacts as read_contacts
 from .images import read_forces as read_forces
-from .images import read_height_map as read_height_map
 from .laws import read_law as read_law
 from .laws import read_measured_law as read_measured_law
 from .laws import read_sites as read_sites

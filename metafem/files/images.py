@@ -1,4 +1,4 @@
-"""Image files of contacts, their forces and the table of the contacts, and height maps of microscopes.
+"""Image files of contacts, their forces and the table of the contacts.
 
 contacts.csv has one line for each image and contact, and is read bit for bit.
 """
@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import csv
 import re
-import warnings
 from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from pathlib import Path
@@ -20,9 +19,8 @@ from metafem._extras import refuse_missing
 from metafem._given import printable
 from metafem.calibration.contact_table import COLUMNS, listed
 from metafem.errors import InvalidInput, refuse_if
-from metafem.files.disk import file_label, refuse_unreadable
+from metafem.files.disk import file_label
 from metafem.files.tables import Columns, Table
-from metafem.files.units import factor
 from metafem.notes import Note
 
 if TYPE_CHECKING:
@@ -192,52 +190,3 @@ def read_contacts(source: str | Path | Table) -> DataFrame:
         words = f"image {printable(name, 60)} lacks contacts that others have; add them"
         raise InvalidInput(f"{entries.name}: {words}, with the area 0 if they are open")
     return found.iloc[np.lexsort([of_contact.ngroup(), of_image.ngroup()])].reset_index(drop=True)
-
-
-def read_height_map(
-    path: str | Path, pixel: float | None = None, height_unit: str | None = None
-) -> tuple[NDArray[np.float32], tuple[float, float]]:
-    """Return the heights in a file, relative to their median, and the sides of a pixel along x and y [mm].
-
-    Parameters
-    ----------
-    path : str or Path
-        File in a format that SurfaceTopography reads: .x3p, .sur, .plux and others.
-    pixel : float, optional
-        Distance between neighbouring pixels [mm]; default: that of the file.
-    height_unit : str, optional
-        Unit of the heights, such as ``"um"``; default: that of the file.
-
-    Raises
-    ------
-    InvalidInput
-        If the file cannot be read or holds no map, or if the pixel or the unit is stated nowhere.
-    """
-    refuse_missing("SurfaceTopography", "metrology", "reading height maps")
-    name = file_label(path)
-    refuse_unreadable(path)
-    with warnings.catch_warnings():  # its import warns of a missing mpi4py
-        warnings.simplefilter("ignore", ImportWarning)
-        from SurfaceTopography import IO
-    try:
-        with IO.open_topography(str(path)) as reader:
-            channel = next(each for each in reader.channels if each.dim == 2 and each.is_height_channel)
-            sizes, points, unit = channel.physical_sizes, channel.nb_grid_pts, channel.unit or ""
-            values = channel.topography(**({} if sizes else {"physical_sizes": points})).heights()
-    except MemoryError:
-        raise
-    except Exception as error:  # the readers raise exceptions of all types for damaged files
-        words = f"{type(error).__name__}: {printable(str(error))}"
-        raise InvalidInput(f"{name} cannot be read as a height map: {words}") from None
-    words = f"{name} does not state the size of its pixels; give for example pixel=2e-3 [mm]"
-    refuse_if(not pixel and not (sizes and unit), words)
-    words = f'{name} does not state the unit of its heights; give for example height_unit="um"'
-    refuse_if(not height_unit and not unit, words)
-    # the first index runs along x, and the second upwards along y
-    heights = np.ma.filled(np.ma.asarray(values).astype(np.float64), np.nan).T[::-1]
-    try:
-        heights = (heights - np.nanmedian(heights)) * float(factor(height_unit or unit, "mm"))
-    except InvalidInput as error:
-        raise error.at("height_unit") from None
-    sides = 2 * (pixel,) if pixel else np.divide(sizes, points) * float(factor(unit, "mm"))
-    return heights.astype(np.float32), (float(sides[0]), float(sides[1]))

@@ -1,4 +1,4 @@
-"""Tables of measurements, images and height maps are read with their units."""
+"""Tables of measurements and images are read with their units."""
 
 import json
 import math
@@ -291,22 +291,3 @@ def test_images_of_all_kinds_have_their_grey_levels(tmp_path):
     for names in (["empty"], ["9.jpg"], ["none.tif"], ["3.png", "3.png"]):
         with pytest.raises(mf.InvalidInput, match=names[0]):
             files.find_images([tmp_path / name for name in names])
-
-
-HEIGHTS = np.arange(30.0).reshape(6, 5)  # [um]
-
-
-def test_height_maps_are_read_from_texts(tmp_path):
-    np.savetxt(tmp_path / "map.txt", HEIGHTS[::-1])
-    for pixel, unit in ((2e-3, "um"), (2e-3, "nm")):
-        heights, sides = files.read_height_map(tmp_path / "map.txt", pixel, unit)
-        size = {"um": 1e-3, "nm": 1e-6}[unit]
-        assert sides == pytest.approx((2e-3, 2e-3), rel=1e-12)
-        np.testing.assert_allclose(heights, size * (HEIGHTS - np.median(HEIGHTS)), rtol=1e-6)
-    for name, options, words in (
-        ("none.txt", (), "no such file"), ("map.txt", (), "pixel=2e-3"),
-        ("map.txt", (2e-3,), 'height_unit="um"'), ("map.txt", (2e-3, "N"), '"N"'),
-    ):  # fmt: skip
-        with pytest.raises(mf.InvalidInput) as error:
-            files.read_height_map(tmp_path / name, *options)
-        assert words in str(error.value), name
