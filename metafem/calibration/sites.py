@@ -412,18 +412,17 @@ def found_figure(
     ax = figure.add_subplot()
     drawing.picture(ax, image, areas.pixel_size)
     area = rows["area"].to_numpy()
-    matched, flagged = np.isin(areas.area, area), ~areas.complete
-    for which, colour, label in (
-        (matched, drawing.MEASURED, "measured"),
-        (flagged, drawing.FLAGGED, "at the edge or merged"),
-        (~matched & ~flagged, drawing.STRAY, "of no site"),
-    ):
-        drawing.outlines(ax, areas.centre[which], areas.axes[which], areas.angle[which], colour, label)
+    kinds = np.select(
+        [np.isin(areas.area, area), areas.complete], ["measured", "of no site"], "cut or merged"
+    )
+    for kind, colour in drawing.COLOURS.items():
+        which = kinds == kind
+        drawing.outlines(ax, areas.centre[which], areas.axes[which], areas.angle[which], colour, kind)
     drawing.crosses(ax, where[area == 0.0], "open")
     # put the number next to the contact, outside its outline
     away = where + 0.75 * np.sqrt(np.nan_to_num(area) / np.pi)[:, None] * [1.0, -1.0]
     numbers = (rows["contact"] if match is None else rows["site"] + 1).astype(str).to_numpy()
-    drawing.numbers(ax, away, numbers, drawing.MEASURED)
+    drawing.numbers(ax, away, numbers, drawing.COLOURS["measured"])
     column = "contact" if match is None else "site"
     drawing.heading(ax, f"{rows['image'].iloc[0]}: numbers are those of the column {column}")
     return figure

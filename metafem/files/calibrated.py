@@ -6,7 +6,7 @@ import json
 import math
 import tomllib
 from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -81,30 +81,25 @@ def read_calibration(paths: Iterable[str | Path], *, columns: Mapping[str, str] 
     import pandas as pd
 
     notes: list[Note] = []
-    tests: tuple[list[DataFrame], list[DataFrame]] = [], []
+    points: list[tuple[DataFrame, DataFrame]] = []
     boundaries: list[float] = []
     files = [Path(path) for path in paths]
-    stems = [path.stem for path in files]
     for path in files:
         refuse_if(files.count(path) > 1, f"{file_label(path)} is given twice")
         table = read_table(path, columns, every=len(files) == 1)
-        # files of the same name in different folders are different tests
-        label = path.stem if stems.count(path.stem) == 1 else str(path.with_suffix(""))
         kind = _of_contacts if is_of_contacts(table) else _of_tests
-        points, boundary, left_out = kind(table, label)
-        notes += left_out
+        pair, boundary, left_out = kind(table, str(path.with_suffix("")))
+        points.append(pair)
         boundaries.append(boundary)
-        for of_kind, own in zip(tests, points, strict=True):
-            of_kind += [own] * (len(own) > 0)
-        if all(map(len, points)):
+        notes += left_out
+        if all(map(len, pair)):
             words = "E* and B follow from the same areas before shear; the covariance of their errors is"
             notes.append(information(f"{table.name}: {words} left out"))
-    refuse_if(
-        len({tuple(each) for each in tests[0]}) > 1,
-        "the tables hold the areas of different numbers of contacts; calibrate them one by one",
-    )
-    rms = float(np.sqrt(np.mean(np.square(boundaries))))
+    tests = [[each for each in of_kind if len(each)] for of_kind in zip(*points, strict=True)]
+    differ = "the tables hold the areas of different numbers of contacts; calibrate them one by one"
+    refuse_if(len({tuple(each) for each in tests[0]}) > 1, differ)
     pressed, sheared = (pd.concat(of_kind, ignore_index=True) if of_kind else None for of_kind in tests)
+    rms = float(np.sqrt(np.mean(np.square(boundaries))))
     return CalibrationData(pressed, sheared, rms if rms > 0.0 else None, notes)
 
 
@@ -208,20 +203,16 @@ def read_parameters(
 
     The file is that of ``metafem calibrate``; the units are mm, MPa and 1.
     """
-    label, found = file_label(path), None
-    with suppress(UnicodeDecodeError, tomllib.TOMLDecodeError, RecursionError):
-        found = tomllib.loads(read_bytes(path, TABLE).decode("utf-8-sig")).get("covariance")
-    if not isinstance(found, dict):
-        raise InvalidInput(
-            f"{label} is not a calibration; write one with metafem calibrate DATA.csv -o calibration.toml"
-        )
+    content = read_bytes(path, TABLE)
     try:
+        found = tomllib.loads(content.decode("utf-8-sig"))["covariance"]
         names = tuple(map(str, found["parameters"]))
         refuse_if(not names, "parameters are empty")
         value = check.array("values", found["values"], shape=(len(names),))
         covariance = checked_covariance(names, found["matrix"], [*UNITS])[1]
-    except (KeyError, TypeError, InvalidInput) as error:
-        raise InvalidInput(f"{label} is damaged: its [covariance] cannot be used: {error}") from None
+    except (ValueError, KeyError, TypeError, RecursionError) as error:
+        words = "is not a calibration that metafem calibrate DATA.csv -o calibration.toml writes"
+        raise InvalidInput(f"{file_label(path)} {words}: {error}") from None
     used = [i for i, name in enumerate(names) if name in among]
     return tuple(names[i] for i in used), value[used], covariance[np.ix_(used, used)]
 

@@ -148,15 +148,15 @@ def read_law(
     more = {name: keys.pop(name) for name in TARGET.plain & keys.keys()}
     if "load" not in keys:
         return SampledLaw(**keys, **more)
-    needs = f"{table.name} holds loads in N, which are rescaled by E*; give a material"
-    refuse_if(material is None, needs, key="material")
-    assert material is not None
+    if material is None:
+        words = f"{table.name} holds loads in N, which are rescaled by E*; give a material"
+        raise InvalidInput(words, key="material")
     if "rescaled_friction" in keys:
         load = keys["load"] / material.composite_modulus
         return SampledLaw(load, keys["rescaled_friction"], **more)
-    needs = f"{table.name} holds friction forces, which are rescaled by sigma B; give a friction"
-    refuse_if(friction is None, needs, key="friction")
-    assert friction is not None
+    if friction is None:
+        words = f"{table.name} holds friction forces, which are rescaled by sigma B; give a friction"
+        raise InvalidInput(words, key="friction")
     return SampledLaw.from_forces(keys["load"], keys["friction_force"], material, friction, **more)
 
 
