@@ -81,9 +81,6 @@ class Comparison(Value):
         touching = self.predicted > 0.0
         return np.where(touching, 100.0 * self.deviation / np.where(touching, self.predicted, 1.0), np.inf)
 
-    def __repr__(self) -> str:
-        return f"<Comparison of {self.measured!r}: {self.verdict}>"
-
 
 def compare(
     measured: MeasuredLaw,

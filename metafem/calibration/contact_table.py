@@ -126,13 +126,12 @@ def sheared_points(table: DataFrame) -> tuple[DataFrame, list[Note]]:
     whole, total = both.all(axis=1) & ~hides, np.where(hides, np.nan, after.sum(axis=1))
     some, alone = seen.any(axis=1), ~whole & (total > 0.0) & np.isfinite(force)
     sums = [np.where(seen, area, 0.0).sum(axis=1) for area in (before, after)]
-    points = [
-        images[["test"]].assign(area_before=first, area_sheared=second, friction_force=third)[chosen]
-        for first, second, third, chosen in (
-            (*sums, np.where(whole, force, np.nan), some),
-            (np.nan, total, force, alone),
-        )
-    ]
+    ratio, strength = (
+        images[["test"]].assign(area_before=before, area_sheared=after, friction_force=force)
+        for before, after, force in ((*sums, np.where(whole, force, np.nan)), (np.nan, total, force))
+    )
     unused = np.isfinite(force) & np.isfinite(after).any(axis=1) & ~whole & ~alone
     words = f"sigma is fitted without {listed(images['image'][unused])}, of which a contact is not measured"
-    return pd.concat(points), [information(f"{words} before or after shear")] * bool(unused.any())
+    return pd.concat([ratio[some], strength[alone]]), [information(f"{words} before or after shear")] * bool(
+        unused.any()
+    )

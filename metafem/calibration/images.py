@@ -481,13 +481,6 @@ def _fitted(terms: NDArray[Any], blocks: FloatArray) -> tuple[FloatArray, float]
     return np.reshape(coefficients, (DEGREE + 1, DEGREE + 1)), float(np.abs(height).max())
 
 
-def otsu(values: NDArray[Any]) -> float:
-    """Return Otsu's threshold."""
-    from skimage.filters import threshold_otsu
-
-    return float(threshold_otsu(values))  # type: ignore[no-untyped-call]
-
-
 def smoothed_noise(smooth: FloatArray, labels: NDArray[np.int32], width: float) -> float:
     """Return the standard deviation of the noise of a smoothed image, from differences on its ground."""
     apart = math.ceil(INDEPENDENT * width)
@@ -563,8 +556,11 @@ def _levels(corrected: FloatArray, ground: float) -> tuple[Levels, list[Note]]:
     The blur follows from the areas within the contours at the two quarter levels, which are 2 x 0.6745
     standard deviations apart at a straight edge.
     """
+    from skimage.filters import threshold_otsu
+
     wide = np.minimum(gaussian_filter(corrected, WIDE), 1.0)  # without bad pixels and a bright frame
-    first = Levels(ground, float(np.median(wide[wide < otsu(wide)])), LEAST_SMOOTHING)
+    dark = wide[wide < threshold_otsu(wide)]  # type: ignore[no-untyped-call]
+    first = Levels(ground, float(np.median(dark)), LEAST_SMOOTHING)
     smooth = gaussian_filter(corrected, LEAST_SMOOTHING, truncate=CUT_OFF)
     labels, count = label(smooth < first.half)
     if not count:

@@ -115,7 +115,6 @@ def calibrate(
     results = {"files": sources, **mf.files.calibration_data(*found), "notes": notes_data(notes)}
     stated = [pair for each in found for pair in each.estimates.items()]
     rows = [[NAMES[name], *mf.files.printed(name, estimate)] for name, estimate in stated]
-    rows = [[text.replace("^2", "²") for text in row] for row in rows]
     table = ("quantity", "value", "68 % interval", "unit", "± standard deviation"), rows, None
     lines = [text for each in found for text in _verdicts(each)]
     show(as_json, results, tables=[table], lines=lines, notes=notes, files=[output])

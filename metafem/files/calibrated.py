@@ -44,7 +44,7 @@ FIRST = """# Calibration by metafem: sections of a specification, with 68 % inte
 # metafem study uncertainty --calibration and metafem compare --calibration."""
 
 # Unit in which a quantity is printed, and its size in the package's unit, where this is not the package's.
-PRINTED = {"adhesion_energy": ("mJ/m^2", 1e-6), "radius": ("um", 1e-3)}
+PRINTED = {"adhesion_energy": ("mJ/m²", 1e-6), "radius": ("um", 1e-3)}
 
 
 @dataclass(frozen=True, eq=False)
