@@ -14,7 +14,6 @@ from .laws import measured_law as measured_law
 from .sheared import shear as shear
 from .sheared import shear_strength as shear_strength
 from .sites import SiteMatch as SiteMatch
-from .sites import found_figure as found_figure
 from .sites import match_sites as match_sites
 from .sites import track_contacts as track_contacts
 from .statistics import Calibration as Calibration

@@ -373,8 +373,8 @@ def _measured(
     )
     smooth = gaussian_filter(corrected, width, truncate=CUT_OFF)
     labels, _ = label(smooth < levels.half)
-    regions, scatter = _regions(labels), smoothed_noise(smooth, labels, width)
-    around = any(region.bbox == (0, 0, *values.shape) for region in regions)
+    scatter = smoothed_noise(smooth, labels, width)
+    around = any(region.bbox == (0, 0, *values.shape) for region in _regions(labels))
     hint = "" if bright else "If contacts are brighter than the ground, give --bright-contacts. "
     refuse_if(
         around or contrast < CONTRAST * scatter,
@@ -382,13 +382,10 @@ def _measured(
         f"{contrast:.2g} of the ground's, with noise of {scatter:.2g} after smoothing. {hint}Crop a dark "
         "frame; measure very small contacts in a series with larger ones",
     )
-    # smoothing reduces white noise n to n/(2 sqrt(pi) w)
-    noise = 2.0 * math.sqrt(math.pi) * width * scatter / contrast
-    at_level = 0.5 * levels.dark_error / contrast
     if values.dtype.kind in "ui" and ends.mean() > SATURATED:
         notes = [*notes, Note("saturated: grey levels are at an end of the scale; lower the exposure")]
     result = ContactAreas(
-        **_contacts(smooth, labels, regions, levels, noise, at_level, pixel),
+        **_contacts(smooth, labels, levels, scatter / contrast, pixel),
         dark_level=levels.dark,
         blur=levels.blur * pixel,
         pixel_size=pixel,
@@ -400,21 +397,17 @@ def _measured(
 
 
 def _contacts(
-    smooth: FloatArray,
-    labels: NDArray[np.int32],
-    regions: list[Any],
-    levels: Levels,
-    noise: float,
-    at_level: float,
-    pixel: float,
+    smooth: FloatArray, labels: NDArray[np.int32], levels: Levels, scatter: float, pixel: float
 ) -> dict[str, Any]:
-    """Return the attributes in `CONTACT` of the contacts among the regions.
-
-    `noise` and `at_level` are the errors of a pixel and of the half level.
-    """
+    """Return the attributes in `CONTACT` of the contacts; `scatter` is the noise over the contrast."""
     rows, total, width = [], levels.total, max(levels.blur, LEAST_SMOOTHING)
+    # smoothing reduces white noise n to n/(2 sqrt(pi) w)
+    noise, at_level = (
+        2.0 * math.sqrt(math.pi) * width * scatter,
+        0.5 * levels.dark_error / (1.0 - levels.dark),
+    )
     blur_error = levels.blur_error * levels.blur / total
-    for region in regions:
+    for region in _regions(labels):
         inside, length, holes = contour(_window(smooth, labels, region), levels.half)
         # within the contour of a circle of the least area is three quarters of it; the series for still
         # smaller ones diverges

@@ -312,19 +312,14 @@ def track_contacts(
 
     Returns
     -------
-    table : DataFrame
-        One row for each image and contact, as `contact_table` returns it.
-    name : str
-        Name of the reference image, whose contacts were matched to the sites or, without sites, numbered.
-    match : SiteMatch or None
-        Match of the reference image; None without sites.
-    notes : list of Note
+    table, name, match, notes : DataFrame, str, SiteMatch or None, list of Note
+        One row for each image and contact, as `contact_table` returns it; name of the reference image, and
+        its match, None without sites.
 
     Raises
     ------
     InvalidInput
-        If no image shows a contact, or if the image with the most contacts, which the error names, does not
-        match the sites.
+        If no image shows a contact, or if the reference, which the error names, does not match the sites.
 
     Examples
     --------

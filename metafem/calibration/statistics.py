@@ -146,8 +146,6 @@ class Calibration(Value):
         interval of w does not begin at 0, and otherwise that of the cap without adhesion.
     friction : Friction or None
         Of shear tests: B, or 1 if errors make it larger, and sigma.
-    tests : tuple of str
-        Labels of the tests if there are several.
     heterogeneity : Verdict or None
         Whether the tests agree: by how much the chi-square of the common fit exceeds the sum of those of the
         tests. None for a single test, and if a test has no fit.
@@ -166,7 +164,6 @@ class Calibration(Value):
     parameters: tuple[str, ...]
     covariance: FloatArray
     verdict: Verdict
-    tests: tuple[str, ...] = ()
     heterogeneity: Verdict | None = None
     notes: tuple[Note, ...] = ()
 
@@ -211,9 +208,8 @@ class Calibration(Value):
             unit = "" if UNITS[name] == "1" else "_" + UNITS[name].replace("/", "_per_")
             found |= {f"{name}{unit}": value, f"{name}_sd{unit}": sd, f"{name}_interval{unit}": list(ends)}
         found["verdict"] = self.verdict.to_dict()
-        if self.tests:
-            found["tests"] = list(self.tests)
-            found["heterogeneity"] = self.heterogeneity and self.heterogeneity.to_dict()
+        if self.heterogeneity is not None:
+            found["heterogeneity"] = self.heterogeneity.to_dict()
         return found
 
     def of_tests(self, test: Any, count: int, fit: Callable[[Any], Calibration]) -> Calibration:
@@ -245,8 +241,7 @@ class Calibration(Value):
             )
             if verdict is not None and not verdict.fits
         ]
-        several = names if len(names) > 1 else ()
-        return replace(self, tests=several, heterogeneity=heterogeneity, notes=tuple(notes))
+        return replace(self, heterogeneity=heterogeneity, notes=tuple(notes))
 
 
 def bounded_interval(estimate: ArrayLike, sd: ArrayLike) -> tuple[FloatArray, FloatArray]:

@@ -22,11 +22,12 @@ from metafem.cli.options import (
 )
 from metafem.cli.output import notes_data, show
 from metafem.cli.progress import progress
-from metafem.errors import refuse_if
+from metafem.errors import InvalidInput, refuse_if
 
 if TYPE_CHECKING:
+    from pandas import DataFrame
+
     from metafem.calibration import Calibration, MeasurementErrors
-    from metafem.files import CalibrationData
 
 # Options of the radius and of the standard deviations: unit, example and help text.
 RADIUS = {"radius": ("mm", "526 um", "Radius of the caps, such as {}; needed for E*.")}
@@ -103,12 +104,17 @@ def calibrate(
     pairs = zip(MEMBERS, map(options.get, ERRORS), strict=True)
     given = {name: value for name, value in pairs if value is not None}
     with progress():
-        measured = mf.files.read_calibration(data, columns=columns_of(options["column"]))
-        boundary = {} if measured.boundary is None else {"boundary": measured.boundary}
-        errors = mf.calibration.MeasurementErrors(**boundary | given)
-        with mf.files.of_tables(sources):
-            found = [*_fitted(measured, errors, options)]
-        notes = [*measured.notes, *(note for each in found for note in each.notes)]
+        pressed, slid, boundary, notes = mf.files.read_calibration(
+            data, columns=columns_of(options["column"])
+        )
+        errors = mf.calibration.MeasurementErrors(**({"boundary": boundary} if boundary else {}) | given)
+        try:
+            found = [*_fitted(pressed, slid, errors, options)]
+        except InvalidInput as error:
+            if error.key and "[" not in error.key:  # an option
+                raise
+            raise InvalidInput(f"{', '.join(sources)}: {error}") from None
+        notes = [*notes, *(note for each in found for note in each.notes)]
         if output is not None:
             text = mf.files.calibration_text(*found, sources=sources)
             mf.files.write_text(output, text, force=force)
@@ -121,10 +127,10 @@ def calibrate(
 
 
 def _fitted(
-    measured: CalibrationData, errors: MeasurementErrors, options: Mapping[str, Any]
+    pressed: DataFrame | None, slid: DataFrame | None, errors: MeasurementErrors, options: Mapping[str, Any]
 ) -> Iterator[Calibration]:
     """Yield the calibrations by compression and by shear tests, where there are such tests."""
-    pressed, slid, radius = measured.compression, measured.shear, options["radius"]
+    radius = options["radius"]
     if pressed is not None:
         example = '--radius "526 um" --radius-sd "5 um"'
         refuse_if(radius is None, f"E* needs the radius of the caps; add for example {example}")
@@ -143,4 +149,4 @@ def _verdicts(found: Calibration) -> Iterator[str]:
     yield f"{what}: the law {'fits' if found.verdict.fits else 'does not fit'}: {found.verdict}"
     alike = found.heterogeneity
     if alike is not None:
-        yield f"{what}, {len(found.tests)} tests: the tests {'agree' if alike.fits else 'differ'}: {alike}"
+        yield f"{what}: the tests {'agree' if alike.fits else 'differ'}: {alike}"

@@ -98,6 +98,7 @@ def images(
     refuse_files(force, output, picture)
     wrong = picture is not None and picture.suffix.lower() not in FORMATS
     refuse_if(wrong, f"--picture {picture} must end with .svg or .png, the formats of figures")
+    from metafem.calibration.sites import found_figure
     from metafem.drawing import RESOLUTION
 
     with progress():
@@ -110,7 +111,7 @@ def images(
         if picture is not None:
             with doing("drawing the picture"), mf.files.staged(picture, force) as fresh:
                 image, own = files[reference](), table[table["image"] == reference]
-                figure = mf.calibration.found_figure(image, areas[reference], own, found)
+                figure = found_figure(image, areas[reference], own, found)
                 figure.savefig(fresh, format=picture.suffix[1:].lower(), dpi=RESOLUTION)
     failed = [name for name, one in areas.items() if one is None]
     notes = [*more, *notes, *said, *_wrong_size(options["pixel"], found)]

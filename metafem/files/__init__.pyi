@@ -1,7 +1,5 @@
-from .calibrated import CalibrationData as CalibrationData
 from .calibrated import calibration_data as calibration_data
 from .calibrated import calibration_text as calibration_text
-from .calibrated import of_tables as of_tables
 from .calibrated import printed as printed
 from .calibrated import read_calibration as read_calibration
 from .calibrated import read_parameters as read_parameters

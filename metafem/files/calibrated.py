@@ -5,9 +5,7 @@ from __future__ import annotations
 import json
 import math
 import tomllib
-from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
-from dataclasses import dataclass
+from collections.abc import Container, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -47,24 +45,9 @@ FIRST = """# Calibration by metafem: sections of a specification, with 68 % inte
 PRINTED = {"adhesion_energy": ("mJ/m²", 1e-6), "radius": ("um", 1e-3)}
 
 
-@dataclass(frozen=True, eq=False)
-class CalibrationData:
-    """Points of several tables, pooled by their kind; None without a table of a kind.
-
-    The columns of `compression` are ``load`` [N] and ``area`` (the total) or, for contacts in images,
-    ``area_1``, ``area_2`` ... [mm^2], those of `shear` ``area_before`` and ``area_sheared`` [mm^2] and
-    ``friction_force`` [N], nan if not measured. Both have the column ``test``, the label of the test. If all
-    tables are those of contacts in images with errors, `boundary` is the rms error of the contacts' boundary
-    [mm], otherwise None. `notes` state what is left out.
-    """
-
-    compression: DataFrame | None
-    shear: DataFrame | None
-    boundary: float | None
-    notes: list[Note]
-
-
-def read_calibration(paths: Iterable[str | Path], *, columns: Mapping[str, str] = NONE) -> CalibrationData:
+def read_calibration(
+    paths: Iterable[str | Path], *, columns: Mapping[str, str] = NONE
+) -> tuple[DataFrame | None, DataFrame | None, float | None, list[Note]]:
     """Return the pooled data of tables of calibration tests; the columns determine the kind of a table.
 
     Parameters
@@ -77,6 +60,18 @@ def read_calibration(paths: Iterable[str | Path], *, columns: Mapping[str, str] 
         is one test.
     columns : mapping of str to str
         Titles in the files by the names that they stand for; see `read_table`.
+
+    Returns
+    -------
+    compression, shear : DataFrame or None
+        Points of all tables of a kind. The columns of compression tests are ``load`` [N] and ``area`` (the
+        total) or, for contacts in images, ``area_1``, ``area_2`` ... [mm^2], those of shear tests
+        ``area_before`` and ``area_sheared`` [mm^2] and ``friction_force`` [N], nan if not measured. Both have
+        the column ``test``, the label of the test.
+    boundary : float or None
+        Rms error of the contacts' boundary [mm], if all tables are those of contacts in images with errors.
+    notes : list of Note
+        What is left out.
     """
     import pandas as pd
 
@@ -100,7 +95,7 @@ def read_calibration(paths: Iterable[str | Path], *, columns: Mapping[str, str] 
     refuse_if(len({tuple(each) for each in tests[0]}) > 1, differ)
     pressed, sheared = (pd.concat(of_kind, ignore_index=True) if of_kind else None for of_kind in tests)
     rms = float(np.sqrt(np.mean(np.square(boundaries))))
-    return CalibrationData(pressed, sheared, rms if rms > 0.0 else None, notes)
+    return pressed, sheared, rms if rms > 0.0 else None, notes
 
 
 def _of_tests(table: Table, label: str) -> tuple[tuple[DataFrame, DataFrame], float, list[Note]]:
@@ -139,17 +134,6 @@ def _of_contacts(table: Table, label: str) -> tuple[tuple[DataFrame, DataFrame],
     errors = closed["area_error"] / (2.0 * np.sqrt(np.pi * closed["area"]))
     notes = [Note(f"{table.name}: {note}", note.level) for note in (*left_out, *without)]
     return (pressed, sheared), float(np.sqrt((errors**2).mean())), notes
-
-
-@contextmanager
-def of_tables(files: Sequence[str]) -> Iterator[None]:
-    """Make errors of the body name the files, unless they concern an option."""
-    try:
-        yield
-    except InvalidInput as error:
-        if error.key and "[" not in error.key:
-            raise
-        raise InvalidInput(f"{', '.join(files)}: {error}") from None
 
 
 def calibration_data(*found: Calibration) -> dict[str, Any]:

@@ -4,6 +4,7 @@ import json
 import math
 import tomllib
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -31,7 +32,8 @@ def read(tmp_path, monkeypatch):
     def call(*tables, **options):
         for name, table in zip("abc", tables, strict=False):
             Path(f"{name}.csv").write_text(table, "utf-8")
-        return files.read_calibration([f"{name}.csv" for name in "abc"[: len(tables)]], **options)
+        found = files.read_calibration([f"{name}.csv" for name in "abc"[: len(tables)]], **options)
+        return SimpleNamespace(**dict(zip(("compression", "shear", "boundary", "notes"), found, strict=True)))
 
     return call
 
@@ -100,7 +102,7 @@ def test_compression_tests_are_pooled_with_their_labels(read):
     Path("d").mkdir()
     for name in ("a.csv", "d/a.csv"):
         Path(name).write_text(one, "utf-8")
-    assert files.read_calibration(["a.csv", "d/a.csv"]).compression["test"].tolist() == [
+    assert files.read_calibration(["a.csv", "d/a.csv"])[0]["test"].tolist() == [
         "a",
         "a",
         "d/a",
@@ -139,11 +141,6 @@ def test_contacts_of_images_are_points(read):
     with pytest.raises(mf.InvalidInput, match="different numbers of contacts"):
         read(files.contacts_table(table), whole)
     assert read(files.contacts_table(table), "area_sheared_mm2,friction_force_mN\n1,2\n").boundary is None
-    for key, message in (("", "a.csv, b.csv: too few"), ("area[1]", "a.csv, b.csv: entry 2 of area too few"),
-                         ("radius", "radius too few")):  # fmt: skip
-        with pytest.raises(mf.InvalidInput) as caught, files.of_tables(["a.csv", "b.csv"]):
-            raise mf.InvalidInput("too few", key=key)
-        assert str(caught.value) == message
 
 
 def test_images_have_their_forces_in_their_own_order(tmp_path):
@@ -252,7 +249,7 @@ def test_a_calibration_is_written_as_data():
     load, labels = load_of(0.0), ["a"] * 20 + ["b"] * 20
     both = fit_compression(np.append(load, 2.0 * load), np.tile(np.pi * A**2, 2), 0.526, test=labels)
     both = calibration_data(both)["compression"]
-    assert (both["tests"], both["heterogeneity"]["fits"]) == (["a", "b"], False)
+    assert both["heterogeneity"]["fits"] is False
 
 
 def test_images_of_all_kinds_have_their_grey_levels(tmp_path):
