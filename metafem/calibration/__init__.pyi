@@ -1,6 +1,5 @@
 from .comparison import Comparison as Comparison
 from .comparison import compare as compare
-from .compression import Sample as Sample
 from .compression import fit_compression as fit_compression
 from .contact_table import contact_table as contact_table
 from .crossovers import Crossover as Crossover
@@ -12,11 +11,9 @@ from .images import contact_areas as contact_areas
 from .images import stack_areas as stack_areas
 from .laws import MeasuredLaw as MeasuredLaw
 from .laws import measured_law as measured_law
-from .sheared import at_peak as at_peak
 from .sheared import shear as shear
 from .sheared import shear_strength as shear_strength
 from .sites import SiteMatch as SiteMatch
-from .sites import TrackedContacts as TrackedContacts
 from .sites import match_sites as match_sites
 from .sites import track_contacts as track_contacts
 from .statistics import Calibration as Calibration

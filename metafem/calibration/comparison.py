@@ -48,8 +48,8 @@ class Comparison(Value):
         Standard deviations of the parameters whose errors are included.
     notes : tuple of Note
         Notes on what was left out.
-    percent, normalised : ndarray, (m,)
-        Deviation over predicted value [%], and over its standard deviation [-].
+    percent : ndarray, (m,)
+        Deviation over predicted value [%].
 
     Examples
     --------
@@ -77,18 +77,8 @@ class Comparison(Value):
     @property
     def percent(self) -> FloatArray:
         """Deviation over predicted value [%]; infinite where the design has no contact."""
-        infinite = np.full(self.deviation.shape, np.inf)
-        above = self.predicted > 0.0
-        return np.asarray(np.divide(100.0 * self.deviation, self.predicted, infinite, where=above))
-
-    @property
-    def normalised(self) -> FloatArray:
-        """Deviation over its standard deviation [-]."""
-        return self.deviation / self.deviation_sd
-
-    def __repr__(self) -> str:
-        rms = np.sqrt((self.normalised**2).mean())
-        return f"<Comparison of {self.measured!r}: {rms:.2g} standard deviations (rms), {self.verdict}>"
+        touching = self.predicted > 0.0
+        return np.where(touching, 100.0 * self.deviation / np.where(touching, self.predicted, 1.0), np.inf)
 
 
 def compare(
@@ -150,36 +140,23 @@ def compare(
     check.instance("measured", measured, MeasuredLaw, "a metafem.calibration.MeasuredLaw")
     check.instance("design", design, Design, "a metafem.Design")
     friction = measured.friction
-    without = set(parameters) - {"composite_modulus"} and friction is None
     must = "parameters of the friction have no effect on a law without a Friction; leave them out"
-    refuse_if(without, must)
+    refuse_if(friction is None and set(parameters) - {"composite_modulus"}, must)
     refuse_if(parameters and covariance is None, f"parameters = {shown(parameters)} need a covariance")
     names, matrix = checked_covariance(parameters, covariance, PARAMETERS)
     end = float(design.law.rescaled_load[-1])
     inside = measured.rescaled_load <= end
     newtons = measured.material.composite_modulus * end
-    limit = f"P/E* = {end:.4g} mm^2 or {newtons:.4g} N; the smallest is {measured.load[0]:.4g} N"
-    refuse_if(not inside.any(), f"all measured loads exceed the largest load of the design, {limit}")
-    notes = list(measured.notes)
-    if not inside.all():
-        beyond = f"points at {span(measured.load[~inside], 'N')} are left out: the law of the design ends at"
-        notes.append(Note(f"{beyond} P/E* = {end:.4g} mm^2"))
+    limit = f"the law of the design ends at P/E* = {end:.4g} mm^2, {newtons:.4g} N"
+    loads = span(measured.load[~inside], "N") if not inside.all() else ""
+    refuse_if(not inside.any(), f"all measured loads, {loads}, are beyond it: {limit}")
+    notes = [*measured.notes, *[Note(f"points at {loads} are left out: {limit}")] * bool(loads)]
     law = measured.only(inside)
     # use the material of the part, because the effect of adhesion depends on E*
     surface = design.surface.replaced(material=measured.material)
     with doing("computing the law of the design at the measured loads"):
         predicted, slope = law.computed(surface, design.law.model, newtons)
-    found = law.rescaled_friction
-    # areas do not depend on the shear strength and the area ratio
-    by_stress = -found if law.stress_of_forces else 0.0 * found
-    changes = {"composite_modulus": slope * law.load / measured.material.composite_modulus}
-    if friction is not None:
-        changes["shear_strength"] = by_stress / friction.shear_strength
-        changes["area_ratio"] = by_stress / friction.area_ratio
-    jacobian = np.array([changes[name] for name in names]).reshape(len(names), len(found)).T
-    variance = law.rescaled_friction_sd**2 + (slope * law.load_sd) ** 2
-    total = np.diag(variance) + jacobian @ matrix @ jacobian.T
-    deviation = found - predicted
+    deviation, total = law.rescaled_friction - predicted, _covariance(law, slope, names, matrix)
     # if the design's law is correct, the whitened residuals are independent
     residual = np.linalg.solve(np.linalg.cholesky(total), deviation)
     return Comparison(
@@ -191,6 +168,20 @@ def compare(
         parameters=dict(zip(names, np.sqrt(np.diag(matrix)).tolist(), strict=True)),
         notes=(*_exchanged(law, design.law, deviation / predicted), *notes),
     )
+
+
+def _covariance(law: MeasuredLaw, slope: FloatArray, names: Sequence[str], matrix: FloatArray) -> FloatArray:
+    """Return the covariance of the deviations, from the slopes of the law of the design."""
+    found, friction = law.rescaled_friction, law.friction
+    # areas do not depend on the shear strength and the area ratio
+    by_stress = -found if law.stress_of_forces else 0.0 * found
+    changes = {"composite_modulus": slope * law.load / law.material.composite_modulus}
+    if friction is not None:
+        changes["shear_strength"] = by_stress / friction.shear_strength
+        changes["area_ratio"] = by_stress / friction.area_ratio
+    jacobian = np.array([changes[name] for name in names]).reshape(len(names), len(found)).T
+    variance = law.rescaled_friction_sd**2 + (slope * law.load_sd) ** 2
+    return np.asarray(np.diag(variance) + jacobian @ matrix @ jacobian.T)
 
 
 def _exchanged(measured: MeasuredLaw, law: FrictionLaw, relative: FloatArray) -> Iterator[Note]:

@@ -4,25 +4,25 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from metafem import _validate as check
 from metafem._validate import FloatArray
-from metafem.calibration import errors_in_variables as variables
 from metafem.calibration.statistics import (
     PAPER,
     Calibration,
     Estimate,
+    Fit,
     MeasurementErrors,
     Verdict,
+    errors_in_variables,
     positive,
 )
-from metafem.contact import JKR, Hertz
 from metafem.errors import NotConverged, refuse_if
-from metafem.material import Material
 from metafem.notes import Note, information
 
 # Smallest number of points: two for the parameters and one for a residual.
@@ -45,41 +45,6 @@ SHARES, MODULI = (1e-3, 1.0), (0.01, 100.0)
 SMALLEST_PART = 0.1
 
 
-@dataclass(frozen=True)
-class Sample:
-    """Sample of a compression test, whose contacts are far apart.
-
-    Parameters
-    ----------
-    contacts : int
-        Number of contacts that share a load; default: 1. If only their total area was measured, the contacts
-        are assumed to be equal.
-    radius_sd : float
-        Standard deviation of R [mm], common to all points; default: 0.
-    unusual : bool
-        Whether moduli outside 0.01 to 100 MPa, and contact radii outside 0.001 R to R, are accepted; default:
-        False.
-
-    Raises
-    ------
-    InvalidInput
-        If a value is outside its range.
-
-    Examples
-    --------
-    >>> Sample(contacts=5, radius_sd=0.005).unusual
-    False
-    """
-
-    contacts: int = 1
-    radius_sd: float = 0.0
-    unusual: bool = False
-
-    def __post_init__(self) -> None:
-        check.integer("contacts", self.contacts, at_least=1)
-        check.member(self, "radius_sd", at_least=0.0)
-
-
 def fit_areas(
     load: FloatArray,
     area: FloatArray,
@@ -87,37 +52,37 @@ def fit_areas(
     contacts: int = 1,
     errors: MeasurementErrors = PAPER,
     adhesive: bool = True,
-) -> variables.Fit:
+) -> Fit:
     """Return fits of E* and b to loads (..., k) [N] and areas (..., k, n) [mm^2] of single contacts.
 
-    The areas are those of all contacts, or equal areas for which one stands. Without adhesion, E* is the only
-    parameter.
+    The areas are those of all contacts, or equal areas for which one stands. Their sum is the abscissa of a
+    point, of which each contact has its measured share. Without adhesion, E* is the only parameter.
     """
     alike, count = contacts // area.shape[-1], 2 if adhesive else 1
-    measured = np.concatenate([load[..., None], area], axis=-1)
+    total = area.sum(axis=-1)
+    shares = area / total[..., None]
 
-    def model(p: FloatArray, area: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return load and areas, with ``P = c sum_j (E* 4 a_j^3/(3 R) - b sqrt(8 pi a_j^3))``."""
-        a = np.sqrt(area / math.pi)[..., None]
-        single = np.concatenate([4.0 / (3.0 * radius) * a**3, -math.sqrt(8.0 * math.pi) * a**1.5], axis=-1)
-        slope = np.divide([1.5, 0.75] * single, area[..., None], where=a > 0.0, out=np.zeros(single.shape))
-        load, by_area = (alike * each[..., :count] @ p[..., None, :, None] for each in (single, slope))
-        value = np.concatenate([load.sum(axis=-2), area], axis=-1)
-        by_load = alike * single[..., :count].sum(axis=-2)[..., None, :]
-        by_p = np.concatenate([by_load, np.zeros((*area.shape, count))], axis=-2)
-        own = np.broadcast_to(np.eye(area.shape[-1]), (*area.shape, area.shape[-1]))
-        return value, by_p, np.concatenate([np.swapaxes(by_area, -1, -2), own], axis=-2)
+    def model(p: FloatArray, x: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return load and sum of areas, with ``P = c sum_j (E* 4 a_j^3/(3 R) - b sqrt(8 pi a_j^3))``."""
+        a = np.sqrt(shares * x[..., None] / math.pi)
+        each = [4.0 / (3.0 * radius) * (a**3).sum(axis=-1), -math.sqrt(8.0 * math.pi) * (a**1.5).sum(axis=-1)]
+        by_p = alike * np.stack(each, axis=-1)[..., :count]
+        part = by_p * p[..., None, :]
+        # the parts grow as x^(3/2) and x^(3/4)
+        by_x = (part * [1.5, 0.75][:count]).sum(axis=-1) / x
+        derivatives = np.stack([by_p, np.zeros(by_p.shape)], axis=-2)
+        return np.stack([part.sum(axis=-1), x], axis=-1), derivatives, np.stack([by_x, np.ones(x.shape)], -1)
 
     def deviation(value: FloatArray) -> FloatArray:
-        each = errors.of_area(value[..., 1:])
+        each = errors.of_area(shares * value[..., 1:])
         each = np.where(area > 0.0, each, np.maximum(each, errors.of_open)) / math.sqrt(alike)
-        return np.concatenate([errors.of_load(value[..., :1]), each], axis=-1)
+        return np.stack([errors.of_load(value[..., 0]), np.linalg.norm(each, axis=-1)], axis=-1)
 
-    start, bounds = np.zeros((*load.shape[:-1], count)), (SMALLEST_PART * area, np.inf)
-    return variables.fit(model, measured, deviation, start, area, bounds)
+    measured, start = np.stack([load, total], axis=-1), np.zeros((*load.shape[:-1], count))
+    return errors_in_variables(model, measured, deviation, start, total, SMALLEST_PART * total)
 
 
-def of_root(fit: variables.Fit) -> tuple[FloatArray, FloatArray]:
+def of_root(fit: Fit) -> tuple[FloatArray, FloatArray]:
     """Return E* and sqrt(w) = b/sqrt(E*), (..., 2), and their covariance; nan where E* is not positive."""
     modulus, product = fit.parameter[..., 0], fit.parameter[..., 1]
     with np.errstate(invalid="ignore"):
@@ -133,10 +98,11 @@ def fit_compression(
     load: ArrayLike,
     area: ArrayLike,
     radius: float,
-    sample: Sample | None = None,
     *,
+    contacts: int = 1,
     errors: MeasurementErrors = PAPER,
     test: ArrayLike | None = None,
+    unusual: bool = False,
 ) -> Calibration:
     """Return E* and the adhesion energy w fitted to loads and contact areas that both have errors.
 
@@ -159,14 +125,18 @@ def fit_compression(
         Measured total contact areas [mm^2], or the areas of single contacts, 0 for an open contact.
     radius : float
         Radius R of the caps [mm].
-    sample : Sample, optional
-        Number of contacts and the error of R; default: one contact.
+    contacts : int
+        Number of contacts that share a load and are far apart, if only their total area was measured; they
+        are assumed to be equal. Default: 1.
     errors : MeasurementErrors
-        Standard deviations of the total loads and of the areas of single contacts, whose errors are
-        independent; default: the error bars of Aymard et al. An open contact has the error of a contact whose
-        radius is twice the error of the boundary.
+        Standard deviations of the total loads, of the areas of single contacts, whose errors are independent,
+        and of R; default: the error bars of Aymard et al., and an exact R. An open contact has the error of a
+        contact whose radius is twice the error of the boundary.
     test : array_like, (k,), optional
         Labels of the tests to which the points belong; default: one test.
+    unusual : bool
+        Whether moduli outside 0.01 to 100 MPa, and contact radii outside 0.001 R to R, are accepted; default:
+        False.
 
     Returns
     -------
@@ -184,19 +154,43 @@ def fit_compression(
     --------
     >>> a = np.linspace(0.08, 0.4, 20)
     >>> load = 4 / 3 * 1.36 * a**3 / 0.526 - np.sqrt(8 * np.pi * 9e-6 * 1.36 * a**3)
-    >>> found = fit_compression(5 * load, 5 * np.pi * a**2, 0.526, Sample(contacts=5, radius_sd=0.005))
+    >>> errors = MeasurementErrors(radius_sd=0.005)
+    >>> found = fit_compression(5 * load, 5 * np.pi * a**2, 0.526, contacts=5, errors=errors)
     >>> modulus, energy = found.estimates["composite_modulus"], found.estimates["adhesion_energy"]
     >>> round(modulus.value, 6), [round(end, 3) for end in modulus.interval], round(energy.value, 9)
     (1.36, [1.341, 1.379], 9e-06)
     """
-    given = Sample() if sample is None else sample
-    check.instance("sample", given, Sample, "a metafem.calibration.Sample")
     check.instance("errors", errors, MeasurementErrors, "a metafem.calibration.MeasurementErrors")
     size = check.number("radius", radius, above=0.0)
     less = f"must be less than the radius, {size:g} mm"
-    refuse_if(given.radius_sd >= size, less, key="radius_sd", value=given.radius_sd)
-    loads, areas = _points(load, area, given.contacts)
-    fit = fit_areas(loads, areas, size, given.contacts, errors)
+    refuse_if(errors.radius_sd >= size, less, key="radius_sd", value=errors.radius_sd)
+    loads, areas, count = _points(load, area, check.integer("contacts", contacts, at_least=1))
+    found, verdict = _estimates(loads, areas, size, count, errors)
+    modulus, energy, sd = found["composite_modulus"], found["adhesion_energy"], errors.radius_sd
+    widest = math.sqrt(areas.max() / math.pi) / size
+    if not unusual:
+        _refuse_unusual(modulus.value, widest, size, count)
+    both = sd**2 / size * modulus.value
+    joint = np.array([[sd**2, both], [both, modulus.sd**2]])
+    known = 0 if sd else 1  # an exact radius is no parameter
+    # an error of the radius is common to all tests
+    given: dict[str, Any] = {"contacts": count, "errors": replace(errors, radius_sd=0.0), "unusual": unusual}
+    return Calibration(
+        estimates=found | ({"radius": positive(size, sd**2)} if sd else {}),
+        parameters=("radius", "composite_modulus")[known:],
+        covariance=joint[known:, known:],
+        verdict=verdict,
+        notes=tuple(_notes(energy.interval[0] > 0.0, widest)),
+    ).of_tests(
+        test, len(loads), lambda own: fit_compression(loads[own], np.asarray(area)[own], size, **given)
+    )
+
+
+def _estimates(
+    loads: FloatArray, areas: FloatArray, radius: float, contacts: int, errors: MeasurementErrors
+) -> tuple[dict[str, Estimate], Verdict]:
+    """Return E* and w, and whether the law fits."""
+    fit = fit_areas(loads, areas, radius, contacts, errors)
     if not fit.converged:
         raise NotConverged(
             "the fit of E* and the adhesion energy does not converge; leave out areas that are not much "
@@ -207,62 +201,50 @@ def fit_compression(
     falls = f"the load does not grow with the contact area: the fitted E* is {modulus:.3g} MPa; check the"
     refuse_if(not modulus > 0.0, f"{falls} columns and their order")
     # at given loads and areas, E* grows in proportion to R, and sqrt(w) as 1/sqrt(R)
-    share = given.radius_sd / size
+    share = errors.radius_sd / radius
     root = positive(float(root), covariance[1, 1] + (0.5 * share * root) ** 2)
     low, high = root.interval
     energy = Estimate(max(root.value, 0.0) ** 2, 0.5 * (high**2 - low**2), (low**2, high**2))
-    variance = covariance[0, 0]
+    verdict = Verdict(float(fit.chi_square.sum()), len(loads) - 2)
     if not low:
-        alone = fit_areas(loads, areas, size, given.contacts, errors, adhesive=False)
-        modulus, variance = alone.parameter[0], alone.covariance[0, 0]
-    stiffness = positive(float(modulus), variance + (share * modulus) ** 2)
-    widest = math.sqrt(areas.max() / math.pi) / size
-    _refuse_unusual(stiffness.value, widest, size, given)
-    found = {"composite_modulus": stiffness, "adhesion_energy": energy}
-    sd, both = given.radius_sd, given.radius_sd * share * stiffness.value
-    joint = np.array([[sd**2, both], [both, stiffness.sd**2]])
-    known = 0 if sd else 1  # an exact radius is no parameter
-    if sd:
-        found["radius"] = positive(size, sd**2)
-    exact, rows = replace(given, radius_sd=0.0), np.asarray(area)
-    return Calibration(
-        estimates=found,
-        parameters=("radius", "composite_modulus")[known:],
-        covariance=joint[known:, known:],
-        verdict=Verdict(float(fit.chi_square.sum()), len(loads) - 2),
-        material=Material(stiffness.value),
-        contact_law=JKR(energy.value) if low else Hertz(),
-        notes=tuple(_notes(low > 0.0, widest)),
-    ).of_tests(
-        test, len(loads), lambda own: fit_compression(loads[own], rows[own], size, exact, errors=errors)
-    )
+        fit = fit_areas(loads, areas, radius, contacts, errors, adhesive=False)
+    modulus, variance = float(fit.parameter[0]), float(fit.covariance[0, 0])
+    found = {
+        "composite_modulus": positive(modulus, variance + (share * modulus) ** 2),
+        "adhesion_energy": energy,
+    }
+    return found, verdict
 
 
-def _points(load: ArrayLike, area: ArrayLike, contacts: int) -> tuple[FloatArray, FloatArray]:
-    """Return the checked loads (k,), and areas of single contacts (k, contacts), or of equal ones (k, 1)."""
+def _points(load: ArrayLike, area: ArrayLike, contacts: int) -> tuple[FloatArray, FloatArray, int]:
+    """Return checked loads (k,), areas of single contacts (k, n) or equal ones (k, 1), and their number."""
     loads = check.array("load", load, shape=(None,))
-    count, one_by_one = len(loads), np.ndim(area) == 2
-    few = f"load has {count} points; E* and the adhesion energy need at least {FEWEST}, at different areas"
-    refuse_if(count < FEWEST, few)
-    given = check.array("area", area, shape=(count, contacts) if one_by_one else (count,))
+    few = f"load has {len(loads)} points; E* and the adhesion energy need at least {FEWEST}, at different"
+    refuse_if(len(loads) < FEWEST, f"{few} areas")
+    given = check.array("area", area, shape=(len(loads), None)[: np.ndim(area) or 1])
     check.refuse_entries("area", given, given < 0.0, "must not be negative")
-    total = given.sum(axis=1) if one_by_one else given
+    areas = given.reshape(len(loads), -1)
+    total, count = areas.sum(axis=1), areas.shape[1]
     check.refuse_entries("area", total, total == 0.0, "is no contact; leave the row out")
     same = f"all areas are {total.max():g} mm^2: E* and the adhesion energy need points at different areas"
     refuse_if(np.ptp(total) <= ONE_AREA * total.max(), same)
-    return loads, given if one_by_one else given[:, None] / contacts
+    if count == 1:
+        return loads, areas / contacts, contacts
+    must = f"must be 1 or {count}, because area has the {count} contacts one by one"
+    refuse_if(contacts not in (1, count), must, key="contacts", value=contacts)
+    return loads, areas, count
 
 
-def _refuse_unusual(modulus: float, widest: float, radius: float, sample: Sample) -> None:
+def _refuse_unusual(modulus: float, widest: float, radius: float, contacts: int) -> None:
     """Raise InvalidInput if E* [MPa] or the largest contact radius over R is not that of a soft material."""
     (small, wide), (least, most) = SHARES, MODULI
     usual = small <= widest <= wide and least <= modulus <= most
     refuse_if(
-        not (usual or sample.unusual),
+        not usual,
         f"E* = {modulus:.4g} MPa with contact radii up to {widest:.3g} R is unusual: soft materials have "
         f"{least:g} to {most:g} MPa, and contacts {small:g} to {wide:g} R; check the units of loads and "
-        f"areas, the radius, {radius:g} mm, and the number of contacts under one load, {sample.contacts}; "
-        "if they are right, insist with the option --unusual (in Python, Sample(unusual=True))",
+        f"areas, the radius, {radius:g} mm, and the number of contacts under one load, {contacts}; "
+        "if they are right, insist with the option --unusual (in Python, unusual=True)",
     )
 
 

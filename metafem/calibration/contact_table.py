@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from metafem._validate import FloatArray, IntArray
-from metafem.errors import printable, refuse_if
+from metafem._validate import FloatArray
+from metafem.errors import printable
 from metafem.notes import Note, information
 
 if TYPE_CHECKING:
@@ -86,11 +86,12 @@ def listed(names: Iterable[str]) -> str:
     return ", ".join(printable(name, 60) for name in every[:NAMED]) + more
 
 
-def pressed_images(table: DataFrame) -> tuple[IntArray, list[Note]]:
-    """Return the numbers of the images that a compression fit uses, and notes on omitted images.
+def pressed_points(table: DataFrame) -> tuple[DataFrame, list[Note]]:
+    """Return the points of a compression fit, one for each used image, and notes on omitted images.
 
-    The measured load is the sum over all contacts. If the area of one contact is unknown, so is its share of
-    the load, and the image does not determine E*. A fit to the sum of the other areas would bias E*.
+    The columns are load [N], area_1, area_2 ... [mm^2] and test. The measured load is the sum over all
+    contacts. If the area of one contact is unknown, so is its share of the load, and the image does not
+    determine E*. A fit to the sum of the other areas would bias E*.
     """
     images, areas = by_image(table)
     area, loaded = areas["area"], images["load"].notna().to_numpy()
@@ -101,20 +102,22 @@ def pressed_images(table: DataFrame) -> tuple[IntArray, list[Note]]:
     missing = listed(f"{what} {number}" for number in unknown) or "all contacts"
     words = f"E* is fitted without {listed(images['image'][left])}: the area of {missing} is 0 or unknown"
     notes = [Note(f"{words}, and the load is that of all contacts")] * bool(left.any())
-    return np.flatnonzero(used), notes
+    named = {f"area_{i + 1}": each for i, each in enumerate(area.T)}
+    return images[["load", "test"]].assign(**named)[used], notes
 
 
-def sheared_points(table: DataFrame) -> tuple[FloatArray, IntArray, list[Note]]:
-    """Return points for a shear fit (3, k), the image of each point (k,), and notes on missing quantities.
+def sheared_points(table: DataFrame) -> tuple[DataFrame, list[Note]]:
+    """Return the points of a shear fit, and notes on missing quantities.
 
-    The rows of the points are the areas before and after shear [mm^2] and the friction forces [N]. Values
-    that were not measured are nan.
+    The columns are area_before, area_sheared [mm^2], friction_force [N], nan if not measured, and test.
 
     An image gives one point if all its contacts were measured before and after shear. Otherwise the contacts
     that are visible before and after shear give a point that determines B; a contact that is too small to be
     detected in one of the two images would bias the ratio of the sums. The sheared areas of all contacts, if
     they were measured, give another one with the friction force, which determines sigma.
     """
+    import pandas as pd
+
     images, areas = by_image(table)
     before, after, force = areas["area"], areas["sheared_area"], images["friction_force"].to_numpy()
     both = np.isfinite(before) & np.isfinite(after)
@@ -123,59 +126,12 @@ def sheared_points(table: DataFrame) -> tuple[FloatArray, IntArray, list[Note]]:
     whole, total = both.all(axis=1) & ~hides, np.where(hides, np.nan, after.sum(axis=1))
     some, alone = seen.any(axis=1), ~whole & (total > 0.0) & np.isfinite(force)
     sums = [np.where(seen, area, 0.0).sum(axis=1) for area in (before, after)]
-    ratio = np.array([*sums, np.where(whole, force, np.nan)])
-    strength = np.array([np.full(len(force), np.nan), total, force])
-    points = np.hstack([ratio[:, some], strength[:, alone]])
+    ratio, strength = (
+        images[["test"]].assign(area_before=before, area_sheared=after, friction_force=force)
+        for before, after, force in ((*sums, np.where(whole, force, np.nan)), (np.nan, total, force))
+    )
     unused = np.isfinite(force) & np.isfinite(after).any(axis=1) & ~whole & ~alone
     words = f"sigma is fitted without {listed(images['image'][unused])}, of which a contact is not measured"
-    notes = [information(f"{words} before or after shear")] * bool(unused.any())
-    return points, np.append(np.flatnonzero(some), np.flatnonzero(alone)), notes
-
-
-def of_contacts(
-    table: DataFrame, rescaled: bool, numbers: IntArray | None
-) -> tuple[dict[str, Any], tuple[Note, ...]]:
-    """Return the arrays of a measured law by name, and notes on the omitted images.
-
-    `numbers` are the sites of the design's asperities; if None, asperity i is at site i. If friction forces
-    were measured and can be `rescaled`, an image needs a friction force; otherwise it needs the areas of all
-    contacts.
-    """
-    images, areas = by_image(table)
-    area, error, force = areas["area"], areas["area_error"], images["friction_force"].to_numpy()
-    by_force = rescaled and bool(np.isfinite(force).any())
-    site = table["site"].iloc[: area.shape[1]]
-    matched = bool(site.notna().all())
-    whole: Any = np.isfinite(area).all(axis=1)
-    used = images["load"].notna().to_numpy() & (np.isfinite(force) if by_force else whole)
-    what = "a friction force" if by_force else "the areas of all its contacts"
-    refuse_if(not used.any(), f"none of the {len(used)} images has a load and {what}")
-    left = listed(images["image"][~used])
-    notes = [Note(f"images without a load and {what} are left out: {left}")] * (left != "")
-    area, error = area[used], np.nan_to_num(error[used])
-    overlooked = float(np.max(error, where=area == 0.0, initial=0.0))
-    if overlooked > 0.0 and not by_force:
-        words = f"contacts of less than {overlooked:.2g} mm^2 count as open; the errors of the total areas do"
-        notes.append(Note(f"{words} not include what these contacts lack"))
-    found: dict[str, Any] = {"load": images["load"].to_numpy()[used]}
-    if np.isfinite(force[used]).all():
-        found["friction_force"] = force[used]
-    if matched:
-        found |= {"asperity_area": area, "asperity_area_sd": error}
-        found["site"] = _asperities(site.to_numpy(dtype=np.int64), numbers)
-    if whole[used].all():
-        found["area"] = area.sum(axis=1)
-        sd = np.sqrt((np.where(area > 0.0, error, 0.0) ** 2).sum(axis=1))  # without errors of open contacts
-        if (sd > 0.0).all():  # an image without contacts has sd 0: use the default errors then
-            found["area_sd"] = sd
-    return found, tuple(notes)
-
-
-def _asperities(sites: IntArray, numbers: IntArray | None) -> IntArray:
-    """Return the numbers of the design's asperities at sites."""
-    if numbers is None:
-        return sites
-    wrong = listed(map(str, sites[~np.isin(sites, numbers)] + 1))
-    refuse_if(wrong, f"the contacts have site {wrong}, which the design leaves empty or does not have")
-    order = np.argsort(numbers)
-    return order[np.searchsorted(numbers, sites, sorter=order)]
+    return pd.concat([ratio[some], strength[alone]]), [information(f"{words} before or after shear")] * bool(
+        unused.any()
+    )

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import minimize_scalar
 
 from metafem import _validate as check
 from metafem._validate import FloatArray
@@ -22,11 +21,8 @@ FEWEST, DIFFERENT = 7, 4
 GROWTH = WIDTH**2
 
 # Number of crossovers of a grid, and number of grids, of which each covers the interval that the one before
-# finds: two find its ends to a hundredth of its length.
+# finds: two find its ends to a hundredth of its length. The best crossover is that of one more grid.
 TRIED, GRIDS = 101, 2
-
-# Error of the crossover over the range of the loads.
-ROUNDING = 1e-6
 
 # Number of steps of the fit of two lines. A step reduces the change of the lines by a factor of about 100.
 STEPS = 8
@@ -120,23 +116,20 @@ def crossover(law: MeasuredLaw) -> Crossover:
         room = square.min() + GROWTH - square
         inside, best = np.flatnonzero(room >= 0.0), int(square.argmin())
         low, high = float(kinks[max(inside[0] - 1, 0)]), float(kinks[min(inside[-1] + 1, TRIED - 1)])
-    found = minimize_scalar(
-        lambda kink: float(bent(points, np.array([kink]))[2][0]),
-        bounds=kinks[[max(best - 1, 0), min(best + 1, TRIED - 1)]],
-        method="bounded",
-        options={"xatol": ROUNDING * (last - first)},
-    )
-    level, *slopes = bent(points, np.array([found.x]))[0][0].tolist()
+    near = np.linspace(kinks[max(best - 1, 0)], kinks[min(best + 1, TRIED - 1)], TRIED)
+    lines, _, squares = bent(points, near)
+    least = int(squares.argmin())
+    level, *slopes = lines[least].tolist()
     spread = np.sqrt(room[inside, None] * variance[inside, 1:])
     lowest, highest = (line[inside, 1:] - spread).min(axis=0), (line[inside, 1:] + spread).max(axis=0)
     low, high = float(kinks[inside[0]]), float(kinks[inside[-1]])
     return Crossover(
-        crossover_load=float(found.x),
+        crossover_load=float(near[least]),
         crossover_friction=level,
         slopes=(slopes[0], slopes[1]),
         crossover_interval=(low, high),
         slope_intervals=((float(lowest[0]), float(highest[0])), (float(lowest[1]), float(highest[1]))),
-        verdict=Verdict(float(found.fun), count - 4),
+        verdict=Verdict(float(squares[least]), count - 4),
         ambiguous=low <= first or high >= last,
     )
 

@@ -178,9 +178,8 @@ def _whitened(
     contact, size, closed = contact_of(model), np.sqrt(area / math.pi), area > 0.0
     bound, summits, count = contact.bound(part), contact.summits(part), len(law.load)
     with np.errstate(divide="ignore", invalid="ignore"):
-        stiffness, slope = (
-            np.where(closed, of(size, summits), 0.0) for of in (bound.stiffness, bound.area_slope)
-        )
+        stiffness = np.where(closed, bound.stiffness(size, summits), 0.0)
+        slope = np.where(closed, bound.area_slope(size, summits), 0.0)
     total = stiffness.sum(axis=1, keepdims=True)
     by_height = slope[:, :, None] * (np.eye(part.count) - (stiffness / total)[:, None, :])
     by_load = (slope / (modulus * total))[:, :, None]
@@ -191,18 +190,18 @@ def _whitened(
     every = np.concatenate(
         [area[:, :, None], by_height @ shape, by_modulus, HEIGHT * by_height, by_loads], axis=2
     )
+    whole = every.sum(axis=1)
     parts: list[tuple[FloatArray, Any, Any]] = []
     if stress:
-        parts.append(
-            ((1.0 + rougher) * stress * every.sum(axis=1), law.friction_force, law.friction_force_sd)
-        )
+        parts.append(((1.0 + rougher) * stress * whole, law.friction_force, law.friction_force_sd))
     if law.asperity_area is not None:
         parts.append((every[:, law.site], law.asperity_area, law.asperity_area_sd))
     elif law.area is not None:
-        parts.append((every.sum(axis=1), law.area, law.area_sd))
+        parts.append((whole, law.area, law.area_sd))
+    known = [np.isfinite(measured) for _, measured, _ in parts]
     value, own, sd = (
-        np.concatenate([each[np.isfinite(known)] for each, known in pairs])
-        for pairs in ([(part[i], part[1]) for part in parts] for i in range(3))
+        np.concatenate([each[at] for each, at in zip(of_all, known, strict=True)])
+        for of_all in zip(*parts, strict=True)
     )
     # a contact that is found or computed to be open has at least the area error of a touching contact
     least = law.errors.of_open + HEIGHT * float(slope.max())
@@ -212,7 +211,7 @@ def _whitened(
     root = np.linalg.cholesky(np.diag(sd**2) + value[:, 5:] @ value[:, 5:].T)
     off = own - value[:, 0]
     found = np.linalg.solve(root, np.column_stack([off, slopes]))
-    last = slice(-np.isfinite(parts[-1][1]).sum(), None)
+    last = slice(-known[-1].sum(), None)
     return found[:, 0], found[:, 1:], float(np.linalg.norm(off[last]) / np.linalg.norm(own[last]))
 
 

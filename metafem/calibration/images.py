@@ -28,7 +28,6 @@ import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation, distance_transform_edt, gaussian_filter, label, maximum, mean
-from scipy.special import chndtr
 from scipy.stats import trim_mean
 
 from metafem import _validate as check
@@ -73,9 +72,9 @@ LEAST_SMOOTHING, CUT_OFF = 1.0, 5.0
 MOST, AS_DEEP = 64, 0.5
 
 # Depth [pixels] beyond which a contact shows its dark level: four standard deviations of an edge after a blur
-# of 1.5 pixels and the first smoothing; the same in standard deviations of an edge; number of corrections if
-# contacts are not so deep.
-CORE, DEEP, CORRECTED = 7.0, 3.0, 3
+# of 1.5 pixels and the first smoothing; least depth of the widest contact, in standard deviations of an edge,
+# below which the contrast lost in its middle changes areas by more than 0.5 %.
+CORE, DEEP = 7.0, 4.0
 
 # Distance between pixels with nearly independent noise in a smoothed image, in standard deviations of the
 # smoothing; the correlation is exp(-9/4), about 0.1.
@@ -84,14 +83,13 @@ INDEPENDENT = 3.0
 # Error of the blur if it cannot be measured [pixels]; typical optics have a blur of 0.5 to 2 pixels.
 UNKNOWN_BLUR = 0.5
 
-# Otsu's threshold is within the noise of the ground if its distance from the ground level is less than
-# IN_NOISE standard deviations of a pixel's noise and less than the share SHALLOW of the contrast of the
-# darkest region, found after smoothing by WIDE pixels. This is so if contacts cover less than about 0.5 %.
-IN_NOISE, SHALLOW, WIDE = 2.0, 0.25, 2.0
+# Smoothing before Otsu's threshold [pixels]: contacts that cover a thousandth of the image stand out of noise
+# of a tenth of their contrast.
+WIDE = 2.0
 
-# Smallest contrast of the contacts over the noise and the structure of the smoothed ground; smallest radius
-# of a measured contact, in standard deviations of the smoothed edge, below which the half level encloses less
-# than three quarters of it.
+# Smallest contrast of the contacts over the noise of the smoothed ground; smallest radius of a measured
+# contact, in standard deviations of the smoothed edge, below which the half level encloses less than three
+# quarters of it.
 CONTRAST, SMALLEST = 6.0, 2.0
 
 # Polygons from marching squares lie inside smooth contours, because the interpolation is linear and the sides
@@ -110,8 +108,10 @@ COMPACT = 0.97
 MARGIN = 4
 
 # Attributes of `ContactAreas` that have one value or point for each contact, and their types.
-NAMES = ("area", "area_error", "centre", "axes", "angle", "edge", "merged")
-CONTACT = np.dtype("f8, f8, 2f8, 2f8, f8, ?, ?")
+CONTACT: list[Any] = [
+    *(("area", "f8"), ("area_error", "f8"), ("centre", "f8", 2), ("axes", "f8", 2), ("angle", "f8")),
+    *(("edge", "?"), ("merged", "?")),
+]
 
 # What is said of levels in doubt.
 DOUBT = (
@@ -248,7 +248,7 @@ def contact_areas(image: Any, pixel_size: float, *, bright_contacts: bool = Fals
     n is the standard deviation of the noise of a pixel over the contrast. If an area has the perimeter L,
     noise causes an error of ``n sqrt(2 sqrt(pi) s L)`` square pixels. For n = 0.05 and s = 1.5 pixels this is
     0.3, 0.1 and 0.03 % of the area at radii of 10, 20 and 50 pixels. `area_error` also includes the scatter
-    of the grey levels of the ground and of the contacts, and the errors of the dark level and of s, which are
+    of the grey levels of the contacts, and the errors of the dark level and of s, which are
     common to all contacts of an image. Contacts with a radius below 2 s_t are not measured; below 1.2 s_t
     they do not reach the half level. A contact within 2 s_t of the frame counts as at the edge. The blur of a
     neighbour within 2 s_t enlarges an area by up to 1 %; still closer neighbours are merged.
@@ -340,10 +340,7 @@ def stack_areas(
 
 def grey_values(image: Any) -> NDArray[Any]:
     """Return the grey values of an image, (rows, columns), row 0 at the top, in the original data type."""
-    try:
-        values = np.asarray(image)
-    except ValueError:  # lists of different lengths
-        values = np.asarray(None)
+    values = np.asarray(image)
     wrong = values.dtype.kind not in "uif" or values.ndim != 2 or min(values.shape) < FEWEST
     refuse_if(
         wrong or np.ma.is_masked(image),
@@ -364,7 +361,7 @@ def _measured(
     ends = (values == 0) | ((values == values.max()) & (values.max() in FULL_SCALE))
     framed = ends[[0, -1]].all() and ends[:, [0, -1]].all()
     refuse_if(framed, "image has a saturated frame: crop it, since the ground is sought up to the edges")
-    corrected, ground, structure = without_illumination(values.astype(float), bright)
+    corrected, ground = without_illumination(values.astype(float), bright)
     levels, notes = (given, []) if given else _levels(corrected, ground)
     contrast, width = 1.0 - levels.dark, max(levels.blur, LEAST_SMOOTHING)
     refuse_if(
@@ -374,22 +371,19 @@ def _measured(
     )
     smooth = gaussian_filter(corrected, width, truncate=CUT_OFF)
     labels, _ = label(smooth < levels.half)
-    regions, scatter = _regions(labels), smoothed_noise(smooth, labels, width)
-    around = any(region.bbox == (0, 0, *values.shape) for region in regions)
+    scatter = smoothed_noise(smooth, labels, width)
+    around = any(region.bbox == (0, 0, *values.shape) for region in _regions(labels))
     hint = "" if bright else "If contacts are brighter than the ground, give --bright-contacts. "
     refuse_if(
-        around or contrast < CONTRAST * max(scatter, structure),
+        around or contrast < CONTRAST * scatter,
         "image is all dark or bright, or a dark region surrounds it: its grey levels differ by "
         f"{contrast:.2g} of the ground's, with noise of {scatter:.2g} after smoothing. {hint}Crop a dark "
         "frame; measure very small contacts in a series with larger ones",
     )
-    # smoothing reduces white noise n to n/(2 sqrt(pi) w)
-    noise = 2.0 * math.sqrt(math.pi) * width * scatter / contrast
-    at_level = 0.5 * math.hypot(levels.dark_error, structure) / contrast
     if values.dtype.kind in "ui" and ends.mean() > SATURATED:
         notes = [*notes, Note("saturated: grey levels are at an end of the scale; lower the exposure")]
     result = ContactAreas(
-        **_contacts(smooth, labels, regions, levels, noise, at_level, pixel),
+        **_contacts(smooth, labels, levels, scatter / contrast, pixel),
         dark_level=levels.dark,
         blur=levels.blur * pixel,
         pixel_size=pixel,
@@ -401,18 +395,17 @@ def _measured(
 
 
 def _contacts(
-    smooth: FloatArray,
-    labels: NDArray[np.int32],
-    regions: list[Any],
-    levels: Levels,
-    noise: float,
-    at_level: float,
-    pixel: float,
+    smooth: FloatArray, labels: NDArray[np.int32], levels: Levels, scatter: float, pixel: float
 ) -> dict[str, Any]:
-    """Return `NAMES` of the contacts among the regions, from the errors of a pixel and of the half level."""
+    """Return the attributes in `CONTACT` of the contacts; `scatter` is the noise over the contrast."""
     rows, total, width = [], levels.total, max(levels.blur, LEAST_SMOOTHING)
+    # smoothing reduces white noise n to n/(2 sqrt(pi) w)
+    noise, at_level = (
+        2.0 * math.sqrt(math.pi) * width * scatter,
+        0.5 * levels.dark_error / (1.0 - levels.dark),
+    )
     blur_error = levels.blur_error * levels.blur / total
-    for region in regions:
+    for region in _regions(labels):
         inside, length, holes = contour(_window(smooth, labels, region), levels.half)
         # within the contour of a circle of the least area is three quarters of it; the series for still
         # smaller ones diverges
@@ -426,15 +419,15 @@ def _contacts(
             merged = not edge and not _single(region)
             rows.append((area * pixel**2, error * pixel**2, centre, axes, angle, edge, merged))
     found = np.array(rows, dtype=CONTACT)
-    return {name: found[f"f{i}"].copy() for i, name in enumerate(NAMES)}
+    return {name: found[name].copy() for name, *_ in CONTACT}
 
 
-def without_illumination(image: FloatArray, bright: bool) -> tuple[FloatArray, float, float]:
-    """Return the image with corrected illumination, the mean grey level of its ground, and its structure.
+def without_illumination(image: FloatArray, bright: bool) -> tuple[FloatArray, float]:
+    """Return the image with corrected illumination, and the mean grey level of its ground.
 
-    The corrected image is 1 on the ground and smaller in the contacts; the structure is the standard
-    deviation of the ground about 1, without noise. The ground is a polynomial of degree 2 in each coordinate,
-    fitted to the interquartile means of blocks; clipping excludes the blocks that contain contacts.
+    The corrected image is 1 on the ground and smaller in the contacts. The ground is a polynomial of degree 2
+    in each coordinate, fitted to the interquartile means of blocks; clipping excludes the blocks that contain
+    contacts.
     """
     sign, size = -1.0 if bright else 1.0, max(min(image.shape) // BLOCKS, LEAST_BLOCK)
     rows, columns = (length // size for length in image.shape)
@@ -443,13 +436,13 @@ def without_illumination(image: FloatArray, bright: bool) -> tuple[FloatArray, f
     blocks = sign * trim_mean(parts.reshape(rows, columns, -1), 0.25, axis=2)
     y, x = (_along(length // size, size, length) for length in image.shape)
     terms = legendre.legvander2d(*np.meshgrid(y, x, indexing="ij"), deg=[DEGREE, DEGREE])
-    coefficients, contrast, structure = _fitted(terms, blocks)
+    coefficients, contrast = _fitted(terms, blocks)
     y, x = (_along(length, 1, length) for length in image.shape)
     light = sign * legendre.leggrid2d(y, x, coefficients)
     level = float(light.mean())
     divided = float(light.min()) > (FAINT * contrast if bright else FAINT**2 * level)
     scale = light if divided else contrast
-    return 1.0 + sign * (image - light) / scale, level, structure / (level if divided else contrast)
+    return 1.0 + sign * (image - light) / scale, level
 
 
 def _along(count: int, size: int, length: int) -> FloatArray:
@@ -457,9 +450,8 @@ def _along(count: int, size: int, length: int) -> FloatArray:
     return 2.0 * size * (np.arange(count) + 0.5) / length - 1.0
 
 
-def _fitted(terms: NDArray[Any], blocks: FloatArray) -> tuple[FloatArray, float, float]:
-    """Return the coefficients of the ground, the largest distance of a block from it, and the standard
-    deviation of its blocks without their noise.
+def _fitted(terms: NDArray[Any], blocks: FloatArray) -> tuple[FloatArray, float]:
+    """Return the coefficients of the ground, and the largest distance of a block from it.
 
     Contacts lie below the surface. The first surfaces are fitted to the blocks above the one before.
     """
@@ -477,20 +469,7 @@ def _fitted(terms: NDArray[Any], blocks: FloatArray) -> tuple[FloatArray, float,
             on_ground = (clear if clear.sum() > least else ~dark) & (height < 2.0 * CLIPPED * sd)
         if np.array_equal(before, on_ground) or on_ground.sum() < least:
             break
-    # neighbouring blocks have independent noise, so that it cancels in their mean product
-    ground = np.where(before, height, np.nan)
-    products = ground[:, 1:] * ground[:, :-1]
-    products = products[np.isfinite(products)]
-    chance = 2.0 * sd**2 / math.sqrt(max(products.size, 1))
-    structure = math.sqrt(max(float(products.sum()) / max(products.size, 1) - chance, 0.0))
-    return np.reshape(coefficients, (DEGREE + 1, DEGREE + 1)), float(np.abs(height).max()), structure
-
-
-def otsu(values: NDArray[Any]) -> float:
-    """Return Otsu's threshold."""
-    from skimage.filters import threshold_otsu
-
-    return float(threshold_otsu(values))  # type: ignore[no-untyped-call]
+    return np.reshape(coefficients, (DEGREE + 1, DEGREE + 1)), float(np.abs(height).max())
 
 
 def smoothed_noise(smooth: FloatArray, labels: NDArray[np.int32], width: float) -> float:
@@ -568,8 +547,12 @@ def _levels(corrected: FloatArray, ground: float) -> tuple[Levels, list[Note]]:
     The blur follows from the areas within the contours at the two quarter levels, which are 2 x 0.6745
     standard deviations apart at a straight edge.
     """
+    from skimage.filters import threshold_otsu
+
+    wide = np.minimum(gaussian_filter(corrected, WIDE), 1.0)  # without bad pixels and a bright frame
+    dark = wide[wide < threshold_otsu(wide)]  # type: ignore[no-untyped-call]
+    first = Levels(ground, float(np.median(dark)), LEAST_SMOOTHING)
     smooth = gaussian_filter(corrected, LEAST_SMOOTHING, truncate=CUT_OFF)
-    first = Levels(ground, _darkness(corrected, smooth), LEAST_SMOOTHING)
     labels, count = label(smooth < first.half)
     if not count:
         return first, [Note(DOUBT)]
@@ -586,12 +569,8 @@ def _levels(corrected: FloatArray, ground: float) -> tuple[Levels, list[Note]]:
     scatter = _scatter(cores, smoothed_noise(smooth, labels, LEAST_SMOOTHING), pixels)
     if not whole:
         return first._replace(dark=dark, dark_error=scatter), [Note(DOUBT)]
-    for _ in range(CORRECTED):
-        edge, radius = np.array([_edge(windows[i], dark) for i in number.tolist()]).T
-        total = float(np.median(edge))
-        # mean share of the contrast that the middle pixels of a smoothed circle retain
-        retained = chndtr((radius / total) ** 2, 2.0, pixels / (2.0 * math.pi * total**2))
-        dark = float(np.median(1.0 - (1.0 - cores) / retained))
+    edge = np.array([_edge(windows[i], dark) for i in number.tolist()])
+    total = float(np.median(edge))
     blur = math.sqrt(max(total**2 - LEAST_SMOOTHING**2, 0.0))
     # the error of s follows from the error of s_t, since the variance of the smoothing is exact
     error = float(np.median(np.abs(edge - total))) / MAD / math.sqrt(edge.size)
@@ -599,39 +578,25 @@ def _levels(corrected: FloatArray, ground: float) -> tuple[Levels, list[Note]]:
     return Levels(ground, dark, blur, scatter, error), [Note(DOUBT)] * int(deepest.max() < DEEP * total)
 
 
-def _darkness(corrected: FloatArray, smooth: FloatArray) -> float:
-    """Return a first dark level: by Otsu's method or, within the noise, of the darkest region."""
-    darkest = float(gaussian_filter(corrected, WIDE).min())
-    # bad pixels and a bright frame lie outside of this range
-    threshold = otsu(np.clip(corrected, 2.0 * darkest - 1.0, 1.0))
-    noise = float(np.median(np.abs(corrected - 1.0))) / MAD
-    if 1.0 - threshold <= min(IN_NOISE * noise, SHALLOW * (1.0 - darkest)):
-        return darkest
-    return float(np.median(smooth[corrected < threshold]))
-
-
 def _scatter(cores: FloatArray, noise: float, pixels: IntArray) -> float:
     """Return the standard deviation of the dark level among contacts, including the error of their median.
 
     After smoothing by a Gaussian of variance w², the noise has one independent value per 4 pi w² pixels.
     """
-    spread = float(np.median(np.abs(cores - np.median(cores)))) / MAD
+    spread = (float(np.median(np.abs(cores - np.median(cores)))) / MAD) ** 2
     by_noise = float(np.mean(noise**2 / np.maximum(pixels / (4.0 * math.pi * LEAST_SMOOTHING**2), 1.0)))
     # the variance of a median is pi/2 times the variance of a mean
-    error = 0.5 * math.pi * max(spread**2, by_noise) / cores.size
-    # the square of a median absolute deviation of n values has the relative scatter 2.3/sqrt(n)
-    chance = by_noise * (1.0 + 2.3 / math.sqrt(cores.size))
-    return math.sqrt(max(spread**2 - chance, 0.0) + error)
+    return math.sqrt(max(spread - by_noise, 0.0) + 0.5 * math.pi * max(spread, by_noise) / cores.size)
 
 
-def _edge(window: FloatArray, dark: float) -> tuple[float, float]:
-    """Return the standard deviation of the edge of a contact, and the radius of the contact [pixels]."""
+def _edge(window: FloatArray, dark: float) -> float:
+    """Return the standard deviation of the edge of a contact [pixels]."""
     (outer, *_), (middle, length, _), (inner, *_) = (
         contour(window, dark + share * (1.0 - dark)) for share in (0.75, 0.5, 0.25)
     )
     if not inner:
-        return LEAST_SMOOTHING, math.sqrt(outer / math.pi)
+        return LEAST_SMOOTHING
     variance = ((outer - inner) / (2.0 * MAD * length)) ** 2
     square = middle / math.pi + variance
     variance -= EDGE_INTERPOLATION + EDGE_CURVATURE * variance**2 / square
-    return math.sqrt(max(variance, 0.0)), math.sqrt(square)
+    return math.sqrt(max(variance, 0.0))

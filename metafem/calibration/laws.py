@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem._values import span
-from metafem.calibration.contact_table import of_contacts
+from metafem.calibration.contact_table import by_image, listed
 from metafem.calibration.statistics import PAPER, MeasurementErrors
 from metafem.drawing import MEASURED, calibration, name_law
 from metafem.errors import InvalidInput, refuse_if, shown
@@ -123,8 +123,6 @@ class MeasuredLaw(BaseLaw):
         check.instance("errors", self.errors, MeasurementErrors, "a metafem.calibration.MeasurementErrors")
         found: dict[str, Any] = {"load": check.array("load", self.load, shape=(None,))}
         shape = found["load"].shape
-        if self.friction_force is not None:
-            found["friction_force"] = check.array("friction_force", self.friction_force, shape=shape)
         if self.asperity_area is not None:
             checked = check.array if self.friction_force is None else check.array_with_gaps
             areas = checked("asperity_area", self.asperity_area, shape=(*shape, None))
@@ -138,8 +136,9 @@ class MeasuredLaw(BaseLaw):
             found |= {"asperity_area": areas, "site": site.astype(np.intp)}
             if not np.isnan(areas).any():
                 found["area"] = areas.sum(axis=1)
-        if self.area is not None:
-            found["area"] = check.array("area", self.area, shape=shape)
+        for name in ("friction_force", "area"):
+            if getattr(self, name) is not None:
+                found[name] = check.array(name, getattr(self, name), shape=shape)
         refuse_if(len(found) < 2, "a measured law needs friction_force, area or asperity_area")
         for name in QUANTITIES:
             alone = name not in found and getattr(self, f"{name}_sd") is not None
@@ -162,12 +161,9 @@ class MeasuredLaw(BaseLaw):
         )
 
     def __repr__(self) -> str:
-        force = self.friction_force
-        what = (
-            f"area {span(self.rescaled_friction, 'mm^2')}"
-            if force is None
-            else f"friction force {span(force, 'N')}"
-        )
+        what = f"area {span(self.rescaled_friction, 'mm^2')}"
+        if self.friction_force is not None:
+            what = f"friction force {span(self.friction_force, 'N')}"
         return f"<MeasuredLaw: {len(self.load)} loads {span(self.load, 'N')}, {what}, {counted(self.notes)}>"
 
     def _deviation(self, name: str, found: Mapping[str, Any]) -> FloatArray:
@@ -180,11 +176,7 @@ class MeasuredLaw(BaseLaw):
         if name != "area":
             return of(values)
         refuse_if(not values.max() > 0.0, f"area is {values.max():g} mm^2 at most: there is no contact")
-        total = errors.of_area(values)
-        if self.area is None:
-            closed = np.where(found["asperity_area"] > 0.0, found["asperity_area_sd"], 0.0)
-            total = np.linalg.norm(closed, axis=1)
-        return np.maximum(total, errors.of_area(SMALL_CONTACT * values.max()))
+        return errors.of_area(np.maximum(values, SMALL_CONTACT * values.max()))
 
     def only(self, chosen: NDArray[np.bool_]) -> MeasuredLaw:
         """Return the law at some of its loads, (k,)."""
@@ -233,9 +225,8 @@ class MeasuredLaw(BaseLaw):
 
     def _rescaled(self, suffix: str) -> FloatArray:
         stress = self.stress_of_forces
-        if stress:
-            return np.asarray(getattr(self, f"friction_force{suffix}") / stress)
-        return np.asarray(getattr(self, f"area{suffix}"))
+        measured = getattr(self, f"friction_force{suffix}" if stress else f"area{suffix}")
+        return np.asarray(measured / (stress or 1.0))
 
     def _force(self, suffix: str = "") -> FloatArray:
         """Return friction forces, measured or sigma B times areas, or their standard deviations [N]."""
@@ -262,11 +253,9 @@ class MeasuredLaw(BaseLaw):
         return {"notes": to_lines(self.notes)}
 
     def _draw(self, ax: Axes, forces: bool, label: str | None) -> None:
+        points = self.rescaled_load, self.rescaled_friction, self.rescaled_load_sd, self.rescaled_friction_sd
         if forces:
             points = self.load, self._force(), self.load_sd, self._force("_sd")
-        else:
-            deviations = self.rescaled_load_sd, self.rescaled_friction_sd
-            points = self.rescaled_load, self.rescaled_friction, *deviations
         calibration.measured(ax, *points, label, MEASURED)
         name_law(ax, forces=forces)
 
@@ -275,8 +264,6 @@ def measured_law(
     table: DataFrame,
     material: Material,
     friction: Friction | None = None,
-    *,
-    errors: MeasurementErrors = PAPER,
     sites: ArrayLike | None = None,
 ) -> MeasuredLaw:
     """Return the measured law of contacts found in images.
@@ -291,8 +278,6 @@ def measured_law(
         Contacts as `contact_table` returns them.
     material : Material
     friction : Friction, optional
-    errors : MeasurementErrors
-        Errors of loads and friction forces; the table contains the errors of the areas.
     sites : array_like of int, (n,), optional
         Sites of the asperities of the design (``Design.sites``), required for a table of `metafem images` if
         the design leaves sites empty. Default: each asperity has the number of its site.
@@ -317,6 +302,31 @@ def measured_law(
     >>> measured_law(table, Material(1.36)).area
     array([0.1])
     """
-    numbers = None if sites is None else check.array("sites", sites, shape=(None,)).astype(np.int64)
-    arrays, notes = of_contacts(table, friction is not None, numbers)
-    return MeasuredLaw(material=material, friction=friction, errors=errors, notes=notes, **arrays)
+    from pandas import Index
+
+    images, areas = by_image(table)
+    area, error, force = areas["area"], areas["area_error"], images["friction_force"].to_numpy()
+    by_force = friction is not None and bool(np.isfinite(force).any())
+    whole: Any = np.isfinite(area).all(axis=1)
+    used = images["load"].notna().to_numpy() & (np.isfinite(force) if by_force else whole)
+    what = "a friction force" if by_force else "the areas of all its contacts"
+    refuse_if(not used.any(), f"none of the {len(used)} images has a load and {what}")
+    left = listed(images["image"][~used])
+    notes = [Note(f"images without a load and {what} are left out: {left}")] * bool(left)
+    area, error = area[used], np.nan_to_num(error[used])
+    found: dict[str, Any] = {"load": images["load"][used]}
+    if np.isfinite(force[used]).all():
+        found["friction_force"] = force[used]
+    site = table["site"][: area.shape[1]]
+    if site.notna().all():
+        number = site.to_numpy(dtype=np.int64)
+        asperity = number if sites is None else Index(np.asarray(sites)).get_indexer(number)
+        wrong = listed(map(str, number[asperity < 0] + 1))
+        refuse_if(wrong, f"the contacts have site {wrong}, which the design leaves empty or does not have")
+        found |= {"asperity_area": area, "asperity_area_sd": error, "site": asperity}
+    if whole[used].all():
+        found["area"] = area.sum(axis=1)
+        sd = np.linalg.norm(np.where(area > 0.0, error, 0.0), axis=1)  # without errors of open contacts
+        if (sd > 0.0).all():  # an image without contacts has sd 0: use the default errors then
+            found["area_sd"] = sd
+    return MeasuredLaw(**found, material=material, friction=friction, notes=tuple(notes))

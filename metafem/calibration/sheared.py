@@ -1,4 +1,4 @@
-"""Area ratio and shear strength from sheared contacts, from a part in full contact, and from records."""
+"""Area ratio and shear strength from sheared contacts, and from a part in full contact."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ from numpy.typing import ArrayLike
 
 from metafem import _validate as check
 from metafem._validate import FloatArray
-from metafem.calibration import errors_in_variables as variables
 from metafem.calibration.laws import MeasuredLaw
 from metafem.calibration.statistics import (
     PAPER,
     Calibration,
     Estimate,
+    Fit,
     MeasurementErrors,
     Verdict,
+    errors_in_variables,
     positive,
 )
 from metafem.contact.elastic import usual_law
 from metafem.errors import InvalidInput, refuse_if
-from metafem.material import Friction
 from metafem.models import Independent, Model
 from metafem.notes import information
 from metafem.prediction import equilibrium
@@ -41,7 +41,7 @@ RESIST = "forces that resist sliding are positive"
 Deviation = Callable[[FloatArray], FloatArray]
 
 
-def proportional(measured: FloatArray, deviation: Sequence[Deviation]) -> variables.Fit:
+def proportional(measured: FloatArray, deviation: Sequence[Deviation]) -> Fit:
     """Return the ratios q_j of quantities ``x_j = q_j x_(j-1)`` with errors, and the x_0 as abscissae.
 
     `measured` has the quantities x_0, x_1, ... of k points, (..., c, k), nan where not measured; each point
@@ -59,9 +59,9 @@ def proportional(measured: FloatArray, deviation: Sequence[Deviation]) -> variab
 
     def model(q: FloatArray, x: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         by_x = factors(q)
-        later = np.tri(count + 1, count, -1)
-        by_q = x[..., None] * later * (by_x[..., None] / q[..., None, None, :])
-        return x * by_x, by_q, np.broadcast_to(by_x[..., None], (*x.shape[:-1], count + 1, 1))
+        by_q = np.tri(count + 1, count, -1) * (by_x[..., None] / q[..., None, None, :])
+        value = x[..., None] * by_x
+        return value, x[..., None, None] * by_q, np.broadcast_to(by_x, value.shape)
 
     def of(value: FloatArray) -> FloatArray:
         return np.stack([each(value[..., j]) for j, each in enumerate(deviation)], axis=-1)
@@ -69,8 +69,7 @@ def proportional(measured: FloatArray, deviation: Sequence[Deviation]) -> variab
     start = (filled * factors(ratio)).sum(axis=-1) / (known * factors(ratio) ** 2).sum(axis=-1)
     # smaller values are noise and would have infinite weights
     least = 1e-6 * start.max(axis=-1, keepdims=True)
-    start = np.maximum(start, least)
-    return variables.fit(model, y, of, ratio, start[..., None], (least[..., None], np.inf))
+    return errors_in_variables(model, y, of, ratio, np.maximum(start, least), least)
 
 
 def shear(
@@ -154,7 +153,6 @@ def shear(
         parameters=("area_ratio", "shear_strength"),
         covariance=covariance,
         verdict=verdict,
-        friction=Friction(strength, min(ratio, 1.0)),
         notes=(information(words),) if unused else (),
     ).of_tests(test, len(before), lambda rows: shear(*points[:, rows], errors=errors))
 
@@ -227,51 +225,3 @@ def shear_strength(
     refuse_if(factor <= 0.0, f"friction_force is not positive: sigma B = {factor:.4g} MPa; {RESIST}")
     strength = float(factor / ratio)
     return positive(strength, float(fit.covariance[0, 0]) / ratio**2)
-
-
-def at_peak(displacement: ArrayLike, friction_force: ArrayLike, values: ArrayLike | None = None) -> float:
-    """Return the largest friction force of a record [N], or other values at the displacement of this peak.
-
-    Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234, supplementary text "Mechanical
-    testing".
-
-    Parameters
-    ----------
-    displacement, friction_force : array_like, (m,)
-        Tangential displacement [mm], not decreasing, and force [N], positive if it resists sliding.
-    values : array_like, (m,), optional
-        Values to interpolate at the peak, such as contact areas, nan between the frames of the camera;
-        default: the friction forces.
-
-    Returns
-    -------
-    float
-
-    Raises
-    ------
-    InvalidInput
-        If the record has no peak, or no values on both sides of it.
-
-    Examples
-    --------
-    >>> x = np.linspace(0.0, 0.5, 51)
-    >>> force = 0.2 * x / (x**2 + 0.01)
-    >>> round(at_peak(x, force), 3), round(at_peak(x, force, 0.1 - 0.02 * np.minimum(x / 0.1, 1.0)), 3)
-    (1.0, 0.08)
-    """
-    x = check.array("displacement", displacement, shape=(None,))
-    force = check.array("friction_force", friction_force, shape=x.shape)
-    found = force if values is None else check.array_with_gaps("values", values, shape=x.shape)
-    one_way = "is less than the one before; give one pull in one direction"
-    check.refuse_entries("displacement", x, np.diff(x, prepend=x[0]) < 0.0, one_way)
-    peak = int(force.argmax())
-    refuse_if(force[peak] <= 0.0, f"friction_force is at most {force[peak]:g} N; {RESIST}")
-    none = (
-        f"friction_force is largest at an end of the record, at {x[peak]:g} mm: there is no peak; begin the"
-    )
-    refuse_if(peak in (0, len(x) - 1), f"{none} record before the contact is sheared, and shear farther")
-    frames = np.flatnonzero(np.isfinite(found))
-    beside = frames.size > 0 and frames[0] <= peak <= frames[-1]
-    refuse_if(not beside, f"values have no frame on both sides of the peak at {x[peak]:g} mm")
-    # interpolate over the entries, which are equidistant in time; displacements may repeat
-    return float(np.interp(peak, frames, found[frames]))

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,10 +19,12 @@ from metafem._validate import FloatArray, IntArray
 from metafem._values import Value
 from metafem.calibration.contact_table import contact_table, listed
 from metafem.calibration.images import ContactAreas
+from metafem.drawing import contacts as drawing
 from metafem.errors import InvalidInput, refuse_if, shown
 from metafem.notes import Note
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
     from pandas import DataFrame
 
 Points = NDArray[np.complex128]
@@ -275,37 +277,6 @@ def match_sites(
     )
 
 
-class TrackedContacts(NamedTuple):
-    """Contacts of a stack of images.
-
-    Attributes
-    ----------
-    table : DataFrame
-        One row for each image and contact, as `contact_table` returns it.
-    name : str
-        Name of the reference image, whose contacts were matched to the sites or, without sites, numbered.
-    match : SiteMatch or None
-        Match of the reference image; None without sites.
-    notes : list of Note
-
-    Examples
-    --------
-    >>> import pandas as pd, metafem as mf
-    >>> y, x = np.mgrid[:60, :80]
-    >>> image = 200.0 - 120.0 / (1.0 + np.exp(np.hypot(x - 40.0, y - 30.0) - 20.0))
-    >>> areas = {"1.tif": mf.calibration.contact_areas(image, 0.005)}
-    >>> forces = pd.DataFrame({"image": ["1.tif"], "sheared_image": "", "test": "", "load": 0.05})
-    >>> found = mf.calibration.track_contacts(areas, forces.assign(friction_force=0.1))
-    >>> found.name, found.match, found.notes
-    ('1.tif', None, [])
-    """
-
-    table: DataFrame
-    name: str
-    match: SiteMatch | None
-    notes: list[Note]
-
-
 def track_contacts(
     areas: Mapping[str, ContactAreas | None],
     forces: DataFrame,
@@ -314,7 +285,7 @@ def track_contacts(
     site_number: ArrayLike | None = None,
     viewed_from: str = "glass",
     rotation: float = 0.0,
-) -> TrackedContacts:
+) -> tuple[DataFrame, str, SiteMatch | None, list[Note]]:
     """Return the contacts of one sample, identified in all its images, and their areas.
 
     `match_sites` matches the reference image, the image with a load that has the most contacts, to the sites
@@ -340,13 +311,14 @@ def track_contacts(
 
     Returns
     -------
-    TrackedContacts
+    table, name, match, notes : DataFrame, str, SiteMatch or None, list of Note
+        One row for each image and contact, as `contact_table` returns it; name of the reference image, and
+        its match, None without sites.
 
     Raises
     ------
     InvalidInput
-        If no image shows a contact, or if the image with the most contacts, which the error names, does not
-        match the sites.
+        If no image shows a contact, or if the reference, which the error names, does not match the sites.
 
     Examples
     --------
@@ -355,7 +327,7 @@ def track_contacts(
     >>> image = 200.0 - 120.0 / (1.0 + np.exp(np.hypot(x - 40.0, y - 30.0) - 20.0))
     >>> areas = {"1.tif": mf.calibration.contact_areas(image, 0.005)}
     >>> forces = pd.DataFrame({"image": ["1.tif"], "sheared_image": "", "test": "", "load": 0.05})
-    >>> table = track_contacts(areas, forces.assign(friction_force=np.nan)).table
+    >>> table = track_contacts(areas, forces.assign(friction_force=np.nan))[0]
     >>> table[["image", "load", "contact", "area"]].round(3).values.tolist()
     [['1.tif', 0.05, 1, 0.032]]
     """
@@ -392,9 +364,8 @@ def track_contacts(
     if match is None:  # a contact at the edge has a number if another image shows all of it
         seen = np.any(values[:, [0, 2]] > 0.0, axis=(0, 1))
         position, values = position[seen], values[:, :, seen]
-    return TrackedContacts(
-        contact_table(forces, position, number, *values.swapaxes(0, 1)), reference, match, notes
-    )
+    table = contact_table(forces, position, number, *values.swapaxes(0, 1))
+    return table, reference, match, notes
 
 
 def _followed(areas: ContactAreas, sites: Points) -> tuple[Points, FloatArray, int]:
@@ -421,3 +392,31 @@ def _followed(areas: ContactAreas, sites: Points) -> tuple[Points, FloatArray, i
     values = np.where(unmeasured, np.nan, [[0.0], [areas.smallest_area]])
     values[:, on] = areas.area[own], areas.area_error[own]
     return sites, values, int((site < 0).sum())
+
+
+def found_figure(
+    image: NDArray[Any], areas: ContactAreas, rows: DataFrame, match: SiteMatch | None
+) -> Figure:
+    """Return a figure of an image with its contacts, the numbers of their sites, and the open sites.
+
+    `rows` are those of the image in the table of contacts, and `match` is that of the image.
+    """
+    where = rows[["x", "y"]].to_numpy() if match is None else match.to_image(rows[["x", "y"]])
+    figure = drawing.picture_figure(*image.shape[::-1])
+    ax = figure.add_subplot()
+    drawing.picture(ax, image, areas.pixel_size)
+    area = rows["area"].to_numpy()
+    kinds = np.select(
+        [np.isin(areas.area, area), areas.complete], ["measured", "of no site"], "cut or merged"
+    )
+    for kind, colour in drawing.COLOURS.items():
+        which = kinds == kind
+        drawing.outlines(ax, areas.centre[which], areas.axes[which], areas.angle[which], colour, kind)
+    drawing.crosses(ax, where[area == 0.0], "open")
+    # put the number next to the contact, outside its outline
+    away = where + 0.75 * np.sqrt(np.nan_to_num(area) / np.pi)[:, None] * [1.0, -1.0]
+    numbers = (rows["contact"] if match is None else rows["site"] + 1).astype(str).to_numpy()
+    drawing.numbers(ax, away, numbers, drawing.COLOURS["measured"])
+    column = "contact" if match is None else "site"
+    drawing.heading(ax, f"{rows['image'].iloc[0]}: numbers are those of the column {column}")
+    return figure

@@ -1,4 +1,4 @@
-"""Errors of measurements, results of calibrations with their verdicts, 68 % intervals and covariances."""
+"""Fits with errors of all quantities; results of calibrations, with their verdicts and 68 % intervals."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import block_diag
 from scipy.optimize.elementwise import find_root
 from scipy.special import gammaincc, ndtr
 
 from metafem import _validate as check
 from metafem._validate import FloatArray
-from metafem._values import Value, three_digits
-from metafem.contact import Contact
+from metafem._values import Value
+from metafem.contact import JKR, Contact, Hertz
 from metafem.errors import InvalidInput, NotConverged, refuse_if, shown
 from metafem.material import Friction, Material
 from metafem.notes import Note
@@ -34,6 +34,15 @@ SMALLEST_MEAN, MEANS = 1e-4, 4000
 
 # Largest asymmetry and most negative eigenvalue of a correlation matrix that rounded input may cause.
 ASYMMETRY = 1e-6
+
+# SHARES are the lengths of the steps. The iteration ends when the change of the parameters, over their
+# standard deviations, is below ENOUGH. A full step reduces the change by a factor of about 100; smaller steps
+# are needed if the errors of the abscissae are as large as the abscissae.
+SHARES, ENOUGH = (1.0,) * 15 + (0.5,) * 45 + (0.2,) * 140, 1e-9
+
+# Returns the quantities at parameters (..., q) and abscissae (..., k): values (..., k, c), and their
+# derivatives with respect to the parameters (..., k, c, q) and the abscissae (..., k, c).
+Model = Callable[[FloatArray, FloatArray], tuple[FloatArray, FloatArray, FloatArray]]
 
 # Units of the quantities that calibrations determine.
 UNITS = {
@@ -90,7 +99,7 @@ class Verdict:
 
     def __str__(self) -> str:
         freedom = f"{self.freedom} degree{'s' * (self.freedom != 1)} of freedom"
-        return f"chi² = {three_digits(self.chi_square)} with {freedom} (p = {self.probability:.2g})"
+        return f"chi² = {self.chi_square:.3g} with {freedom} (p = {self.probability:.2g})"
 
     def to_dict(self) -> dict[str, Any]:
         """Return the attributes by name."""
@@ -136,8 +145,6 @@ class Calibration(Value):
         interval of w does not begin at 0, and otherwise that of the cap without adhesion.
     friction : Friction or None
         Of shear tests: B, or 1 if errors make it larger, and sigma.
-    tests : tuple of str
-        Labels of the tests if there are several.
     heterogeneity : Verdict or None
         Whether the tests agree: by how much the chi-square of the common fit exceeds the sum of those of the
         tests. None for a single test, and if a test has no fit.
@@ -156,12 +163,26 @@ class Calibration(Value):
     parameters: tuple[str, ...]
     covariance: FloatArray
     verdict: Verdict
-    material: Material | None = None
-    contact_law: Contact | None = None
-    friction: Friction | None = None
-    tests: tuple[str, ...] = ()
     heterogeneity: Verdict | None = None
     notes: tuple[Note, ...] = ()
+
+    @property
+    def material(self) -> Material | None:
+        """Material with the E* of compression tests."""
+        found = self.estimates.get("composite_modulus")
+        return found and Material(found.value)
+
+    @property
+    def contact_law(self) -> Contact | None:
+        """Contact law of compression tests."""
+        found = self.estimates.get("adhesion_energy")
+        return found and (JKR(found.value) if found.interval[0] else Hertz())
+
+    @property
+    def friction(self) -> Friction | None:
+        """Friction of shear tests."""
+        found = self.estimates.get("shear_strength")
+        return found and Friction(found.value, min(self.estimates["area_ratio"].value, 1.0))
 
     def __repr__(self) -> str:
         stated = [
@@ -186,9 +207,8 @@ class Calibration(Value):
             unit = "" if UNITS[name] == "1" else "_" + UNITS[name].replace("/", "_per_")
             found |= {f"{name}{unit}": value, f"{name}_sd{unit}": sd, f"{name}_interval{unit}": list(ends)}
         found["verdict"] = self.verdict.to_dict()
-        if self.tests:
-            found["tests"] = list(self.tests)
-            found["heterogeneity"] = self.heterogeneity and self.heterogeneity.to_dict()
+        if self.heterogeneity is not None:
+            found["heterogeneity"] = self.heterogeneity.to_dict()
         return found
 
     def of_tests(self, test: Any, count: int, fit: Callable[[Any], Calibration]) -> Calibration:
@@ -220,8 +240,7 @@ class Calibration(Value):
             )
             if verdict is not None and not verdict.fits
         ]
-        several = names if len(names) > 1 else ()
-        return replace(self, tests=several, heterogeneity=heterogeneity, notes=tuple(notes))
+        return replace(self, heterogeneity=heterogeneity, notes=tuple(notes))
 
 
 def bounded_interval(estimate: ArrayLike, sd: ArrayLike) -> tuple[FloatArray, FloatArray]:
@@ -322,6 +341,74 @@ def joint_covariance(*calibrations: Calibration) -> tuple[tuple[str, ...], Float
     return tuple(names), np.asarray(block_diag(*blocks)) if blocks else np.zeros((0, 0))
 
 
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """Fits of parameters to one or many sets of points.
+
+    Attributes
+    ----------
+    parameter : ndarray, (..., q)
+    covariance : ndarray, (..., q, q)
+        Inverse of half the curvature of chi-square, minimised over the abscissae.
+    abscissa : ndarray, (..., k)
+        Fitted abscissae.
+    chi_square : ndarray, (..., k)
+        Chi-square of each point.
+    converged : ndarray of bool, (...,)
+    """
+
+    parameter: FloatArray
+    covariance: FloatArray
+    abscissa: FloatArray
+    chi_square: FloatArray
+    converged: NDArray[np.bool_]
+
+
+@np.errstate(divide="ignore", invalid="ignore", over="ignore")  # some of many fits may not exist
+def errors_in_variables(
+    model: Model,
+    measured: FloatArray,
+    deviation: Callable[[FloatArray], FloatArray],
+    parameter: FloatArray,
+    abscissa: FloatArray,
+    least: FloatArray,
+) -> Fit:
+    """Return the least-squares fit of a model to measured quantities (..., k, c), nan where not measured.
+
+    The sum over all measured quantities of ``((y - f(p, x)) / s)^2`` is minimised over the parameters p and
+    the abscissae x of all points. `deviation` returns the standard deviations s at the values of the model.
+    If they were computed from measured values, values that are too small by chance would have too much weight
+    and bias the parameters. `parameter` and `abscissa` are initial guesses, and the abscissae stay above
+    `least`. A Gauss-Newton step solves for the parameters after the abscissa of each point is eliminated; it
+    solves many fits at once. York, Earth Planet. Sci. Lett. 5, 320 (1968),
+    doi:10.1016/S0012-821X(68)80059-7.
+    """
+    known = np.isfinite(measured)
+    y = np.where(known, measured, 0.0)
+    p, x = parameter, abscissa
+    for step, share in enumerate(SHARES):
+        value, by_p, by_x = model(p, x)
+        weight = known / deviation(value) ** 2
+        off = y - value
+        along = weight * by_x
+        normal, right_x = (along * by_x).sum(axis=-1), (along * off).sum(axis=-1)
+        mixed = (along[..., None] * by_p).sum(axis=-2)
+        curvature = np.einsum("...kcq,...kcr->...qr", by_p, weight[..., None] * by_p)
+        curvature = curvature - np.swapaxes(mixed / normal[..., None], -1, -2) @ mixed
+        right = np.einsum("...kcq,...kc->...q", by_p, weight * off)
+        right = right - np.einsum("...kq,...k->...q", mixed, right_x / normal)
+        singular = np.linalg.det(curvature) == 0.0
+        covariance = np.linalg.inv(np.where(singular[..., None, None], np.nan, curvature))
+        change = (covariance @ right[..., None])[..., 0]
+        sd = np.sqrt(np.einsum("...ii->...i", covariance))
+        done = (np.abs(change) <= ENOUGH * sd).all(axis=-1) & (step > 0)
+        if (done | ~np.isfinite(change).all(axis=-1)).all():
+            break
+        p = p + share * change
+        x = np.maximum(x + share * (right_x - (mixed @ change[..., None])[..., 0]) / normal, least)
+    return Fit(p, covariance, x, (weight * off**2).sum(axis=-1), np.asarray(done))
+
+
 @dataclass(frozen=True)
 class MeasurementErrors:
     """Standard deviations of measurement errors, which are independent of each other.
@@ -341,6 +428,8 @@ class MeasurementErrors:
         Standard deviation of a friction force of zero [N], positive; default: 1 mN.
     friction_relative : float
         Relative part of the standard deviation of a friction force [-], not negative; default: 0.01.
+    radius_sd : float
+        Standard deviation of the radius of the caps [mm], common to all points, not negative; default: 0.
 
     Raises
     ------
@@ -358,11 +447,13 @@ class MeasurementErrors:
     boundary: float = 1.4e-3
     friction_force: float = 1e-3
     friction_relative: float = 0.01
+    radius_sd: float = 0.0
 
     def __post_init__(self) -> None:
         for name in ("load", "boundary", "friction_force"):
             check.member(self, name, above=0.0)
-        check.member(self, "friction_relative", at_least=0.0)
+        for name in ("friction_relative", "radius_sd"):
+            check.member(self, name, at_least=0.0)
 
     def of_load(self, load: FloatArray) -> FloatArray:
         """Return the standard deviations of loads [N]."""

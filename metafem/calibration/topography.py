@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.polynomial.polynomial import polygrid2d
 from numpy.typing import ArrayLike, NDArray
 from scipy import ndimage
+from xarray import DataArray
 
 from metafem import _validate as check
 from metafem._validate import FloatArray, IntArray
@@ -44,7 +45,7 @@ ACROSS, LOWEST, ABOVE = 10, 0.25, 6.0
 FLATTEST = 0.01
 
 # Smallest number of cells of a cap, twice the number of unknowns; smaller hills are assumed to be dust. The
-# initial guess of a sphere is fitted to the cells above UPPER of the height of a hill, without its foot.
+# initial guess of a sphere has the area of the cells above UPPER of the height of a hill, without its foot.
 # RADIUS_FACTOR is the largest ratio between its radius and that of the design.
 CELLS, UPPER, RADIUS_FACTOR = 8, 0.3, 2.0
 
@@ -75,62 +76,23 @@ TURN, DECIDED = math.radians(20.0), 1.5
 SCALE = 2e-3
 
 
-class Map(NamedTuple):
-    """Heights [mm], (rows, columns), nan where not measured, and the coordinates of columns and rows [mm].
-
-    The origin is the lower left corner. y points upwards, and the first row is at the top.
-    """
-
-    z: FloatArray
-    x: FloatArray
-    y: FloatArray
-
-    def near(self, x: float, y: float, reach: float) -> Map:
-        """Return the part of the map within `reach` [mm] of a point along both axes."""
-        columns, rows = (abs(axis - at) <= reach for axis, at in ((self.x, x), (self.y, y)))
-        return Map(self.z[np.ix_(rows, columns)], self.x[columns], self.y[rows])
-
-    def cells(self, side: int) -> Map:
-        """Return the map of the means over cells of `side` x `side` pixels; incomplete cells are left out."""
-        rows, columns = (length // side for length in self.z.shape)
-        parts = self.z[: rows * side, : columns * side].reshape(rows, side, columns, side)
-        share = np.isfinite(parts).mean(axis=(1, 3))
-        mean = np.nan_to_num(parts).mean(axis=(1, 3)) / np.maximum(share, MEASURED)
-        x, y = (axis[: len(axis) - len(axis) % side].reshape(-1, side).mean(axis=1) for axis in self[1:])
-        return Map(np.where(share >= MEASURED, mean, np.nan), x, y)
+def cells_of(surface: DataArray, side: int) -> DataArray:
+    """Return the map of the means over cells of `side` x `side` pixels; incomplete cells are left out."""
+    blocks: Any = {"y": side, "x": side, "boundary": "trim"}
+    share = surface.notnull().coarsen(**blocks).mean()
+    return surface.coarsen(**blocks).mean().where(share >= MEASURED)
 
 
-class Cap(NamedTuple):
-    """Sphere on a levelled map: x and y of its centre, height of its summit, radius [mm]."""
-
-    x: float
-    y: float
-    height: float
-    radius: float
-
-    @property
-    def part(self) -> float:
-        """Return the radius [mm] of the circle within which the cap is above its foot and not too steep."""
-        height = (1.0 - FOOT) * self.height
-        wide = max(height * (2.0 * self.radius - height), 0.0)
-        return min(math.sqrt(wide), STEEPEST / math.hypot(1.0, STEEPEST) * self.radius)
-
-    @property
-    def valid(self) -> bool:
-        """Whether the summit is above the base, and the equator of the sphere below the summit."""
-        return 0.0 < self.height < 2.0 * self.radius
-
-
-def base(found: Map, free: Any = True) -> tuple[FloatArray, float]:
+def base(found: DataArray, free: Any = True) -> tuple[FloatArray, float]:
     """Return the coefficients of the base (3, 3), fitted to the mean heights of the `free` cells, and the
     robust standard deviation of the cells about it [mm].
 
     Least squares are repeated over the cells within 4.5 robust standard deviations of the base. Only the
     cells below it determine this standard deviation, because caps and dust lie above it.
     """
-    known = np.isfinite(found.z) & free
+    known = np.isfinite(found.values) & free
     u, v = (axis[known] for axis in np.meshgrid(found.x, found.y))
-    matrix, values = np.array([v**i * u**j for i, j in POWERS]).T, found.z[known]
+    matrix, values = np.array([v**i * u**j for i, j in POWERS]).T, found.values[known]
     inside, before = np.ones(len(values), dtype=bool), np.zeros(0, dtype=bool)
     for _ in range(STEPS):
         few = f"the map holds no base plane: {inside.sum()} cells with heights between its summits lie on one"
@@ -147,9 +109,9 @@ def base(found: Map, free: Any = True) -> tuple[FloatArray, float]:
     return coefficient, sd
 
 
-def without(found: Map, coefficient: FloatArray) -> Map:
+def without(found: DataArray, coefficient: FloatArray) -> DataArray:
     """Return the map without a base."""
-    return found._replace(z=found.z - polygrid2d(found.y, found.x, coefficient))
+    return found.copy(data=found.values - polygrid2d(found.y.values, found.x.values, coefficient))
 
 
 def correlated(residuals: Sequence[FloatArray], parameters: int, side: int) -> float:
@@ -175,40 +137,42 @@ def correlated(residuals: Sequence[FloatArray], parameters: int, side: int) -> f
     return max(2.0 * root[1] - root[0], 1.0) ** 2
 
 
-def sphere(x: FloatArray, y: FloatArray, z: FloatArray) -> Cap:
-    """Return the sphere with the least squares of ``|p|^2 - 2 c p - (R^2 - |c|^2)``."""
-    middle = np.array([x.mean(), y.mean(), 0.0])
-    points = np.column_stack([x, y, z]) - middle
-    matrix = np.column_stack([2.0 * points, np.ones(len(points))])
-    *c, rest = np.linalg.lstsq(matrix, (points**2).sum(axis=1), rcond=None)[0]
-    radius = math.sqrt(max(rest + float(np.dot(c, c)), 0.0))
-    cx, cy, cz = (np.array(c) + middle).tolist()
-    return Cap(cx, cy, cz + radius, radius)
+def part(height: float, radius: float) -> float:
+    """Return the radius [mm] of the circle within which a cap is above its foot and not too steep."""
+    above = (1.0 - FOOT) * height
+    wide = max(above * (2.0 * radius - above), 0.0)
+    return min(math.sqrt(wide), STEEPEST / math.hypot(1.0, STEEPEST) * radius)
 
 
-def hills(levelled: Map, lowest: float, radius: float) -> tuple[NDArray[np.bool_], list[Cap]]:
-    """Return a mask of the cells on hills above `lowest`, with a margin, and initial guesses of the caps.
-
-    `radius` is the radius of the design [mm].
+def hills(levelled: DataArray, lowest: float, radius: float) -> tuple[NDArray[np.bool_], list[FloatArray]]:
+    """Return a mask of the cells on hills above `lowest`, with a margin, and guesses of x, y, height and
+    radius of the caps; `radius` is that of the design [mm].
     """
-    x, y = np.meshgrid(levelled.x, levelled.y)
-    high = np.nan_to_num(levelled.z) > lowest
+    from skimage.measure import regionprops
+
+    heights = np.nan_to_num(levelled.values)
+    high = heights > lowest
     # close holes in the flanks
     closed = ndimage.binary_closing(high, iterations=2) | high
-    label, count = ndimage.label(closed, np.ones((3, 3)))
-    top = np.append(0.0, ndimage.maximum(np.nan_to_num(levelled.z), label, np.arange(1, count + 1)))
-    upper = np.where(levelled.z > UPPER * top[label], label, 0)
-    guesses = []
-    for number in np.flatnonzero(np.bincount(upper.ravel())[1:] >= CELLS) + 1:
-        guess = sphere(x[upper == number], y[upper == number], levelled.z[upper == number])
-        if guess.valid and 1.0 / RADIUS_FACTOR <= guess.radius / radius <= RADIUS_FACTOR:
-            guesses.append(guess)
+    label, _ = ndimage.label(closed, np.ones((3, 3)))
+    x, y = levelled.x.values, levelled.y.values
+    area, guesses = abs((x[1] - x[0]) * (y[1] - y[0])), []
+    for region in regionprops(label, heights):  # type: ignore[no-untyped-call]
+        rows, columns = region.coords.T
+        values = heights[rows, columns]
+        upper = values > UPPER * values.max()
+        # a sphere is rho^2 = d (2 R - d) wide at a depth d below its summit
+        depth = (1.0 - UPPER) * values.max()
+        wide = 0.5 * (upper.sum() * area / math.pi / depth + depth)
+        if upper.sum() >= CELLS and 1.0 / RADIUS_FACTOR <= wide / radius <= RADIUS_FACTOR:
+            middle = x[columns[upper]].mean(), y[rows[upper]].mean()
+            guesses.append(np.array([*middle, values.max(), wide]))
     # margin: one cell for the foot of a hill below the threshold, and one for the closing
     return ndimage.binary_dilation(closed, np.ones((3, 3)), iterations=2), guesses
 
 
-def fitted(levelled: Map, cap: Cap) -> tuple[Cap, FloatArray, FloatArray] | None:
-    """Return the sphere fitted to one cap, the inverse of the normal matrix of x, y, height and radius, and
+def fitted(levelled: DataArray, cap: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray] | None:
+    """Return x, y, height and radius of the sphere fitted to one cap, the inverse of their normal matrix, and
     the distances of the pixels, 0 where not used; None if the cap is not found.
 
     The fit minimises the squared distances from the sphere, integrated over the area of the sphere. Equal
@@ -216,26 +180,28 @@ def fitted(levelled: Map, cap: Cap) -> tuple[Cap, FloatArray, FloatArray] | None
     of the slope. Pixels at distances above 4.5 robust standard deviations are left out, with their
     neighbours.
     """
-    window = levelled.near(cap.x, cap.y, 1.2 * cap.part)
-    (x, y), z = np.meshgrid(*window[1:]), window.z
+    beside = 1.2 * part(cap[2], cap[3]) * np.array([-1.0, 1.0])
+    window = levelled.sel(x=slice(*cap[0] + beside), y=slice(*cap[1] - beside))
+    x, y = np.meshgrid(window.x, window.y)
     for _ in range(ROUNDS):
-        dx, dy, dz = x - cap.x, y - cap.y, z - cap.height + cap.radius
-        distance = np.sqrt(dx**2 + dy**2 + dz**2) - cap.radius
-        within = np.isfinite(z) & (dx**2 + dy**2 <= cap.part**2)
+        if not 0.0 < cap[2] < 2.0 * cap[3]:
+            return None
+        radius = cap[3]
+        dx, dy, dz = x - cap[0], y - cap[1], window.values - cap[2] + radius
+        distance = np.sqrt(dx**2 + dy**2 + dz**2) - radius
+        within = np.isfinite(dz) & (dx**2 + dy**2 <= part(cap[2], radius) ** 2)
         if not within.any():
             return None
         sd = SD_OF_MEDIAN * float(np.median(np.abs(distance[within])))
-        far = within & (np.abs(distance) > OUTLIER * max(sd, RESOLUTION * cap.radius))
+        far = within & (np.abs(distance) > OUTLIER * max(sd, RESOLUTION * radius))
         used = within & ~(ndimage.binary_dilation(far, iterations=BESIDE) if far.any() else far)
         if used.sum() < PIXELS:
             return None
         # derivatives of z = h - R + q with q = sqrt(R^2 - rho^2) with respect to x, y, h and R
-        q = np.sqrt(cap.radius**2 - dx[used] ** 2 - dy[used] ** 2)
-        matrix = np.array([dx[used] / q, dy[used] / q, np.ones(q.size), cap.radius / q - 1.0])
-        inverse = np.linalg.inv((matrix * q / cap.radius) @ matrix.T)
-        cap = Cap(*(np.array(cap) + inverse @ (matrix @ distance[used])).tolist())
-        if not cap.valid:
-            return None
+        q = np.sqrt(radius**2 - dx[used] ** 2 - dy[used] ** 2)
+        matrix = np.array([dx[used] / q, dy[used] / q, np.ones(q.size), radius / q - 1.0])
+        inverse = np.linalg.inv((matrix * q / radius) @ matrix.T)
+        cap = cap + inverse @ (matrix @ distance[used])
     return cap, inverse, np.where(used, distance, 0.0)
 
 
@@ -351,7 +317,8 @@ def made_surface(
     Parameters
     ----------
     height_map : array_like, (rows, columns)
-        Heights [mm], nan where not measured. As in an image, columns run along x and rows downwards along -y.
+        Heights [mm], nan or masked where not measured. As in an image, columns run along x and rows downwards
+        along -y; those that SurfaceTopography reads are ``topography.to_unit("mm").heights().T[::-1]``.
     pixel_size : float or (float, float)
         Distance between the centres of neighbouring pixels [mm], or the two distances along x and y.
     design_surface : Surface
@@ -415,34 +382,30 @@ def made_surface(
     )
 
 
-def _map(height_map: ArrayLike, pixel_size: Any, mould: bool) -> Map:
+def _map(height_map: ArrayLike, pixel_size: Any, mould: bool) -> DataArray:
     """Return the checked map; that of a mould upside down."""
     sides = np.broadcast_to(pixel_size, 2) if check.scalar(pixel_size) else pixel_size
     width, height = check.array("pixel_size", sides, shape=(2,), positive=True).tolist()
-    heights = check.array_with_gaps("height_map", height_map, shape=(None, None))
+    heights = check.array_with_gaps("height_map", np.ma.filled(height_map, np.nan), shape=(None, None))
     small = f"the map has shape {heights.shape}; it must have at least {FEWEST} rows and columns"
     refuse_if(min(heights.shape) < FEWEST, small)
     z = -heights if mould else heights
     rows, columns = z.shape
-    return Map(z, width * (np.arange(columns) + 0.5), height * (rows - np.arange(rows) - 0.5))
+    x, y = width * (np.arange(columns) + 0.5), height * (rows - np.arange(rows) - 0.5)
+    return DataArray(z, {"y": y, "x": x})
 
 
-def _levelled(surface: Map, design: Surface, mould: bool) -> tuple[Map, list[Cap]]:
+def _levelled(surface: DataArray, design: Surface, mould: bool) -> tuple[DataArray, list[FloatArray]]:
     """Return the map without its base, and initial guesses of the caps."""
-    refuse_if(
-        design.cap != SPHERE,
-        f"must be {SPHERE!r}: spheres are fitted to the map. Measure summits of other caps by other means, "
-        "and set their heights by surface.replaced(height=...)",
-        key="design_surface.cap",
-        value=repr(design.cap),
-    )
+    must = f"must be {SPHERE!r}, because spheres are fitted to the map"
+    refuse_if(design.cap != SPHERE, must, key="design_surface.cap", value=repr(design.cap))
     measurable = design.height > FLATTEST * design.radius
     refuse_if(not measurable.any(), f"design_surface has no summit above {FLATTEST:g} of its radius")
     lowest = float(min(design.height[measurable].min(), design.radius.min()))
     foot = math.sqrt(lowest * (2.0 * float(design.radius.min()) - lowest))
-    pixel = max(abs(surface.x[1] - surface.x[0]), abs(surface.y[1] - surface.y[0]))
-    side = max(1, min(int(2.0 * foot / ACROSS / pixel), min(surface.z.shape) // FEWEST))
-    cells, radius = surface.cells(side), float(np.median(design.radius))
+    pixel = max(abs(float(axis[1] - axis[0])) for axis in (surface.x, surface.y))
+    side = max(1, min(int(2.0 * foot / ACROSS / pixel), min(surface.shape) // FEWEST))
+    cells, radius = cells_of(surface, side), float(np.median(design.radius))
     fit, sd = base(cells)
     on_hills, guesses = hills(without(cells, fit), max(ABOVE * sd, LOWEST * lowest), radius)
     must = f"the map shows no cap of a radius near {radius:g} mm; check pixel_size, the unit of the heights"
@@ -451,10 +414,10 @@ def _levelled(surface: Map, design: Surface, mould: bool) -> tuple[Map, list[Cap
 
 
 def _errors(
-    caps: Sequence[Cap], inverses: Sequence[FloatArray], distances: Sequence[FloatArray], pixel: float
+    caps: Sequence[FloatArray], inverses: Sequence[FloatArray], distances: Sequence[FloatArray], pixel: float
 ) -> tuple[FloatArray, float]:
     """Return the standard deviations of x, y, height and radius of caps, (n, 4), and the roughness [mm]."""
-    side = max(1, round(min(cap.part for cap in caps) / SUMMED / pixel))
+    side = max(1, round(min(part(cap[2], cap[3]) for cap in caps) / SUMMED / pixel))
     pixels = sum(np.count_nonzero(distance) for distance in distances)
     variance = sum(float((distance**2).sum()) for distance in distances) / pixels
     independent = variance * correlated(distances, 4, side)

@@ -19,7 +19,7 @@ __all__ = ["main", "run"]
 # Module of each command, which is imported when the command runs.
 MODULES = {
     "demo": "design", "design": "design", "spec": "design", "predict": "predict", "study": "study",
-    "calibrate": "calibrate", "images": "images", "topography": "topography", "compare": "compare",
+    "calibrate": "calibrate", "images": "images", "compare": "compare",
     "report": "design", "explore": "design", "doctor": "doctor",
 }  # fmt: skip
 

@@ -14,25 +14,24 @@ from metafem.cli.options import (
     column_option,
     columns_of,
     command,
+    file_option,
     force_option,
     json_option,
     quantities,
     refuse_files,
 )
 from metafem.cli.output import notes_data, progress, show
-from metafem.errors import refuse_if
+from metafem.errors import InvalidInput, refuse_if
 
 if TYPE_CHECKING:
     from pandas import DataFrame
 
     from metafem.calibration import Calibration, MeasurementErrors
 
-# Options of the dimensions of a sample, and of the standard deviations: unit, example and help text.
-LENGTHS = {
-    "radius": ("mm", "526 um", "Radius of the caps, such as {}; needed for E*."),
-    "radius_sd": ("mm", "5 um", "Its standard deviation, such as {}. Default: 0."),
-}
+# Options of the radius and of the standard deviations: unit, example and help text.
+RADIUS = {"radius": ("mm", "526 um", "Radius of the caps, such as {}; needed for E*.")}
 ERRORS = {
+    "radius_sd": ("mm", "5 um", "Standard deviation of the radius, such as {}. Default: 0."),
     "load_error": ("N", "5 mN", "Standard deviation of a load. Default: {}."),
     "boundary_error": (
         "mm",
@@ -48,7 +47,7 @@ ERRORS = {
 }
 
 # Member of MeasurementErrors for each option of a standard deviation.
-MEMBERS = dict(zip(ERRORS, ("load", "boundary", "friction_force", "friction_relative"), strict=True))
+MEMBERS = ("radius_sd", "load", "boundary", "friction_force", "friction_relative")
 
 # Name of each quantity that is printed.
 NAMES = {
@@ -62,12 +61,11 @@ NAMES = {
 
 @command(
     click.argument("data", type=Name(), nargs=-1, metavar="DATA.csv..."),
-    *quantities(LENGTHS),
+    *quantities(RADIUS),
     click.option(
         "--contacts",
-        type=click.IntRange(min=1),
-        help="Number of contacts under one load, of which the table has the total area. Default: 1, or that "
-        "of the columns.",
+        default=1,
+        help="Number of contacts under one load, of which a table has the total area. Default: 1.",
     ),
     *quantities(ERRORS),
     column_option,
@@ -76,12 +74,10 @@ NAMES = {
         is_flag=True,
         help="Accept moduli outside 0.01 to 100 MPa, and contact radii outside 0.001 R to R.",
     ),
-    click.option(
-        "-o",
-        "--output",
-        type=Name(),
-        metavar="FILE.toml",
-        help="Write sections of a specification, with the covariance for metafem study uncertainty "
+    file_option(
+        "-o --output",
+        "FILE.toml",
+        "Write sections of a specification, with the covariance for metafem study uncertainty "
         "--calibration and metafem compare --calibration.",
     ),
     force_option,
@@ -89,11 +85,7 @@ NAMES = {
     short_help="Measure E*, adhesion energy, B and σ from tables of tests.",
 )
 def calibrate(
-    data: tuple[Path, ...],
-    output: Path | None,
-    force: bool,
-    as_json: bool,
-    **options: Any,
+    data: tuple[Path, ...], output: Path | None, force: bool, as_json: bool, **options: Any
 ) -> None:
     """Determine composite modulus, adhesion energy, area ratio and shear strength from tables of tests.
 
@@ -108,47 +100,46 @@ def calibrate(
     refuse_files(force, output)
     sources = [str(path) for path in data]
     refuse_if(not sources, "no table is given; write for example metafem calibrate compression.csv shear.csv")
-    given = {MEMBERS[name]: options[name] for name in ERRORS if options[name] is not None}
+    pairs = zip(MEMBERS, map(options.get, ERRORS), strict=True)
+    given = {name: value for name, value in pairs if value is not None}
     with progress():
-        measured = mf.files.read_calibration(data, columns=columns_of(options["column"]))
-        boundary = {} if measured.boundary is None else {"boundary": measured.boundary}
-        errors = mf.calibration.MeasurementErrors(**boundary | given)
-        contact, shear = measured.compression, measured.shear
-        with mf.files.of_tables(sources):
-            pressed = None if contact is None else _contact(contact, options, errors)
-            slid = None if shear is None else _shear(shear, errors)
-        found = [each for each in (pressed, slid) if each is not None]
-        notes = [*measured.notes, *(note for each in found for note in each.notes)]
+        pressed, slid, boundary, notes = mf.files.read_calibration(
+            data, columns=columns_of(options["column"])
+        )
+        errors = mf.calibration.MeasurementErrors(**({"boundary": boundary} if boundary else {}) | given)
+        try:
+            found = [*_fitted(pressed, slid, errors, options)]
+        except InvalidInput as error:
+            if error.key and "[" not in error.key:  # an option
+                raise
+            raise InvalidInput(f"{', '.join(sources)}: {error}") from None
+        notes = [*notes, *(note for each in found for note in each.notes)]
         if output is not None:
-            text = mf.files.calibration_text(pressed, slid, sources=sources)
+            text = mf.files.calibration_text(*found, sources=sources)
             mf.files.write_text(output, text, force=force)
-    results = {"files": sources, **mf.files.calibration_data(pressed, slid), "notes": notes_data(notes)}
-    rows = [[NAMES[name], *mf.files.printed(name, each)] for each in found for name in each.estimates]
-    rows = [[text.replace("^2", "²") for text in row] for row in rows]
+    results = {"files": sources, **mf.files.calibration_data(*found), "notes": notes_data(notes)}
+    stated = [pair for each in found for pair in each.estimates.items()]
+    rows = [[NAMES[name], *mf.files.printed(name, estimate)] for name, estimate in stated]
     table = ("quantity", "value", "68 % interval", "unit", "± standard deviation"), rows, None
     lines = [text for each in found for text in _verdicts(each)]
     show(as_json, results, tables=[table], lines=lines, notes=notes, files=[output])
 
 
-def _contact(points: DataFrame, options: Mapping[str, Any], errors: MeasurementErrors) -> Calibration:
-    """Return the calibration of E* and the adhesion energy by compression tests."""
-    radius, count = options["radius"], options["contacts"]
-    example = '--radius "526 um" --radius-sd "5 um"'
-    refuse_if(radius is None, f"E* needs the radius of the caps; add for example {example}")
-    total = "area" in points
-    area = points["area"] if total else points.filter(like="area_")
-    must = "leave it out; the tables hold the contacts of images one by one"
-    refuse_if(not total and count is not None, f"--contacts = {count}: {must}")
-    contacts = (count or 1) if total else area.shape[1]
-    sample = mf.calibration.Sample(contacts, options["radius_sd"] or 0.0, options["unusual"])
-    load, test = points["load"], points["test"]
-    return mf.calibration.fit_compression(load, area, radius, sample, errors=errors, test=test)
-
-
-def _shear(points: DataFrame, errors: MeasurementErrors) -> Calibration:
-    """Return the calibration of B and sigma by shear tests."""
-    values = (points[name] for name in ("area_before", "area_sheared", "friction_force"))
-    return mf.calibration.shear(*values, errors=errors, test=points["test"])
+def _fitted(
+    pressed: DataFrame | None, slid: DataFrame | None, errors: MeasurementErrors, options: Mapping[str, Any]
+) -> Iterator[Calibration]:
+    """Yield the calibrations by compression and by shear tests, where there are such tests."""
+    radius = options["radius"]
+    if pressed is not None:
+        example = '--radius "526 um" --radius-sd "5 um"'
+        refuse_if(radius is None, f"E* needs the radius of the caps; add for example {example}")
+        area, more = pressed.filter(like="area"), {name: options[name] for name in ("contacts", "unusual")}
+        yield mf.calibration.fit_compression(
+            pressed["load"], area, radius, errors=errors, test=pressed["test"], **more
+        )
+    if slid is not None:
+        values = (slid[name] for name in ("area_before", "area_sheared", "friction_force"))
+        yield mf.calibration.shear(*values, errors=errors, test=slid["test"])
 
 
 def _verdicts(found: Calibration) -> Iterator[str]:
@@ -157,4 +148,4 @@ def _verdicts(found: Calibration) -> Iterator[str]:
     yield f"{what}: the law {'fits' if found.verdict.fits else 'does not fit'}: {found.verdict}"
     alike = found.heterogeneity
     if alike is not None:
-        yield f"{what}, {len(found.tests)} tests: the tests {'agree' if alike.fits else 'differ'}: {alike}"
+        yield f"{what}: the tests {'agree' if alike.fits else 'differ'}: {alike}"

@@ -14,34 +14,21 @@ from metafem.cli.options import (
     column_option,
     columns_of,
     command,
+    file_option,
     force_option,
     json_option,
-    quantities,
+    quantity,
 )
 from metafem.cli.output import progress
 from metafem.cli.study import show_study
-from metafem.errors import refuse_if
-
-# Options of the material pair, whose errors shift all points together: unit, example and help text.
-DESIGNED = "Default: that of the calibration or of the design."
-PAIR = {
-    "composite_modulus": ("MPa", "1.36 MPa", f"E* of the part, such as {{}}. {DESIGNED}"),
-    "shear_strength": ("MPa", "0.404 MPa", f"σ of static or sliding friction, such as {{}}. {DESIGNED}"),
-    "area_ratio": ("1", "0.85", f"B. {DESIGNED}"),
-}
 
 
 @command(
     click.argument("folder", type=Name(), metavar="DIR"),
     click.argument("table", type=Name(), metavar="MEASURED.csv"),
     column_option,
-    click.option(
-        "--calibration",
-        type=Name(),
-        metavar="FILE.toml",
-        help="E*, σ and B of the part with their errors and correlations, from metafem calibrate.",
-    ),
-    *quantities(PAIR),
+    file_option("--calibration", "FILE.toml", "E*, σ and B of the part with their errors and correlations."),
+    quantity("shear_strength", "MPa", "0.404 MPa", "σ, such as {}. Default: that of calibration or design."),
     click.option("--explain", is_flag=True, help="State which errors of the part explain the difference."),
     force_option,
     json_option,
@@ -63,28 +50,22 @@ def compare(folder: Path, table: Path, explain: bool, force: bool, as_json: bool
 
     Example: metafem compare linear measured.csv --calibration calibration.toml --explain
     """
+    from metafem.calibration.comparison import PARAMETERS
     from metafem.studies.measured import explained, measured
 
     with progress():
         design = mf.load(folder)
-        values = {name: given[name] for name in PAIR if given[name] is not None}
-        errors: dict[str, Any] = {}
-        if given["calibration"] is not None:
+        surface, strength, calibration = design.surface, given["shear_strength"], given["calibration"]
+        stated, errors = {} if strength is None else {"shear_strength": strength}, dict[str, Any]()
+        if calibration is not None:
             # the calibration's error does not apply to a value that an option states
-            others = PAIR.keys() - values.keys()
-            names, value, covariance = mf.files.read_parameters(given["calibration"], others)
+            names, value, covariance = mf.files.read_parameters(calibration, {*PARAMETERS} - stated.keys())
             errors = {"parameters": names, "covariance": covariance}
-            values |= dict(zip(names, value.tolist(), strict=True))
-        surface, modulus = design.surface, values.pop("composite_modulus", None)
-        material = (
-            surface.material if modulus is None else mf.Material(modulus, surface.material.poisson_ratio)
-        )
-        friction = surface.friction
-        if values:
-            needs = "--area-ratio needs --shear-strength, which the design does not state"
-            refuse_if(friction is None and "shear_strength" not in values, needs)
-            designed = {} if friction is None else asdict(friction)
-            friction = mf.Friction(**designed | values)
+            stated |= dict(zip(names, value.tolist(), strict=True))
+        modulus = stated.pop("composite_modulus", surface.material.composite_modulus)
+        material = mf.Material(modulus, surface.material.poisson_ratio)
+        designed = {} if surface.friction is None else asdict(surface.friction)
+        friction = mf.Friction(**designed | stated) if stated else surface.friction
         read = mf.files.read_table(table, columns_of(given["column"]))
         law = mf.files.read_measured_law(read, material, friction, sites=design.sites)
         wanted = ("measured", "explained")[: 1 + explain]

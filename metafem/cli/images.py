@@ -29,7 +29,7 @@ from metafem.progress import doing
 if TYPE_CHECKING:
     from pandas import DataFrame
 
-    from metafem.calibration import TrackedContacts
+    from metafem.calibration import SiteMatch
 
 # Formats of the picture of what was found.
 FORMATS = (".svg", ".png")
@@ -97,15 +97,33 @@ def images(
     refuse_files(force, output, picture)
     wrong = picture is not None and picture.suffix.lower() not in FORMATS
     refuse_if(wrong, f"--picture {picture} must end with .svg or .png, the formats of figures")
+    from metafem.calibration.sites import found_figure
+    from metafem.drawing import RESOLUTION
+
     with progress():
-        files, areas, tracked, notes = _measured(source, options)
+        files, forces, known, notes = _opened(source, options)
+        areas, said = _measured(files, forces, options)
+        with doing("following the contacts"):
+            table, reference, found, more = mf.calibration.track_contacts(areas, forces, **known)
         if output is not None:
-            mf.files.write_text(output, mf.files.contacts_table(tracked.table), force=force)
+            mf.files.write_text(output, mf.files.contacts_table(table), force=force)
         if picture is not None:
             with doing("drawing the picture"), mf.files.staged(picture, force) as fresh:
-                _draw(fresh, picture.suffix[1:].lower(), files[tracked.name](), areas[tracked.name], tracked)
+                image, own = files[reference](), table[table["image"] == reference]
+                figure = found_figure(image, areas[reference], own, found)
+                figure.savefig(fresh, format=picture.suffix[1:].lower(), dpi=RESOLUTION)
     failed = [name for name, one in areas.items() if one is None]
-    rows, match = mf.files.plain_data(_sums(tracked.table).to_dict("records")), _match(tracked)
+    notes = [*more, *notes, *said, *_wrong_size(options["pixel"], found)]
+    rows = mf.files.plain_data(_sums(table).to_dict("records"))
+    match = found and {
+        "image": reference,
+        "matched": int((found.site >= 0).sum()),
+        "viewed_from": "block" if found.mirrored else "glass",
+        "rotation_deg": math.degrees(found.rotation),
+        "scale": found.scale,
+        "residual_mm": found.residual,
+        "ambiguous": found.ambiguous,
+    }
     data = {
         "files": [str(path) for path in (output, picture) if path is not None],
         "pixel_size_mm": options["pixel"],
@@ -120,48 +138,41 @@ def images(
         click.get_current_context().exit(NOT_ACHIEVED)
 
 
-def _measured(source: tuple[Path, ...], options: dict[str, Any]) -> tuple[Any, Any, TrackedContacts, Any]:
-    """Return the images, their areas, the tracked contacts and notes; all images share one threshold."""
-    import numpy as np
-
+def _opened(source: tuple[Path, ...], options: dict[str, Any]) -> tuple[Any, DataFrame, dict[str, Any], Any]:
+    """Return the images, their forces, the sites to which they are matched, and notes."""
     with doing("opening the images"):
         files = mf.files.find_images(source)
         table, sites = options["forces"], options["sites"]
         if table is not None:
             table = mf.files.read_table(table, columns_of(options["column"]))
         forces, notes = mf.files.read_forces([*files], table)
-        known: dict[str, Any] = {}
-        if sites is not None:
-            position, number = mf.files.read_sites(sites / "heights.csv" if sites.is_dir() else sites)
-            known = {"site_position": position, "site_number": number}
-            known |= {name: options[name] for name in ("viewed_from", "rotation")}
+        if sites is None:
+            return files, forces, {}, notes
+        position, number = mf.files.read_sites(sites / "heights.csv" if sites.is_dir() else sites)
+    known = {name: options[name] for name in ("viewed_from", "rotation")}
+    return files, forces, {"site_position": position, "site_number": number, **known}, notes
+
+
+def _measured(files: Any, forces: DataFrame, options: dict[str, Any]) -> tuple[dict[str, Any], list[Note]]:
+    """Return the areas in each image, and notes; all images share one threshold."""
+    import numpy as np
+
     sheared = forces[forces["sheared_image"] != ""]
     names, load = [*forces["image"], *sheared["sheared_image"]], np.append(forces["load"], sheared["load"])
     # images without a load come last; without any loads the last image determines the threshold
     order = np.nan_to_num(load, nan=np.nanmin(load) - 1.0) if np.isfinite(load).any() else None
     given = {"names": names, "bright_contacts": options["bright_contacts"]}
-    found, said = mf.calibration.stack_areas(
-        [files[name] for name in names], options["pixel"], order, **given
-    )
-    areas = dict(zip(names, found, strict=True))
-    with doing("following the contacts"):
-        tracked = mf.calibration.track_contacts(areas, forces, **known)
-    scale = 1.0 if tracked.match is None else tracked.match.scale
-    agrees = f"with pixels of {1e3 * options['pixel'] / scale:.4g} um they would agree"
+    images = [files[name] for name in names]
+    found, notes = mf.calibration.stack_areas(images, options["pixel"], order, **given)
+    return dict(zip(names, found, strict=True)), notes
+
+
+def _wrong_size(pixel: float, match: SiteMatch | None) -> list[Note]:
+    """Return a note if the sites are farther apart, or nearer, than in the design."""
+    scale = 1.0 if match is None else match.scale
+    agrees = f"with pixels of {1e3 * pixel / scale:.4g} um they would agree"
     text = f"the sites are {scale:.4f} times as far apart as in the design; {agrees}, and areas would change"
-    return files, areas, tracked, [*tracked.notes, *notes, *said, *[Note(text)] * (abs(scale - 1.0) > SCALE)]
-
-
-def _draw(path: Path, kind: str, image: Any, areas: Any, tracked: TrackedContacts) -> None:
-    """Draw what was found in the image with the most contacts."""
-    from metafem.calibration.figures import found_figure
-    from metafem.drawing import RESOLUTION
-
-    rows, match = tracked.table[tracked.table["image"] == tracked.name], tracked.match
-    where = rows[["x", "y"]].to_numpy() if match is None else match.to_image(rows[["x", "y"]])
-    title = f"{tracked.name}: numbers are those of the column {'contact' if match is None else 'site'}"
-    figure = found_figure(image, areas, rows, where, title)
-    figure.savefig(path, format=kind, dpi=RESOLUTION, metadata={"Title": tracked.name})
+    return [Note(text)] * (abs(scale - 1.0) > SCALE)
 
 
 def _sums(table: DataFrame) -> DataFrame:
@@ -178,19 +189,3 @@ def _sums(table: DataFrame) -> DataFrame:
     sums[errors] **= 0.5
     units = {**dict.fromkeys(by[2:], "N"), **dict.fromkeys([*areas, *errors], "mm2")}
     return sums.reset_index().rename(columns={name: f"{name}_{unit}" for name, unit in units.items()})
-
-
-def _match(tracked: TrackedContacts) -> dict[str, Any] | None:
-    """Return how the image with the most contacts was matched to the sites."""
-    match = tracked.match
-    if match is None:
-        return None
-    return {
-        "image": tracked.name,
-        "matched": int((match.site >= 0).sum()),
-        "viewed_from": "block" if match.mirrored else "glass",
-        "rotation_deg": math.degrees(match.rotation),
-        "scale": match.scale,
-        "residual_mm": match.residual,
-        "ambiguous": match.ambiguous,
-    }

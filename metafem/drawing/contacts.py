@@ -14,9 +14,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-# Colours of measured contacts, of contacts without a measured area, of regions without a site, and of open
+# Colours of measured contacts, of contacts without a measured area, and of regions without a site; of open
 # sites.
-MEASURED, FLAGGED, STRAY, OPEN = "#00b4d8", "#e63946", "#ffb703", "#7b2cbf"
+COLOURS, OPEN = {"measured": "#00b4d8", "cut or merged": "#e63946", "of no site": "#ffb703"}, "#7b2cbf"
 
 # Largest number of pixels that are drawn along a side of an image.
 MOST_DRAWN = 1600

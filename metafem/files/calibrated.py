@@ -5,9 +5,7 @@ from __future__ import annotations
 import json
 import math
 import tomllib
-from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
-from dataclasses import dataclass
+from collections.abc import Container, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,13 +14,12 @@ import numpy as np
 from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.calibration import Calibration, joint_covariance
-from metafem.calibration.contact_table import by_image, pressed_images, sheared_points
-from metafem.calibration.statistics import UNITS, checked_covariance
-from metafem.contact import Hertz
+from metafem.calibration.contact_table import pressed_points, sheared_points
+from metafem.calibration.statistics import UNITS, Estimate, checked_covariance
 from metafem.errors import InvalidInput, printable, refuse_if
-from metafem.files.contacts import contacts_of
 from metafem.files.disk import TABLE, file_label, read_bytes
-from metafem.files.tables import NONE, Columns, Entries, Table, is_of_contacts, read_table
+from metafem.files.images import read_contacts
+from metafem.files.tables import NONE, Columns, Table, is_of_contacts, read_table
 from metafem.notes import Note, information
 
 if TYPE_CHECKING:
@@ -44,27 +41,12 @@ FIRST = """# Calibration by metafem: sections of a specification, with 68 % inte
 # metafem study uncertainty --calibration and metafem compare --calibration."""
 
 # Unit in which a quantity is printed, and its size in the package's unit, where this is not the package's.
-PRINTED = {"adhesion_energy": ("mJ/m^2", 1e-6), "radius": ("um", 1e-3)}
+PRINTED = {"adhesion_energy": ("mJ/m²", 1e-6), "radius": ("um", 1e-3)}
 
 
-@dataclass(frozen=True, eq=False)
-class CalibrationData:
-    """Points of several tables, pooled by their kind; None without a table of a kind.
-
-    The columns of `compression` are ``load`` [N] and ``area`` (the total) or, for contacts in images,
-    ``area_1``, ``area_2`` ... [mm^2], those of `shear` ``area_before`` and ``area_sheared`` [mm^2] and
-    ``friction_force`` [N], nan if not measured. Both have the column ``test``, the label of the test. If all
-    tables are those of contacts in images with errors, `boundary` is the rms error of the contacts' boundary
-    [mm], otherwise None. `notes` state what is left out.
-    """
-
-    compression: DataFrame | None
-    shear: DataFrame | None
-    boundary: float | None
-    notes: list[Note]
-
-
-def read_calibration(paths: Iterable[str | Path], *, columns: Mapping[str, str] = NONE) -> CalibrationData:
+def read_calibration(
+    paths: Iterable[str | Path], *, columns: Mapping[str, str] = NONE
+) -> tuple[DataFrame | None, DataFrame | None, float | None, list[Note]]:
     """Return the pooled data of tables of calibration tests; the columns determine the kind of a table.
 
     Parameters
@@ -77,47 +59,52 @@ def read_calibration(paths: Iterable[str | Path], *, columns: Mapping[str, str] 
         is one test.
     columns : mapping of str to str
         Titles in the files by the names that they stand for; see `read_table`.
+
+    Returns
+    -------
+    compression, shear : DataFrame or None
+        Points of all tables of a kind. The columns of compression tests are ``load`` [N] and ``area`` (the
+        total) or, for contacts in images, ``area_1``, ``area_2`` ... [mm^2], those of shear tests
+        ``area_before`` and ``area_sheared`` [mm^2] and ``friction_force`` [N], nan if not measured. Both have
+        the column ``test``, the label of the test.
+    boundary : float or None
+        Rms error of the contacts' boundary [mm], if all tables are those of contacts in images with errors.
+    notes : list of Note
+        What is left out.
     """
     import pandas as pd
 
     notes: list[Note] = []
-    tests: tuple[list[DataFrame], list[DataFrame]] = [], []
-    boundaries: list[float | None] = []
+    points: list[tuple[DataFrame, DataFrame]] = []
+    boundaries: list[float] = []
     files = [Path(path) for path in paths]
-    stems = [path.stem for path in files]
     for path in files:
         refuse_if(files.count(path) > 1, f"{file_label(path)} is given twice")
         table = read_table(path, columns, every=len(files) == 1)
-        # files of the same name in different folders are different tests
-        label = path.stem if stems.count(path.stem) == 1 else str(path.with_suffix(""))
-        if is_of_contacts(table):
-            points, boundary, left_out = _of_contacts(table, label)
-            notes += left_out
-        else:
-            points, boundary = _of_tests(COLUMNS.read(table), label), None
+        kind = _of_contacts if is_of_contacts(table) else _of_tests
+        pair, boundary, left_out = kind(table, str(path.with_suffix("")))
+        points.append(pair)
         boundaries.append(boundary)
-        for of_kind, own in zip(tests, points, strict=True):
-            of_kind += [own] * (len(own) > 0)
-        if all(map(len, points)):
+        notes += left_out
+        if all(map(len, pair)):
             words = "E* and B follow from the same areas before shear; the covariance of their errors is"
             notes.append(information(f"{table.name}: {words} left out"))
-    refuse_if(
-        len({tuple(each) for each in tests[0]}) > 1,
-        "the tables hold the areas of different numbers of contacts; calibrate them one by one",
-    )
-    known = [each for each in boundaries if each is not None]
-    rms = float(np.sqrt(np.mean(np.square(known)))) if len(known) == len(files) else None
+    tests = [[each for each in of_kind if len(each)] for of_kind in zip(*points, strict=True)]
+    differ = "the tables hold the areas of different numbers of contacts; calibrate them one by one"
+    refuse_if(len({tuple(each) for each in tests[0]}) > 1, differ)
     pressed, sheared = (pd.concat(of_kind, ignore_index=True) if of_kind else None for of_kind in tests)
-    return CalibrationData(pressed, sheared, rms, notes)
+    rms = float(np.sqrt(np.mean(np.square(boundaries))))
+    return pressed, sheared, rms if rms > 0.0 else None, notes
 
 
-def _of_tests(entries: Entries, label: str) -> tuple[DataFrame, DataFrame]:
+def _of_tests(table: Table, label: str) -> tuple[tuple[DataFrame, DataFrame], float, list[Note]]:
     """Return the points of compression and of shear tests in a table, which may be empty."""
     import pandas as pd
 
+    entries = COLUMNS.read(table)
     names, of_shear = sorted(entries.columns.keys() - {"test"}), "area_sheared" in entries.columns
     twice = {"area", "area_before"} <= {*names}
-    refuse_if(twice, f"{entries.table.name} has the columns area and area_before; keep one")
+    refuse_if(twice, f"{table.name} has the columns area and area_before; keep one")
     # entries of a shear test may be empty
     read = {name: entries.numbers(name, empty=of_shear) for name in names}
     for name in names:
@@ -127,86 +114,64 @@ def _of_tests(entries: Entries, label: str) -> tuple[DataFrame, DataFrame]:
     points["test"] = [printable(text, 60) for text in entries.texts("test")] if named else label
     points = points.reindex(columns=["load", "area", *SHEARED[1:], "test"])
     sheared = points.rename(columns={"area": "area_before"})[[*SHEARED, "test"]]
-    return points[["load", "area", "test"]].dropna(), sheared if of_shear else sheared[:0]
+    return (points[["load", "area", "test"]].dropna(), sheared if of_shear else sheared[:0]), np.nan, []
 
 
-def _of_contacts(table: Table, label: str) -> tuple[tuple[DataFrame, DataFrame], float | None, list[Note]]:
+def _of_contacts(table: Table, label: str) -> tuple[tuple[DataFrame, DataFrame], float, list[Note]]:
     """Return the points of a table of contacts, and notes on images that are left out.
 
     The second value is the rms error of the contacts' boundary [mm] that explains the errors of the areas, or
-    None.
+    nan.
     """
-    import pandas as pd
-
-    contacts = contacts_of(table)
-    images, areas = by_image(contacts)
-    test = images["test"].replace("", label).to_numpy()
-    used, left_out = pressed_images(contacts)
-    points, image, without = sheared_points(contacts)
+    contacts = read_contacts(table)
+    contacts["test"] = contacts["test"].replace("", label)
+    (pressed, left_out), (sheared, without) = pressed_points(contacts), sheared_points(contacts)
     why = "; ".join(map(str, left_out)) or "no image has a load and an area"
     must = f"holds neither images with a load and the areas of all contacts, nor sheared areas: {why}"
-    refuse_if(not used.size and not image.size, f"{table.name} {must}")
-    pressed = pd.DataFrame(areas["area"][used]).rename(columns=lambda i: f"area_{i + 1}")
-    pressed = pressed.assign(load=images["load"].to_numpy()[used], test=test[used])
-    sheared = pd.DataFrame(points.T, columns=SHEARED).assign(test=test[image])
+    refuse_if(pressed.empty and sheared.empty, f"{table.name} {must}")
     closed = contacts[contacts["area"] > 0.0]
     errors = closed["area_error"] / (2.0 * np.sqrt(np.pi * closed["area"]))
-    boundary = float(np.sqrt(np.mean(errors**2))) or None if errors.size else None
     notes = [Note(f"{table.name}: {note}", note.level) for note in (*left_out, *without)]
-    return (pressed, sheared), boundary, notes
+    return (pressed, sheared), float(np.sqrt((errors**2).mean())), notes
 
 
-@contextmanager
-def of_tables(files: Sequence[str]) -> Iterator[None]:
-    """Make errors of the body name the files, unless they concern an option."""
-    try:
-        yield
-    except InvalidInput as error:
-        if error.key and "[" not in error.key:
-            raise
-        raise InvalidInput(f"{', '.join(files)}: {error}") from None
-
-
-def calibration_data(contact: Calibration | None, shear: Calibration | None) -> dict[str, Any]:
+def calibration_data(*found: Calibration) -> dict[str, Any]:
     """Return the results for JSON; ``covariance`` has the values and the covariance of the parameters."""
-    found = {kind: each for kind, each in (("compression", contact), ("shear", shear)) if each is not None}
-    names, matrix = joint_covariance(*found.values())
-    values = {name: each.value for one in found.values() for name, each in one.estimates.items()}
+    names, matrix = joint_covariance(*found)
+    values = {name: estimate.value for each in found for name, estimate in each.estimates.items()}
     covariance = {
         "parameters": list(names),
         "units": [UNITS[name] for name in names],
         "values": [values[name] for name in names],
         "matrix": matrix.tolist(),
     }
-    return {kind: each.to_dict() for kind, each in found.items()} | {"covariance": covariance}
+    kinds = {"compression" if "adhesion_energy" in each.estimates else "shear": each for each in found}
+    return {kind: each.to_dict() for kind, each in kinds.items()} | {"covariance": covariance}
 
 
-def calibration_text(
-    contact: Calibration | None,
-    shear: Calibration | None,
-    *,
-    sources: Sequence[str] = (),
-) -> str:
+def calibration_text(*found: Calibration, sources: Sequence[str] = ()) -> str:
     """Return the results as TOML: sections of a specification, and the section ``[covariance]``."""
     lines = [FIRST, *(f"# Measured: {source}" for source in sources)]
-    if contact is not None:
-        lines += ["", "[material]", _stated("composite_modulus", contact), "", "[contact]"]
-        if contact.contact_law == Hertz():
-            _, interval, unit, _ = printed("adhesion_energy", contact)
-            lines += ['kind = "hertz"', f"# The adhesion energy is {interval} {unit}."]
+    for each in found:
+        adhesion = each.estimates.get("adhesion_energy")
+        if adhesion is None:
+            lines += ["", "[friction]", _stated("shear_strength", each), _stated("area_ratio", each)]
+            continue
+        lines += ["", "[material]", _stated("composite_modulus", each), "", "[contact]"]
+        if adhesion.interval[0]:
+            lines += ['kind = "jkr"', _stated("adhesion_energy", each)]
         else:
-            lines += ['kind = "jkr"', _stated("adhesion_energy", contact)]
-    if shear is not None:
-        lines += ["", "[friction]", _stated("shear_strength", shear), _stated("area_ratio", shear)]
-    covariance = calibration_data(contact, shear)["covariance"]
+            _, interval, unit, _ = printed("adhesion_energy", adhesion)
+            lines += ['kind = "hertz"', f"# The adhesion energy is {interval} {unit}."]
     # JSON strings, numbers and lists are valid in TOML
+    covariance = calibration_data(*found)["covariance"]
     lines += ["", "[covariance]", *(f"{name} = {json.dumps(value)}" for name, value in covariance.items())]
     return "\n".join(lines) + "\n"
 
 
 def _stated(name: str, found: Calibration) -> str:
     """Return the line of a quantity with its interval."""
-    value, interval, unit, _ = printed(name, found, digits=3)
+    value, interval, unit, _ = printed(name, found.estimates[name], digits=3)
     if name == "area_ratio":
         value = f"{min(float(value), 1.0):g}"  # errors may make the estimate larger
     fits = "" if found.verdict.fits else "; the law does not fit"
@@ -221,25 +186,21 @@ def read_parameters(
 
     The file is that of ``metafem calibrate``; the units are mm, MPa and 1.
     """
-    label, found = file_label(path), None
-    with suppress(UnicodeDecodeError, tomllib.TOMLDecodeError, RecursionError):
-        found = tomllib.loads(read_bytes(path, TABLE).decode("utf-8-sig")).get("covariance")
-    if not isinstance(found, dict):
-        raise InvalidInput(
-            f"{label} is not a calibration; write one with metafem calibrate DATA.csv -o calibration.toml"
-        )
+    content = read_bytes(path, TABLE)
     try:
+        found = tomllib.loads(content.decode("utf-8-sig"))["covariance"]
         names = tuple(map(str, found["parameters"]))
         refuse_if(not names, "parameters are empty")
         value = check.array("values", found["values"], shape=(len(names),))
         covariance = checked_covariance(names, found["matrix"], [*UNITS])[1]
-    except (KeyError, TypeError, InvalidInput) as error:
-        raise InvalidInput(f"{label} is damaged: its [covariance] cannot be used: {error}") from None
+    except (ValueError, KeyError, TypeError, RecursionError) as error:
+        words = "is not a calibration that metafem calibrate DATA.csv -o calibration.toml writes"
+        raise InvalidInput(f"{file_label(path)} {words}: {error}") from None
     used = [i for i, name in enumerate(names) if name in among]
     return tuple(names[i] for i in used), value[used], covariance[np.ix_(used, used)]
 
 
-def printed(name: str, found: Calibration, digits: int = 2) -> tuple[str, str, str, str]:
+def printed(name: str, estimate: Estimate, digits: int = 2) -> tuple[str, str, str, str]:
     """Return value, 68 % interval, unit and standard deviation of a quantity as texts.
 
     The value has the decimals that show `digits` digits of its standard deviation, and the others two.
@@ -248,11 +209,11 @@ def printed(name: str, found: Calibration, digits: int = 2) -> tuple[str, str, s
     --------
     >>> from metafem.calibration import shear
     >>> found = shear([0.05, 0.1, 0.2], [0.0425, 0.085, 0.17], [0.0157, 0.0315, 0.0629])
-    >>> printed("area_ratio", found), printed("shear_strength", found)[2]
-    (('0.850', '0.840 to 0.860', '', '0.011'), 'MPa')
+    >>> printed("area_ratio", found.estimates["area_ratio"])
+    ('0.850', '0.840 to 0.860', '', '0.011')
     """
     unit, size = PRINTED.get(name, (UNITS[name].replace("1", ""), 1.0))
-    value, sd, (low, high) = found.estimates[name]
+    value, sd, (low, high) = estimate
 
     def text(number: float, digits: int = 2) -> str:
         if not (sd > 0.0 and math.isfinite(sd)):

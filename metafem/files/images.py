@@ -1,9 +1,12 @@
-"""Image files of contacts, the forces at which they were taken, and height maps of microscopes."""
+"""Image files of contacts, their forces and the table of the contacts.
+
+contacts.csv has one line for each image and contact, and is read bit for bit.
+"""
 
 from __future__ import annotations
 
+import csv
 import re
-import warnings
 from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from pathlib import Path
@@ -12,11 +15,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from metafem.calibration.contact_table import listed
+from metafem.calibration.contact_table import COLUMNS, listed
 from metafem.errors import InvalidInput, printable, refuse_if, refuse_missing
-from metafem.files.disk import file_label, refuse_unreadable
+from metafem.files.disk import file_label
 from metafem.files.tables import Columns, Table
-from metafem.files.units import factor
 from metafem.notes import Note
 
 if TYPE_CHECKING:
@@ -34,6 +36,14 @@ FORCES = Columns(
     "image",
     "image,load_mN (or in another unit), optionally with friction_force_mN, sheared_image and test",
 )
+
+
+HEADER = (
+    "image,test,load_N,friction_force_N,contact,site,x_mm,y_mm,area_mm2,area_error_mm2,"
+    "sheared_area_mm2,sheared_area_error_mm2"
+)
+
+CONTACTS = Columns(HEADER, ("image,load,contact,x,y,area,area_error",), "contact")
 
 
 def find_images(sources: Iterable[str | Path]) -> dict[str, Callable[[], NDArray[Any]]]:
@@ -117,7 +127,7 @@ def read_forces(names: Sequence[str], source: str | Path | Table | None) -> tupl
         entries.refuse(column, wrong, must)
     absent = [name for name in shown if name not in ("", *names)]
     listing = f"{listed(absent)} is not among the images {listed(names)}; a page is named a.tif:1"
-    words = f"{entries.table.name}: {listing}"
+    words = f"{entries.name}: {listing}"
     refuse_if(not found["image"].isin(names).any(), words)
     found["sheared_image"] = found["sheared_image"].where(found["sheared_image"].isin(names), "")
     rows = every[~every["image"].isin(found["sheared_image"])].merge(found, how="left", on="image")
@@ -127,62 +137,54 @@ def read_forces(names: Sequence[str], source: str | Path | Table | None) -> tupl
     return rows.fillna({"test": "", "sheared_image": ""}), notes
 
 
-def read_height_map(
-    path: str | Path, pixel: float | None = None, height_unit: str | None = None
-) -> tuple[NDArray[np.float32], tuple[float, float]]:
-    """Return the heights in a file, relative to their median, and the sides of a pixel along x and y [mm].
+def contacts_table(table: DataFrame) -> str:
+    """Return the CSV text of a table of contacts; numbers that were not measured are empty."""
+    for image in table["image"][table.duplicated(["test", "image", "contact"])][:1]:
+        raise InvalidInput(f"image {printable(image)} is in one test twice; give it two names")
+    # texts are quoted, because a line that begins with # would be a comment
+    lines = table.assign(site=table["site"] + 1).to_csv(
+        index=False, header=False, quoting=csv.QUOTE_NONNUMERIC, lineterminator="\n"
+    )
+    return f"{HEADER}\n{lines}"
 
-    Parameters
-    ----------
-    path : str or Path
-        File in a format that SurfaceTopography reads: .x3p, .sur, .plux, .npy with
-        rows as in an image, and others.
-    pixel : float, optional
-        Distance between neighbouring pixels [mm]; default: that of the file.
-    height_unit : str, optional
-        Unit of the heights, such as ``"um"``; default: that of the file.
 
-    Raises
-    ------
-    InvalidInput
-        If the file cannot be read or holds no map, or if the pixel or the unit is stated nowhere.
+def read_contacts(source: str | Path | Table) -> DataFrame:
+    """Return the table of contacts in a file that `contacts_table` wrote, or one with the same columns.
+
+    All images must have the same contacts. The columns of tests, friction forces, sites and sheared areas
+    may be absent. Lengths, areas and forces may be in other units.
     """
-    name = file_label(path)
-    refuse_unreadable(path)
-    sides: Any = None
-    unit = ""
-    try:
-        if Path(path).suffix.lower() == ".npy":
-            heights = np.load(path, allow_pickle=False).astype(float)
-        else:
-            heights, sides, unit = _of_instrument(path)
-    except (InvalidInput, MemoryError):
-        raise
-    except Exception as error:  # the readers raise exceptions of all types for damaged files
-        words = f"{type(error).__name__}: {printable(str(error))}"
-        raise InvalidInput(f"{name} cannot be read as a height map: {words}") from None
-    words = f'{name} does not state the size of its pixels; add for example --pixel "2 um"'
-    refuse_if(not pixel and not (sides and unit), words)
-    words = f'{name} does not state the unit of its heights; add for example --height-unit "um"'
-    refuse_if(not height_unit and not unit, words)
-    try:
-        heights = (heights - np.nanmedian(heights)) * float(factor(height_unit or unit, "mm"))
-    except InvalidInput as error:
-        raise error.at("--height-unit") from None
-    width, height = (pixel, pixel) if pixel else np.multiply(sides, float(factor(unit, "mm"))).tolist()
-    return heights.astype(np.float32), (width, height)
+    import pandas as pd
 
-
-def _of_instrument(path: str | Path) -> tuple[NDArray[Any], Any, str]:
-    """Return the heights in a file of an instrument, the sides of a pixel, and their unit, if stated."""
-    refuse_missing("SurfaceTopography", "metrology", "reading height maps")
-    with warnings.catch_warnings():  # its import warns of a missing mpi4py
-        warnings.simplefilter("ignore", ImportWarning)
-        from SurfaceTopography import IO
-    with IO.open_topography(str(path)) as reader:
-        channel = next(each for each in reader.channels if each.dim == 2 and each.is_height_channel)
-        sizes, points = channel.physical_sizes, channel.nb_grid_pts
-        values = channel.topography(**({} if sizes else {"physical_sizes": points})).heights()
-    # its first index runs along x, and the second upwards along y
-    heights = np.ma.filled(np.ma.asarray(values).astype(np.float64), np.nan).T[::-1]
-    return heights, sizes and (sizes[0] / points[0], sizes[1] / points[1]), channel.unit or ""
+    entries = CONTACTS.read(source)
+    matched = any(entries.texts("site"))
+    site = [number - 1 for number in entries.whole("site", 1)] if matched else [pd.NA] * len(entries.rows)
+    found = pd.DataFrame(
+        {name: entries.texts(name) for name in ("image", "test")}
+        | {"contact": entries.whole("contact", 1), "site": pd.array(site, dtype="Int64")}
+        | {name: entries.numbers(name, empty=True) for name in CONTACTS.units}
+    )[list(COLUMNS)]
+    of_image, of_contact = found.groupby(["test", "image"], sort=False), found.groupby("contact", sort=False)
+    rules = [
+        ("image", found["image"] == "", "is empty; write the name of the image"),
+        ("contact", found.duplicated(["test", "image", "contact"]), "is twice in this image; keep one"),
+        ("site", found.groupby("site")["contact"].transform("nunique") > 1, "belongs to another contact too"),
+    ]
+    rules += [(name, found[name].isna(), "is empty; write the contact's position") for name in ("x", "y")]
+    for area, error in (("area", "area_error"), ("sheared_area", "sheared_area_error")):
+        rules += [(name, found[name] < 0.0, "must not be negative") for name in (area, error)]
+        alone = found[area].isna() != found[error].isna()
+        rules.append((area, alone, f"must be empty if {entries.title(error)} is empty, and only then"))
+    for names, group, of in (
+        (("load", "friction_force"), of_image, "image"), (("site", "x", "y"), of_contact, "contact")
+    ):  # fmt: skip
+        for name in names:
+            differs = group[name].transform("nunique", dropna=False) > 1
+            rules.append((name, differs, f"differs from other lines of its {of}"))
+    for rule in rules:
+        entries.refuse(*rule)
+    size = of_image["contact"].transform("size")
+    for name in found["image"][size < of_contact.ngroups][:1]:
+        words = f"image {printable(name, 60)} lacks contacts that others have; add them"
+        raise InvalidInput(f"{entries.name}: {words}, with the area 0 if they are open")
+    return found.iloc[np.lexsort([of_contact.ngroup(), of_image.ngroup()])].reset_index(drop=True)

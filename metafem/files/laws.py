@@ -14,7 +14,7 @@ from metafem.inversion import SampledLaw
 from metafem.surface import Friction, Material
 
 if TYPE_CHECKING:
-    from metafem.calibration import MeasuredLaw, MeasurementErrors
+    from metafem.calibration import MeasuredLaw
 
 LAW = Columns(
     "load_mN,friction_force_mN,area_mm2,load_sd_mN,friction_force_sd_mN,area_sd_mm2",
@@ -50,7 +50,6 @@ def read_measured_law(
     material: Material,
     friction: Friction | None = None,
     *,
-    errors: MeasurementErrors | None = None,
     sites: IntArray | None = None,
 ) -> MeasuredLaw:
     """Return the measured friction law in a table.
@@ -60,13 +59,12 @@ def read_measured_law(
     source : str, Path or Table
         Text file, or a table that `read_table` returned. One line names the columns as ``load_mN`` or
         ``Load [mN]``, in any order and unit. ``load`` is required, and ``friction_force`` or ``area``. The
-        standard deviations ``load_sd``, ``friction_force_sd`` and ``area_sd`` are optional. A table of
+        standard deviations ``load_sd``, ``friction_force_sd`` and ``area_sd`` are optional; default: those
+        of the source paper. A table of
         ``metafem images`` is also accepted.
     material : Material
     friction : Friction, optional
         Needed if the table has friction forces but no areas.
-    errors : MeasurementErrors, optional
-        Standard deviations for a table without such columns; default: those of the source paper.
     sites : ndarray of int, (n,), optional
         Site of each asperity of the design, ``Design.sites``, for a table of contacts. Default: the sites in
         the table are the numbers of the asperities.
@@ -91,14 +89,12 @@ def read_measured_law(
     array([0.05, 0.1 ])
     """
     from metafem.calibration import MeasuredLaw, measured_law
-    from metafem.files.contacts import contacts_of
+    from metafem.files.images import read_contacts
 
     table = read_table(source)
-    options: dict[str, Any] = {} if errors is None else {"errors": errors}
     if is_of_contacts(table):
         try:
-            contacts = contacts_of(table)
-            return measured_law(contacts, material, friction, sites=sites, **options)
+            return measured_law(read_contacts(table), material, friction, sites)
         except InvalidInput as error:
             raise InvalidInput(f"{table.name}: {error}") from None
     entries = LAW.read(table)
@@ -110,7 +106,7 @@ def read_measured_law(
         "column area_mm2",
     )
     with entries.located():
-        return MeasuredLaw(**values, material=material, friction=friction, **options)
+        return MeasuredLaw(**values, material=material, friction=friction)
 
 
 def read_law(
@@ -152,15 +148,15 @@ def read_law(
     more = {name: keys.pop(name) for name in TARGET.plain & keys.keys()}
     if "load" not in keys:
         return SampledLaw(**keys, **more)
-    needs = f"{table.name} holds loads in N, which are rescaled by E*; give a material"
-    refuse_if(material is None, needs, key="material")
-    assert material is not None
+    if material is None:
+        words = f"{table.name} holds loads in N, which are rescaled by E*; give a material"
+        raise InvalidInput(words, key="material")
     if "rescaled_friction" in keys:
         load = keys["load"] / material.composite_modulus
         return SampledLaw(load, keys["rescaled_friction"], **more)
-    needs = f"{table.name} holds friction forces, which are rescaled by sigma B; give a friction"
-    refuse_if(friction is None, needs, key="friction")
-    assert friction is not None
+    if friction is None:
+        words = f"{table.name} holds friction forces, which are rescaled by sigma B; give a friction"
+        raise InvalidInput(words, key="friction")
     return SampledLaw.from_forces(keys["load"], keys["friction_force"], material, friction, **more)
 
 

@@ -103,7 +103,7 @@ def read_surface(
     if radius is None and "radius" not in entries.columns:
         hint = '; for one radius of all summits add --radius "526 um"'
         raise COLUMNS.lacking(entries, "radius", hint=hint)
-    words = f"{entries.table.name} has a column radius, and --radius is given too; leave one out"
+    words = f"{entries.name} has a column radius, and --radius is given too; leave one out"
     refuse_if(radius is not None and "radius" in entries.columns, words)
     position = np.column_stack([entries.numbers("x"), entries.numbers("y")])
     with entries.located():

@@ -9,10 +9,9 @@ from __future__ import annotations
 import csv
 import io
 import re
-import sys
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
 from pathlib import Path
@@ -46,6 +45,9 @@ GROUP = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}", re.ASCII)
 PREAMBLE, ENOUGH = 200, 2
 
 NONE: Mapping[str, str] = {}
+
+# Signs around the units in the line below the names.
+BRACKETS = " ()[]"
 
 
 def base_of(name: str) -> str:
@@ -85,13 +87,100 @@ def _split(title: str) -> tuple[str, str]:
 
 @dataclass(frozen=True)
 class Table:
-    """A table: its name in errors, its titles with the name and unit of each, and its lines by number."""
+    """A table: its name in errors, its titles with the name and unit of each, and its lines by number.
+
+    `columns` holds the index of each column that is read, and the size of its unit.
+    """
 
     name: str
     header: list[str]
     quantities: list[tuple[str, str]]
     rows: list[tuple[int, list[str]]]
     separator: str
+    columns: Mapping[str, tuple[int, Fraction]] = field(default_factory=dict)
+
+    @property
+    def unread(self) -> list[str]:
+        """The titles of the columns that are not read."""
+        read = {index for index, _ in self.columns.values()}
+        return [title for index, title in enumerate(self.header) if index not in read]
+
+    def title(self, name: str) -> str:
+        """Return the title of a column in the table."""
+        return self.header[self.columns[name][0]] if name in self.columns else name
+
+    def place(self, row: int) -> str:
+        """Return the location of a row: the name of the file and the number of the line."""
+        return f"{self.name}, line {self.rows[row][0]}"
+
+    def refuse(self, name: str, wrong: Any, must: str) -> None:
+        """Raise InvalidInput for the first row of a column for which `wrong`, (k,), is true."""
+        for row in np.flatnonzero(wrong)[:1].tolist():
+            found = shown(self.texts(name)[row], 40)
+            raise InvalidInput(f"{self.place(row)}: {self.title(name)} = {found} {must}")
+
+    def texts(self, name: str) -> list[str]:
+        """Return the entries of a column; if the table lacks the column, the entries are empty."""
+        if name not in self.columns:
+            return [""] * len(self.rows)
+        return [row[self.columns[name][0]].strip() for _, row in self.rows]
+
+    def numbers(self, name: str, *, empty: bool = False) -> FloatArray:
+        """Return the numbers of a column in the package's unit, (k,).
+
+        With `empty`, empty entries and a missing column become nan; otherwise they are refused.
+        """
+        texts = [text.replace(self._decimal_sign, ".") for text in self.texts(name)]
+        known = [re.fullmatch(NUMBER, text) is not None for text in texts]
+        wrong = [not number and bool(text or not empty) for number, text in zip(known, texts, strict=True)]
+        self.refuse(name, wrong, "is not a finite number")
+        found = np.full(len(texts), np.nan)
+        found[known] = [Fraction(text) * self.columns[name][1] for text in np.array(texts)[known].tolist()]
+        return found
+
+    def whole(self, name: str, least: int) -> list[int]:
+        """Return the entries of a column, which must be whole numbers of at least `least`."""
+        found = self.texts(name)
+        wrong = [not re.fullmatch(r"\d{1,9}", text, re.ASCII) or int(text) < least for text in found]
+        self.refuse(name, wrong, f"must be a whole number of at least {least}")
+        return [int(text) for text in found]
+
+    @contextmanager
+    def located(self) -> Iterator[None]:
+        """Make errors of array arguments in the body, such as ``load[3]``, name the entry of this table."""
+        try:
+            yield
+        except InvalidInput as error:
+            entry = re.match(r"(\w+)\[(\d+)", error.key)
+            if entry and entry[1] in self.columns and int(entry[2]) < len(self.rows):
+                row, found = int(entry[2]), error.at(self.title(entry[1]))
+                found.value = self.texts(entry[1])[row]
+                raise InvalidInput(f"{self.place(row)}: {found}") from None
+            if error.key:  # another argument than a column
+                raise
+            raise InvalidInput(f"{self.name}: {error}") from None
+
+    @cached_property
+    def _decimal_sign(self) -> str:
+        """The decimal sign of all numbers; two signs, or one that could mean thousands, are refused."""
+        entries = [
+            (f"line {line}: {self.title(name)} = {shown(text, 40)}", text)
+            for name in self.columns
+            if base_of(name) in QUANTITIES
+            for (line, _), text in zip(self.rows, self.texts(name), strict=True)
+        ]
+        signs = {sign: [entry for entry in entries if sign in entry[1]] for sign in ".,"}
+        signs = {sign: having for sign, having in signs.items() if having}
+        cells = " and ".join(having[0][0] for having in signs.values())
+        words = "have different decimal signs; write all numbers with the same one, and without thousands"
+        refuse_if(len(signs) > 1, f"{self.name}, {cells} {words}")
+        for sign, having in signs.items():
+            sure = sign != self.separator == "," or not all(GROUP.fullmatch(text) for _, text in having)
+            words = (
+                f"can be read as {having[0][1].replace(sign, '')}, too; write a fourth decimal, or no sign"
+            )
+            refuse_if(not sure, f"{self.name}, {cells} {words} of thousands")
+        return next(iter(signs), ".")
 
 
 def is_of_contacts(table: Table) -> bool:
@@ -154,7 +243,10 @@ def table_of(name: str, content: bytes, columns: Mapping[str, str] = NONE, every
         refuse_if(len(row) != width, words)
     if rows and _is_of_units(rows[0][1]):
         pairs = zip(header, rows.pop(0)[1], strict=True)
-        header = [title if "[" in title or not unit else f"{title} [{_bare(unit)}]" for title, unit in pairs]
+        header = [
+            title if "[" in title or not unit else f"{title} [{unit.strip(BRACKETS)}]"
+            for title, unit in pairs
+        ]
     quantities = [*map(named, header)]
     for wanted, title in columns.items():
         places = [i for i, each in enumerate(header) if title in (each, _split(each)[0])]
@@ -184,14 +276,9 @@ def _header(lines: list[str], stated: str, own: set[str]) -> tuple[int, str]:
 def _is_of_units(entries: list[str]) -> bool:
     """Return whether a line holds the units of the names above it: at least one, and no number."""
     units = {plain for names in UNITS.values() for plain in names if plain}
-    return any(plain_unit(_bare(entry)) in units for entry in entries) and not any(
+    return any(plain_unit(entry.strip(BRACKETS)) in units for entry in entries) and not any(
         re.fullmatch(NUMBER, entry.strip().replace(",", ".")) for entry in entries
     )
-
-
-def _bare(unit: str) -> str:
-    """Return a unit without brackets."""
-    return unit.strip(" ()[]")
 
 
 @dataclass(frozen=True)
@@ -218,30 +305,30 @@ class Columns:
         """The names of the columns without a unit."""
         return frozenset(title for title in self.titles.split(",") if not named(title)[1])
 
-    def read(self, source: str | Path | Table) -> Entries:
+    def read(self, source: str | Path | Table) -> Table:
         """Return the entries of a file or table, and report which columns of unknown names are not read."""
         table, found = read_table(source), dict[str, tuple[int, Fraction]]()
         for index, (name, unit) in enumerate(table.quantities):
             if name in self.plain or name in self.units:
                 refuse_if(name in found, f"{table.name}: {name} is in two columns; keep one")
                 found[name] = index, self._size(table, index, name, unit)
-        entries = Entries(table, found)
+        table = replace(table, columns=found)
         lacking = [[name for name in names.split(",") if name not in found] for names in self.needed]
         if self.needed and all(lacking):
-            raise self.lacking(entries, *(lacking[0] if len(lacking) == 1 else ()))
+            raise self.lacking(table, *(lacking[0] if len(lacking) == 1 else ()))
         for name in found:
             of = name.removesuffix("_sd")
             words = f"without {of}; add its column or leave this one out"
-            refuse_if(of not in found, f"{table.name} has the column {entries.title(name)} {words}")
-        if unread := [printable(title, 40) for title in entries.unread if not known(title)]:
+            refuse_if(of not in found, f"{table.name} has the column {table.title(name)} {words}")
+        if unread := [printable(title, 40) for title in table.unread if not known(title)]:
             what = f"column {unread[0]} is" if len(unread) == 1 else f"columns {', '.join(unread)} are"
             message(f"{table.name}: the {what} not read")
         refuse_if(not table.rows, f"{table.name} names columns but holds no {self.entry}")
-        return entries
+        return table
 
-    def lacking(self, entries: Entries, *names: str, hint: str = "") -> InvalidInput:
+    def lacking(self, table: Table, *names: str, hint: str = "") -> InvalidInput:
         """Return the error for a table that lacks the columns `names`."""
-        table, unread = entries.table, entries.unread or entries.table.header
+        unread = table.unread or table.header
         lacks = f"lacks {', '.join(map(self.title, names))}: it " if names else ""
         has = f"{table.name} {lacks}has the columns {printable(', '.join(table.header), 120)}"
         wanted = self.wanted or f"{','.join(map(self.title, self.needed[0].split(',')))} (or in other units)"
@@ -264,111 +351,3 @@ class Columns:
             return factor(unit, unit_of(base_of(name)))
         except InvalidInput as error:
             raise InvalidInput(f"{column} {error}; write {write}") from None
-
-
-@dataclass(frozen=True)
-class Entries:
-    """The entries of a table; `columns` holds the index of each column and the size of its unit."""
-
-    table: Table
-    columns: Mapping[str, tuple[int, Fraction]]
-
-    @property
-    def unread(self) -> list[str]:
-        """The titles of the columns that are not read."""
-        read = {index for index, _ in self.columns.values()}
-        return [title for index, title in enumerate(self.table.header) if index not in read]
-
-    def title(self, name: str) -> str:
-        """Return the title of a column in the table."""
-        return self.table.header[self.columns[name][0]] if name in self.columns else name
-
-    def places(self) -> list[str]:
-        """Return the location of each row: the name of the file and the number of the line."""
-        return [f"{self.table.name}, line {line}" for line, _ in self.table.rows]
-
-    def cell(self, row: int, name: str) -> str:
-        """Return the location of an entry: file, line and title of the column."""
-        return f"{self.places()[row]}: {self.title(name)}"
-
-    def refuse(self, name: str, wrong: Any, must: str) -> None:
-        """Raise InvalidInput for the first row of a column for which `wrong`, (k,), is true."""
-        for row in np.flatnonzero(wrong)[:1].tolist():
-            raise InvalidInput(f"{self.cell(row, name)} = {shown(self.texts(name)[row], 40)} {must}")
-
-    def texts(self, name: str) -> list[str]:
-        """Return the entries of a column; if the table lacks the column, the entries are empty."""
-        if name not in self.columns:
-            return [""] * len(self.table.rows)
-        return [row[self.columns[name][0]].strip() for _, row in self.table.rows]
-
-    def numbers(self, name: str, *, empty: bool = False) -> FloatArray:
-        """Return the numbers of a column in the package's unit, (k,).
-
-        With `empty`, empty entries and a missing column become nan; otherwise they are refused.
-        """
-        found = np.full(len(self.table.rows), np.nan)
-        for row, text in enumerate(self.texts(name)):
-            plain = text.replace(self._decimal_sign, ".")
-            if re.fullmatch(NUMBER, plain):
-                found[row] = Fraction(plain) * self.columns[name][1]
-            elif text or not empty:
-                raise InvalidInput(f"{self.cell(row, name)} = {shown(text, 40)} is not a finite number")
-        return found
-
-    def whole(self, name: str, least: int) -> list[int]:
-        """Return the entries of a column, which must be whole numbers of at least `least`."""
-        found = self.texts(name)
-        wrong = [not re.fullmatch(r"\d{1,9}", text, re.ASCII) or int(text) < least for text in found]
-        self.refuse(name, wrong, f"must be a whole number of at least {least}")
-        return [int(text) for text in found]
-
-    @contextmanager
-    def located(self) -> Iterator[None]:
-        """Make errors of array arguments in the body, such as ``load[3]``, name the entry of this table."""
-        try:
-            yield
-        except InvalidInput as error:
-            name, row = row_of(error.key)
-            if name in self.columns and row < len(self.table.rows):
-                error = error.at(self.title(name))
-                error.value = self.texts(name)[row]
-                raise InvalidInput(f"{self.places()[row]}: {error}") from None
-            if error.key:  # another argument than a column
-                raise
-            raise InvalidInput(f"{self.table.name}: {error}") from None
-
-    @cached_property
-    def _decimal_sign(self) -> str:
-        """The decimal sign of all numbers; two signs, or one that could mean thousands, are refused."""
-        entries = [
-            (f"line {line}: {self.title(name)} = {shown(text, 40)}", text)
-            for name in self.columns
-            if base_of(name) in QUANTITIES
-            for (line, _), text in zip(self.table.rows, self.texts(name), strict=True)
-        ]
-        signs = {sign: [entry for entry in entries if sign in entry[1]] for sign in ".,"}
-        signs = {sign: having for sign, having in signs.items() if having}
-        cells = " and ".join(having[0][0] for having in signs.values())
-        words = "have different decimal signs; write all numbers with the same one, and without thousands"
-        refuse_if(len(signs) > 1, f"{self.table.name}, {cells} {words}")
-        for sign, having in signs.items():
-            sure = sign != self.table.separator == "," or not all(GROUP.fullmatch(text) for _, text in having)
-            words = (
-                f"can be read as {having[0][1].replace(sign, '')}, too; write a fourth decimal, or no sign"
-            )
-            refuse_if(not sure, f"{self.table.name}, {cells} {words} of thousands")
-        return next(iter(signs), ".")
-
-
-def row_of(key: str) -> tuple[str, int]:
-    """Return name and first index of an array's entry.
-
-    Examples
-    --------
-    >>> row_of("load[3]"), row_of("area[2, 1]")[1]
-    (('load', 3), 2)
-    """
-    name, _, rest = key.partition("[")
-    index = rest.rstrip("]").partition(",")[0]
-    return name, int(index) if index.isdecimal() else sys.maxsize

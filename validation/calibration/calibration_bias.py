@@ -10,7 +10,7 @@ import numpy as np
 
 import metafem as mf
 from metafem._validate import FloatArray
-from metafem.calibration import Calibration, Sample, fit_compression
+from metafem.calibration import Calibration, fit_compression
 from metafem.drawing import ACHIEVED, QUIET
 from metafem.reference import hertz, sneddon_sphere
 from validation.check import Claim, Picture, Row, below, near, reported
@@ -48,7 +48,7 @@ DIAGONAL = known_input("identity: a compliance that is equal for all caps change
 
 def fitted(load: FloatArray, area: FloatArray) -> Calibration:
     """Return the fit of Hertz's law to loads and total areas of five contacts."""
-    return fit_compression(load, area, RADIUS, Sample(contacts=5))
+    return fit_compression(load, area, RADIUS, contacts=5)
 
 
 def of_cap(cap: mf.contact.Contact, radii: FloatArray = RADII) -> Calibration:

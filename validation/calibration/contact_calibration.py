@@ -9,8 +9,7 @@ from functools import cache
 import numpy as np
 
 from metafem.calibration.compression import of_root
-from metafem.calibration.errors_in_variables import Fit
-from metafem.calibration.statistics import bounded_interval
+from metafem.calibration.statistics import Fit, bounded_interval
 from validation.check import Claim, Picture, Row, near, reported
 from validation.figures import panels
 from validation.scenes.compression_tests import (

@@ -10,11 +10,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter, label
+from skimage.filters import threshold_otsu
 
 from metafem._validate import FloatArray
 from metafem._values import percent
 from metafem.calibration import ContactAreas, contact_areas
-from metafem.calibration.images import contour, otsu
+from metafem.calibration.images import contour
 from metafem.drawing import ACHIEVED, QUIET, TARGET
 from validation.check import Claim, Picture, Row, below, near, reported, rms
 from validation.figures import panels
@@ -60,7 +61,7 @@ def errors(
 def counted(image: NDArray[Any], found: ContactAreas) -> FloatArray:
     """Return the pixels of each contact below Otsu's threshold, of an image without its known gradient."""
     even = image / illumination(image.shape, (0.2, -0.1))
-    labels, _ = label(even < otsu(even))
+    labels, _ = label(even < threshold_otsu(even))
     column, row = found.centre.astype(int).T
     return np.bincount(labels.ravel())[labels[image.shape[0] - 1 - row, column]].astype(float)
 

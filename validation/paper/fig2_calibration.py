@@ -15,7 +15,7 @@ import numpy as np
 
 from metafem import Independent, Surface, equilibrium
 from metafem._validate import FloatArray
-from metafem.calibration import Calibration, Sample, fit_compression, shear
+from metafem.calibration import Calibration, fit_compression, shear
 from metafem.drawing import ACHIEVED, MEASURED, QUIET, TARGET
 from metafem.reference import hertz
 from validation.check import Claim, Difference, Picture, Row, near, reported
@@ -58,7 +58,7 @@ def slid() -> FloatArray:
 @cache
 def calibrated() -> tuple[Calibration, Calibration]:
     """Return the calibrations by the compression and by the shear tests."""
-    return fit_compression(*pressed(), RADIUS, sample=Sample(contacts=CONTACTS)), shear(*slid())
+    return fit_compression(*pressed(), RADIUS, contacts=CONTACTS), shear(*slid())
 
 
 def straight() -> Line:

@@ -11,7 +11,7 @@ import metafem as mf
 from metafem._validate import FloatArray
 from metafem.calibration import MeasurementErrors
 from metafem.calibration.compression import fit_areas
-from metafem.calibration.errors_in_variables import Fit
+from metafem.calibration.statistics import Fit
 
 RADIUS, MODULUS, ENERGY = 0.526, 1.36, 9e-6  # mm, MPa, N/mm: batch 1
 ERRORS = MeasurementErrors()

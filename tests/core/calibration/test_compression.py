@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import metafem as mf
-from metafem.calibration import MeasurementErrors, Sample, fit_compression
+from metafem.calibration import MeasurementErrors, fit_compression
 from metafem.calibration.compression import fit_areas, of_root
 from metafem.calibration.statistics import WIDTH
 from tests.calibration.compression.scenes import (
@@ -20,7 +20,6 @@ from tests.calibration.compression.scenes import (
     noisy,
 )
 
-FIVE = Sample(5)
 EXACT = fit_compression(load_of(A), AREA, RADIUS)
 
 
@@ -69,7 +68,7 @@ def test_of_given_variances_it_is_the_regression_of_odrpack():
     )  # fmt: skip
     deviation = np.sqrt(np.diag(found.covariance))
     assert (np.abs(found.parameter - other.beta) < 1e-5 * deviation).all()
-    assert np.abs(found.abscissa[:, 0] - other.xplusd).max() < 1e-6 * sd.max()
+    assert np.abs(found.abscissa - other.xplusd).max() < 1e-6 * sd.max()
     assert found.chi_square.sum() == pytest.approx(other.sum_square, rel=1e-6)
 
 
@@ -86,19 +85,21 @@ def test_the_law_that_comes_out_predicts_the_data():
 
 def test_areas_one_by_one_and_in_total_are_one_calibration_and_an_open_contact_bears_no_load():
     load, each = 5.0 * load_of(A), np.repeat(AREA[:, None], 5, axis=1)
-    total = fit_compression(load, 5.0 * AREA, RADIUS, FIVE)
-    single = fit_compression(load, each, RADIUS, FIVE)
+    total = fit_compression(load, 5.0 * AREA, RADIUS, contacts=5)
+    single = fit_compression(load, each, RADIUS, contacts=5)
     for name, estimate in total.estimates.items():
         value, sd, interval = single.estimates[name]
         assert (value, sd, *interval) == pytest.approx((*estimate[:2], *estimate.interval), rel=1e-9)
     each[:4, 2] = 0.0
     load[:4] *= 4.0 / 5.0
-    assert modulus_of(fit_compression(load, each, RADIUS, FIVE)) == pytest.approx(MODULUS, rel=1e-9)
+    assert modulus_of(fit_compression(load, each, RADIUS, contacts=5)) == pytest.approx(MODULUS, rel=1e-9)
 
 
 def test_the_error_of_the_radius_enters_as_theory_says():
-    found = fit_compression(*noisy(2, contacts=5), RADIUS, Sample(5, radius_sd=0.005))
-    alone = fit_compression(*noisy(2, contacts=5), RADIUS, FIVE)
+    found = fit_compression(
+        *noisy(2, contacts=5), RADIUS, contacts=5, errors=MeasurementErrors(radius_sd=0.005)
+    )
+    alone = fit_compression(*noisy(2, contacts=5), RADIUS, contacts=5)
     # P = E* 4 a^3/(3 R) - b sqrt(8 pi a^3) with b = sqrt(w E*): E* ~ R and sqrt(w) ~ 1/sqrt(R)
     assert modulus_of(found) == pytest.approx(modulus_of(alone), rel=1e-9)
     change = 0.005 / RADIUS * modulus_of(found)
@@ -117,15 +118,14 @@ def test_equal_tests_agree_and_different_ones_are_told_apart():
     tests = [noisy(seed, contacts=5) for seed in range(3)]
     labels = np.repeat(["a", "b", "c"], A.size)
     load, area = (np.concatenate(part) for part in zip(*tests, strict=True))
-    same = fit_compression(load, area, RADIUS, FIVE, test=labels)
+    same = fit_compression(load, area, RADIUS, contacts=5, test=labels)
     assert same.heterogeneity.fits
-    assert same.tests == ("a", "b", "c")
     other = np.concatenate([*load[:40].reshape(2, 20), noisy(2, contacts=5, modulus=1.45)[0]])
-    different = fit_compression(other, area, RADIUS, FIVE, test=labels)
+    different = fit_compression(other, area, RADIUS, contacts=5, test=labels)
     assert not different.heterogeneity.fits
     assert "the tests differ" in str(different.notes[-1])
     # another law than that of the caps does not fit
-    other = fit_compression(10.0 * AREA**1.1, 5.0 * AREA, RADIUS, FIVE)
+    other = fit_compression(10.0 * AREA**1.1, 5.0 * AREA, RADIUS, contacts=5)
     assert not other.verdict.fits
     assert any("does not fit" in str(note) for note in other.notes)
 

@@ -5,9 +5,10 @@ import pandas as pd
 import pytest
 
 from metafem.calibration import MeasurementErrors, contact_table, shear
-from metafem.calibration.contact_table import pressed_images, sheared_points
+from metafem.calibration.contact_table import pressed_points, sheared_points
 
 LIMIT = 0.01
+QUANTITIES = ["area_before", "area_sheared", "friction_force"]
 
 
 def table(load, force, site, *areas):
@@ -40,8 +41,8 @@ PRESSED = [
 
 def test_images_and_contacts_that_are_left_out_are_named():
     for table, used, words, warns in PRESSED:
-        found, notes = pressed_images(table)
-        assert found.tolist() == used
+        found, notes = pressed_points(table)
+        assert found.index.tolist() == used
         assert [note.warns for note in notes] == warns
         assert all(word in str(note) for word, note in zip(words, notes, strict=True))
 
@@ -60,8 +61,8 @@ SHEARED = [
 
 def test_images_are_points_of_what_they_show():
     for before, after, expected, words in SHEARED:
-        points, image, notes = sheared_points(sheared(before, after))
-        rows = np.vstack([points, image]).T.tolist()
+        points, notes = sheared_points(sheared(before, after))
+        rows = points[QUANTITIES].reset_index().to_numpy()[:, [1, 2, 3, 0]].tolist()
         assert [[None if np.isnan(x) else round(x, 12) for x in row] for row in rows] == expected
         assert all(word in str(note) for word, note in zip(words, notes, strict=True))
 
@@ -72,8 +73,8 @@ def test_contacts_near_the_smallest_area_bias_neither_ratio_nor_strength():
     area = LIMIT * rng.uniform(1.0, 3.0, (1500, 8))
     measured = [true * (1.0 + 0.03 * rng.standard_normal(area.shape)) for true in (area, ratio * area)]
     before, after = (np.where(each > LIMIT, each, 0.0) for each in measured)
-    points, _, _ = sheared_points(sheared(before, after, strength * ratio * area.sum(axis=1)))
-    found = shear(*points, errors=MeasurementErrors())
+    points, _ = sheared_points(sheared(before, after, strength * ratio * area.sum(axis=1)))
+    found = shear(*points[QUANTITIES].to_numpy().T, errors=MeasurementErrors())
     assert after.sum() / before.sum() / ratio < 0.98
     assert found.estimates["area_ratio"].value == pytest.approx(ratio, rel=0.003)
     assert found.estimates["shear_strength"].value == pytest.approx(strength, rel=0.005)

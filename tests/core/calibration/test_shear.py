@@ -7,9 +7,9 @@ from hypothesis import strategies as st
 from scipy.optimize import least_squares
 
 import metafem as mf
-from metafem.calibration import MeasurementErrors, at_peak, shear, shear_strength
+from metafem.calibration import MeasurementErrors, shear, shear_strength
 from metafem.calibration.sheared import proportional
-from tests.calibration.sheared.scenes import SURFACE, X, area, force, measured
+from tests.calibration.sheared.scenes import SURFACE, measured
 from validation.scenes.sheared_contacts import ERRORS, RATIO, STRENGTH, sheared
 
 TESTS = np.repeat(["a", "b", "c"], 20)
@@ -25,7 +25,7 @@ def test_the_fit_minimises_the_sum_over_factors_and_values():
     points, _ = sheared(np.random.default_rng(3), tests=1, loads=4)
     points[2, 1] = points[0, 2] = np.nan
     fit = proportional(points, errors)
-    ratio, value = fit.parameter, fit.abscissa[:, 0]
+    ratio, value = fit.parameter, fit.abscissa
     fitted = np.vstack([value, ratio.cumprod()[:, None] * value])
     deviation = np.stack([of(each) for of, each in zip(errors, fitted, strict=True)])
 
@@ -48,7 +48,6 @@ def test_exact_points_give_the_friction():
 
 def test_tests_are_compared(points):
     found = shear(*points, test=TESTS)
-    assert found.tests == ("a", "b", "c")
     own = sum(shear(*points[:, first : first + 20]).verdict.chi_square for first in (0, 20, 40))
     assert found.heterogeneity.chi_square == pytest.approx(found.verdict.chi_square - own)
     assert found.heterogeneity.freedom == 4
@@ -136,10 +135,3 @@ def test_constant_errors_of_two_quantities_give_demings_line():
     moments = points @ points.T
     axis = np.linalg.eigh(moments)[1][:, -1]
     assert factor[0] == pytest.approx(axis[1] / axis[0], rel=1e-10)
-
-
-def test_the_peak_of_an_exact_record_and_its_area_between_the_frames():
-    assert (at_peak(X, force(X)), at_peak(X, force(X), area(X))) == pytest.approx((0.2, 0.425))
-    sparse = np.full_like(X, np.nan)
-    sparse[::4] = area(X)[::4]  # no frame at the peak, entry 15
-    assert at_peak(X, force(X), sparse) == pytest.approx(0.25 * area(X)[12] + 0.75 * area(X)[16])

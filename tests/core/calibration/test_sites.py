@@ -1,6 +1,7 @@
 """Contacts are matched to the sites of a design and followed through the images of a test."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -52,7 +53,8 @@ def tracked(found, load=np.nan, sheared=(), **given):
     under = {chr(65 + i): one for i, one in enumerate(sheared) if one is not None}
     forces = pd.DataFrame({"image": names, "test": "1", "load": load, "friction_force": np.nan})
     forces["sheared_image"] = [name.upper() if name.upper() in under else "" for name in names]
-    result = track_contacts(dict(zip(names, found, strict=True)) | under, forces, **given)
+    found = track_contacts(dict(zip(names, found, strict=True)) | under, forces, **given)
+    result = SimpleNamespace(**dict(zip(("table", "name", "match", "notes"), found, strict=True)))
     return result, by_image(result.table)[1]
 
 

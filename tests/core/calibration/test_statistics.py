@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.special import ndtr
 
-from metafem.calibration import Sample, fit_compression, joint_covariance, shear
+from metafem.calibration import MeasurementErrors, fit_compression, joint_covariance, shear
 from metafem.calibration.statistics import PROBABILITY, WIDTH, bounded_interval
 from tests.calibration.compression.scenes import AREA, RADIUS, A, load_of
 from validation.scenes.sheared_contacts import sheared
@@ -35,7 +35,8 @@ def test_tests_of_one_material_differ_as_often_as_stated():
 
 
 def test_the_blocks_of_calibrations_are_independent():
-    pressed = fit_compression(5.0 * load_of(A), 5.0 * AREA, RADIUS, Sample(contacts=5, radius_sd=0.005))
+    errors = MeasurementErrors(radius_sd=0.005)
+    pressed = fit_compression(5.0 * load_of(A), 5.0 * AREA, RADIUS, contacts=5, errors=errors)
     slid = shear(AREA, 0.85 * AREA, 0.34 * AREA)
     names, matrix = joint_covariance(pressed, slid)
     assert names == ("radius", "composite_modulus", "area_ratio", "shear_strength")

@@ -8,7 +8,7 @@ from scipy.ndimage import gaussian_filter
 from scipy.special import ndtri
 
 import metafem as mf
-from metafem.calibration.topography import SD_OF_MEDIAN, _map, aligned, base, correlated, without
+from metafem.calibration.topography import SD_OF_MEDIAN, _map, aligned, base, cells_of, correlated, without
 from tests.calibration.topography.scenes import FOUR, PIXEL, damaged, lattice, mapped
 from validation.scenes.height_maps import Placement, Roughness, height_map
 
@@ -69,11 +69,11 @@ def test_damaged_maps_give_the_same_heights(kind):
 
 
 def test_tilt_and_bow_of_an_exact_map_are_found_from_below():
-    cells = _map(height_map(FOUR, (400, 400), 8e-3, rng=0, **EXACT), 8e-3, False).cells(4)
-    u, v = cells.x - 1.6, cells.y[:, None] - 1.6
+    cells = cells_of(_map(height_map(FOUR, (400, 400), 8e-3, rng=0, **EXACT), 8e-3, False), 4)
+    u, v = cells.x.values - 1.6, cells.y.values[:, None] - 1.6
     expected = 2e-3 * u - 1e-3 * v + 3e-4 * u**2 + 1e-4 * u * v - 2e-4 * v**2
     # cells that a foot crosses rise less than 4.5 s.d. only if the s.d. is not 0: single precision is left
-    np.testing.assert_allclose(cells.z - without(cells, base(cells)[0]).z, expected, atol=2e-7)
+    np.testing.assert_allclose(cells - without(cells, base(cells)[0]), expected, atol=2e-7)
     assert ndtri(0.75) == pytest.approx(1.0 / SD_OF_MEDIAN, abs=1e-4)
 
 

@@ -9,7 +9,7 @@ import pytest
 
 import metafem as mf
 from metafem.calibration import MeasurementErrors
-from metafem.files.contacts import contacts_table
+from metafem.files.images import contacts_table
 from tests.calibration.contacts import table_of
 
 A = np.linspace(0.08, 0.4, 20)
@@ -50,7 +50,7 @@ def test_all_parameters_are_printed_and_written(run, tables):
     assert pressed["adhesion_energy_N_per_mm"] == pytest.approx(3e-5)
     # the numbers are those of the Python functions
     exact = mf.calibration.fit_compression(
-        LOAD, AREA, 0.526, mf.calibration.Sample(contacts=5, radius_sd=0.005)
+        LOAD, AREA, 0.526, contacts=5, errors=MeasurementErrors(radius_sd=0.005)
     )
     for name, unit in (("composite_modulus", "MPa"), ("adhesion_energy", "N_per_mm")):
         assert pressed[f"{name}_interval_{unit}"] == pytest.approx(exact.estimates[name].interval)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.files.contacts import contacts_table
+from metafem.files.images import contacts_table
 from tests.calibration.contacts import table_of
 
 

@@ -123,7 +123,7 @@ def test_contacts_are_ellipses_to_scale(ax):
     contacts.heading(ax, "1.tif")  # matplotlib warns of an empty legend
     assert (ax.get_legend(), ax.get_title(loc="left")) == (None, "1.tif")
     centre, axes = np.array([[1.0, 2.0], [3.0, 4.0]]), np.array([[0.3, 0.2], [0.1, 0.1]])
-    contacts.outlines(ax, centre, axes, np.array([0.5, 0.0]), contacts.MEASURED, "measured")
+    contacts.outlines(ax, centre, axes, np.array([0.5, 0.0]), contacts.COLOURS["measured"], "measured")
     (shown,) = ax.collections
     np.testing.assert_array_equal(shown.get_offsets(), centre)
     np.testing.assert_allclose(shown.get_widths(), 2.0 * axes[:, 0])
@@ -134,7 +134,7 @@ def test_contacts_are_ellipses_to_scale(ax):
     contacts.heading(ax, "1.tif")
     assert (labels(ax), points(ax.lines[-1])) == (["2 measured", "2 open"], centre.tolist())
     assert [(text.get_text(), text.xy) for text in ax.texts] == [("7", (1.0, 2.0)), ("8", (3.0, 4.0))]
-    contacts.outlines(ax, centre[:0], axes[:0], np.zeros(0), contacts.STRAY, "of no site")
+    contacts.outlines(ax, centre[:0], axes[:0], np.zeros(0), contacts.COLOURS["of no site"], "of no site")
     contacts.crosses(ax, centre[:0], "open")
     assert (len(ax.collections), len(ax.lines)) == (1, 2)
 

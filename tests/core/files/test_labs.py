@@ -45,7 +45,7 @@ TABLES = {
 def test_a_table_of_a_lab_is_read(name, tmp_path):
     content, columns = TABLES[name] if isinstance(TABLES[name], tuple) else (TABLES[name], {})
     (tmp_path / "a.csv").write_bytes(content)
-    data = files.read_calibration([tmp_path / "a.csv"], columns=columns).compression
+    data = files.read_calibration([tmp_path / "a.csv"], columns=columns)[0]
     assert data["load"].tolist() == [0.9505, 1.234]
     assert data["area"].tolist() == pytest.approx([0.41, 0.512], rel=1e-15)
 
