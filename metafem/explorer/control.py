@@ -82,6 +82,9 @@ class Panel(Element):
     def show(self, answer: Answer, data: Any) -> None:
         """Show an answer with its data."""
 
+    def opened(self) -> None:
+        """Make what only an open tab needs; called each time that the tab of the panel is opened."""
+
     def warn(self, places: Mapping[str, list[str]]) -> None:
         """Show the warnings of the newest answer by part of the page, when they are known."""
 

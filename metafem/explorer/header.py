@@ -11,7 +11,6 @@ from nicegui import app, ui
 from metafem._values import percent
 from metafem.explorer.answer import Answer
 from metafem.explorer.control import Control, Panel
-from metafem.explorer.editor import load
 from metafem.explorer.history import State
 from metafem.explorer.new_part import new_part_dialog
 from metafem.explorer.table import section_of, with_field
@@ -55,7 +54,6 @@ class Header(Panel, component="static/header.js", esm={"metafem": "static"}):
             undo=lambda _: page.moved(-1),
             redo=lambda _: page.moved(1),
             begin=self._begin,
-            load=lambda given: load(page, given["files"]),
             part=lambda _: self.new_part.open(),
             model=self._choose,
             stop=lambda _: page.stop(),

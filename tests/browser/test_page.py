@@ -368,7 +368,7 @@ def test_no_text_is_taken_for_html(visit):
     visit.entered("lattice.pitch", "1.5 mm")
     name = f"{HTML}.csv".replace("/", "")
     drop(visit, ".law-plot", name, b"a,b\n")
-    page.locator(".law-live.wrong span", has_text="onerror").wait_for()
+    page.locator(".q-notification", has_text="onerror").wait_for()
     table = b"load_N,friction_force_N\n0.1,0.12\n0.3,0.4\n"
     drop(visit, ".law-plot", name, table)
     page.locator(".law-legend li", has_text="onerror").wait_for()

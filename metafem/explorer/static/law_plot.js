@@ -1,6 +1,6 @@
 // The law: shows answers, and turns what hands and keys do into events. NiceGUI calls its methods.
 import { Drags } from "metafem/drags.js";
-import { ARROWS, Chosen, remember, shared, textsOf } from "metafem/linked.js";
+import { ARROWS, Chosen, remember, shared, uploader } from "metafem/linked.js";
 import { area, Axis, digits, path, placeIn, ticks, told, valueAt } from "metafem/plot.js";
 
 // What is free around the axes, the room for a label of an axis, and the length of the marks below it [pixels].
@@ -36,8 +36,7 @@ export default {
           <button type="button" aria-label="Zoom in" title="Show less of the axes (+); also Ctrl and the wheel" @click="zoom(0.8)">+</button>
           <button type="button" title="Fit the axes to target and law (0)" @click="zoom(0)">Fit</button>
         </span>
-        <button type="button" class="act law-choose" title="Show a CSV table of a measured law; it can also be dropped onto the plot. Its first line names the columns with their units: load_N,friction_force_N or load_mN,area_mm2." @click="$refs.file.click()">Measured points…</button>
-        <input ref="file" type="file" accept=".csv,.tsv,.txt,text/csv" hidden @change="choose">
+        <button type="button" class="act law-choose" title="Show a CSV table of a measured law; it can also be dropped onto the plot. Its first line names the columns with their units: load_N,friction_force_N or load_mN,area_mm2." @click="uploader().pickFiles()">Measured points…</button>
       </div>
       <div class="law-stage" ref="stage">
         <svg class="law-svg" ref="svg" role="group" aria-label="Target law and achieved law. Points can be dragged, or moved with the arrow keys; the key a adds one, Delete removes one; + and - zoom, 0 shows all."
@@ -88,7 +87,7 @@ export default {
       handles: [], inactive: false, drags: new Drags((request) => this.$emit("drag", { ...request, part: this.part }), this.ended), // inactive while the text has problems
       over: null, chosen: null, shared, // where the pointer is [px], and the load that was chosen
       away: false, offer: "Use the nearest law", offered: false, words: "", reason: "", wrong: false, live: "polite", pointed: "",
-      acts: ACTS, arrows: ARROWS, touch: TOUCH,
+      acts: ACTS, arrows: ARROWS, touch: TOUCH, uploader,
     };
   },
   computed: {
@@ -155,7 +154,6 @@ export default {
     },
   },
   watch: {
-    "shared.files"(files) { this.read(files); },
     "shared.load"(to) { this.take(to); },
     refusal() { this.away = false; }, // another reason has not been read
     held(held) { if (held) this.away = false; },
@@ -407,15 +405,6 @@ export default {
     use() {
       this.offered = false;
       this.$emit("nearest", {});
-    },
-    choose({ target }) {
-      if (target.files.length) this.read([...target.files]);
-      target.value = ""; // the same file can be chosen again
-    },
-    async read(files) {
-      const [table, ...others] = await textsOf(files);
-      if (table.why || others.length) this.say(others.length ? "Drop one file: a table with columns such as load_N,friction_force_N." : `${table.name} ${table.why}.`, true);
-      else this.$emit("dropped", table);
     },
   },
 };
