@@ -70,11 +70,11 @@ def test_sites_are_kept_typed_left_empty_and_released(visit):
 
 def test_the_map_fills_its_place_and_its_colours_say_what_they_mean(visit):
     page = visit.page
-    block, place = (page.locator(f".surface-view {each}").bounding_box() for each in (".block", ".box"))
+    block, place = (page.locator(f".surface-view {each}").bounding_box() for each in (".axes .frame", ".box"))
     assert max(block["width"] / place["width"], block["height"] / place["height"]) > 0.8
     for what, words in (("pressure", "mean contact pressure [MPa]"), ("sensitivity", "[%/µm]")):
         page.get_by_label("Colour of the sites").select_option(what)
-        page.locator(".surface-view .axes text").filter(has_text=words).wait_for()
+        page.locator(".surface-view .colours", has_text=words).wait_for()
     assert "of friction per µm" in told(visit, 20)
 
 

@@ -1,6 +1,6 @@
 // The head of the page: the target in words, the status, the model, undo and redo, and the menu.
 // It also takes the files that are dropped.
-import { remember, uploader } from "metafem/linked.js";
+import { uploader } from "metafem/linked.js";
 
 const THEMES = { light: "Light", auto: "Auto", dark: "Dark" };
 const CALM = 700;  // milliseconds without a new status, after which screen readers are told
@@ -76,7 +76,7 @@ export default {
     show(data) { Object.assign(this, data); },
     choose(theme) {
       this.theme = theme;
-      remember(THEME, theme);
+      localStorage.setItem(THEME, theme);
       Quasar.Dark.set(theme === "auto" ? "auto" : theme === "dark");
     },
     key(event) {

@@ -25,15 +25,6 @@ export class Chosen {
   }
 }
 
-// Keeps a text in the browser. A full or forbidden store forgets, and nothing else.
-export function remember(key, text) {
-  try {
-    localStorage.setItem(key, text);
-  } catch (error) {
-    console.info(`${key} cannot be kept by the browser: ${error.message}`);
-  }
-}
-
 // Directions of the arrow keys: to the right and up.
 export const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 
