@@ -6,7 +6,7 @@ import asyncio
 import re
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any, Literal
+from typing import Literal
 
 from nicegui import background_tasks, events, ui
 
@@ -21,9 +21,6 @@ from metafem.surface import Surface
 # Name of the specification in a result folder.
 KEPT = "spec.toml"
 
-# Largest file that is read [bytes]: a link holds no more.
-LARGEST = 900_000
-
 # Time after the last key after which a typed text is used [s].
 TYPED = 0.5
 
@@ -37,33 +34,24 @@ DROP = "A specification, its tables or a measured law can be dropped onto the pa
 PICK = "() => document.querySelector('.q-uploader input').click()"
 
 
-# A file that the user selected or dropped: its ``name``, and its ``text`` or ``why`` it could not be read.
-Given = Mapping[str, str]
+# Ends of the names of tables.
+TABLES = (".csv", ".txt", ".tsv")
 
 
 def uploader(page: Control) -> ui.upload:
     """Return the element, not seen, to which the browser gives the files that were selected or dropped."""
 
-    async def take(event: events.MultiUploadEventArguments) -> None:
+    async def read(event: events.MultiUploadEventArguments) -> None:
         element.reset()
-        files = [await _read(file) for file in event.files]
-        await page.told(page.step(lambda state: loaded(state, files, page.answer.template)))
+        texts = {file.name: (await file.read()).decode("utf-8", "replace") for file in event.files}
+        await page.step(lambda state: loaded(state, texts, page.answer.template))
 
-    element = ui.upload(multiple=True, auto_upload=True, on_multi_upload=take)
+    element = ui.upload(multiple=True, auto_upload=True, on_multi_upload=lambda event: page.told(read(event)))
     element.on("failed", lambda: page.say("The files could not be read."), args=[])
     return element.classes("hidden")
 
 
-async def _read(file: Any) -> Given:
-    if file.size() > LARGEST:
-        return {"name": file.name, "why": f"is larger than {LARGEST // 1000} kB, the limit for a file"}
-    try:
-        return {"name": file.name, "text": await file.text()}
-    except UnicodeDecodeError:
-        return {"name": file.name, "why": "is not a text in UTF-8"}
-
-
-def loaded(state: State, files: list[Given], template: Surface | None = None) -> State:
+def loaded(state: State, texts: Mapping[str, str], template: Surface | None = None) -> State:
     """Return the state with the specification in the files, with tables that it names, or a measured law.
 
     Raises
@@ -71,33 +59,25 @@ def loaded(state: State, files: list[Given], template: Surface | None = None) ->
     InvalidInput
         If no file is a specification or table that can be used; the message states the reason.
     """
-    unread = {each["name"]: each["why"] for each in files if each.get("why")}
-    texts = {each["name"]: each["text"] for each in files if each["name"] not in unread}
     specifications = {name: text for name, text in texts.items() if name.lower().endswith(".toml")}
-    tables = {name: text for name, text in texts.items() if name.lower().endswith((".csv", ".txt", ".tsv"))}
+    tables = {name: text for name, text in texts.items() if name.lower().endswith(TABLES)}
     if KEPT in specifications:
         specifications = {KEPT: specifications[KEPT]}
     words = "These are several specifications. Load one of them, with its tables."
     refuse_if(len(specifications) > 1, words)
     for name, text in specifications.items():
-        found = State(text)
-        for each, why in unread.items():
-            refuse_if(_named(found, {each: ""}), f"{name} names the table {each}, which {why}.")
-        return replace(state, text=text, tables=_named(found, tables))
+        refuse_if("\N{REPLACEMENT CHARACTER}" in text, f"{name} is not a text in UTF-8.")
+        return replace(state, text=text, tables=_named(State(text), tables))
     if named := _named(state, tables):
         return replace(state, tables={**state.tables, **named})
-    if tables:
-        name, text = next(iter(tables.items()))
-        refuse_if(len(tables) > 1, f"{name} and others are tables. Load the one with a measured law alone.")
-        if template is None:
-            words = f"The points of the table {name} can be shown once the specification has no problems."
-            raise InvalidInput(words)
-        read_points(name, text, template.material, template.friction)
-        return replace(state, measured=text, measured_name=name)
-    reasons = [f"{name} {why}." for name, why in unread.items()]
-    reasons += [f"{name} is no specification." for name in texts]
-    remedy = f"Load a .toml file, such as the {KEPT} of a result folder, with the tables that it names."
-    raise InvalidInput(" ".join([*reasons, remedy]))
+    names = ", ".join(texts)
+    remedy = f"Load a .toml file, such as the {KEPT} of a result folder, or the table of one measured law."
+    refuse_if(len(tables) != 1, f"{names}: no file that can be shown. {remedy}")
+    if template is None:
+        raise InvalidInput(f"The points of {names} can be shown once the specification has no problems.")
+    ((name, text),) = tables.items()
+    read_points(name, text, template.material, template.friction)
+    return replace(state, measured=text, measured_name=name)
 
 
 def table_names(state: State) -> list[str]:
@@ -131,11 +111,8 @@ class Specification(Panel):
         self.classes("editor").on("focusout", self._use, args=[])
         with self:
             with ui.element("div").classes("row"):
-                load = ui.element("button").classes("act").on("click", js_handler=PICK)
-                with load:
-                    ui.label("Load…")
-                self.tables = ui.label().classes("quiet small")
-                ui.label(DROP).classes("quiet small")
+                ui.html("Load…", sanitize=False, tag="button").classes("act").on("click", js_handler=PICK)
+                self.files = ui.label(DROP).classes("quiet small")
             with ui.element("div").classes("both"):
                 self.frame = ui.element("div").classes("frame")
                 self.problems = ui.label().classes("problems warn")
@@ -170,7 +147,7 @@ class Specification(Panel):
         if self.timer is not None:
             return
         self.shown = re.sub("\r\n?", "\n", answer.state.text)  # the editor has these ends of lines alone
-        self.problems.text, self.tables.text = answer.refused, ", ".join(answer.state.tables)
-        self.problems.set_visibility(bool(answer.refused))
+        self.problems.text, tables = answer.refused, ", ".join(answer.state.tables)
+        self.files.text = f"With {tables}. {DROP}" if tables else DROP
         if self.editor is not None:
             self.editor.value = self.shown

@@ -123,6 +123,7 @@ class Workshop(Panel, component="static/fields.js"):
             added=lambda section: self._change(section, with_section),
             removed=lambda section: self._change(section, without_section),
         )
+        page.warners.append(self.warn)
 
     async def _typed(self, key: str, text: str) -> None:
         await self._change(key, with_field, text)
@@ -154,9 +155,7 @@ class Workshop(Panel, component="static/fields.js"):
     async def _change(self, key: str, change: Callable[..., Table], *given: Any) -> None:
         await self._made(key, lambda state: change(state.table, key, *given))
 
-    async def _made(
-        self, key: str, change: Callable[[State], Table], *, replaceable: bool = False
-    ) -> None:
+    async def _made(self, key: str, change: Callable[[State], Table], replaceable: bool = False) -> None:
         """Make a change, or show at its field why the change is impossible."""
         before = self.sent.pop("values", None)  # the browser shows the typed text, which may not be used
         try:

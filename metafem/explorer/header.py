@@ -25,9 +25,6 @@ HELP = Path(__file__).parent / "static" / "help.html"
 # Time after which the header announces an unfinished design [s].
 LATE = 0.5
 
-# Explanation of the steps of a design.
-SEARCH = "The search for heights begins from several surfaces and improves each of them in steps."
-
 # Name of the first state of the page among the examples to start over from.
 FIRST = "as first opened"
 
@@ -96,7 +93,7 @@ class Header(Panel, component="static/header.js", esm={"metafem": "static"}):
         if any(running) and running == self.running:
             design = f"designing: {step} …" if step else "designing …"
             words = "changing the specification …" if running[0] else design
-            self.send({"status": words, "kind": "", "meaning": SEARCH if step else "", "late": True})
+            self.send({"status": words, "kind": "", "meaning": "", "late": True})
         self.running = running
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from nicegui import ui
 from nicegui.element import Element
 
-from metafem.explorer.certainty import Certainty, PlaceWarnings
+from metafem.explorer.certainty import Certainty, place_warnings
 from metafem.explorer.control import Control, Panel
 from metafem.explorer.editor import Specification, uploader
 from metafem.explorer.files import Taking
@@ -36,10 +36,10 @@ def build(first: State) -> None:
     with ui.element().classes("explorer"):
         with _part("law", "Law"):
             LawPanel(page)
-            PlaceWarnings(page, "law")
+            place_warnings(page, "law")
         with _part("surface", "Surface"):
             SurfacePanel(page)
-            PlaceWarnings(page, "surface")
+            place_warnings(page, "surface")
         with _part("inspector", "Inspector"):
             look = 'dense no-caps align=left outside-arrows mobile-arrows aria-label="Inspector"'
             with ui.tabs().props(look) as tabs:

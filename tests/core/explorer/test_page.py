@@ -2,6 +2,7 @@
 
 import asyncio
 import threading
+from dataclasses import replace
 from importlib import import_module
 from types import SimpleNamespace
 
@@ -11,7 +12,8 @@ from nicegui.page import page as page_of
 
 from metafem.errors import InvalidInput
 from metafem.explorer import control, queue
-from metafem.explorer.control import Panel, Request, patience, whole_of
+from metafem.explorer.answer import Answer
+from metafem.explorer.control import Panel, patience, whole_of
 from metafem.explorer.editor import Specification, loaded
 from metafem.explorer.files import Taking
 from metafem.explorer.form import Workshop
@@ -166,6 +168,7 @@ class Each(Panel):
     def __init__(self, page):
         super().__init__(page)
         self.shown, self.warned = [], []
+        page.warners.append(self.warn)
 
     def show(self, answer, _):
         self.shown.append(answer.number)
@@ -212,12 +215,13 @@ def test_panels_show_what_is_new_and_fail_alone(caplog):
 
 
 def test_a_search_ends_when_the_drag_goes_on_and_a_draft_is_computed_fully_at_rest(monkeypatch):
-    one, other = (Request(1, State(text), False) for text in "ab")
-    assert patience(one, other._replace(draft=True)) == 0.0
-    assert patience(one, one._replace(number=2)) > 1e9
-    assert patience(one, other) == patience(one._replace(draft=True), other) == queue.PATIENCE
-    assert patience(*[each._replace(draft=True) for each in (one, other)]) == 5.0
-    assert (whole_of(one), whole_of(one._replace(draft=True))) == (None, one)
+    one, other = (Answer(1, State(text)) for text in "ab")
+    assert patience(one, replace(other, draft=True)) == 0.0
+    assert patience(one, replace(one, number=2)) > 1e9
+    assert patience(one, other) == patience(replace(one, draft=True), other) == queue.PATIENCE
+    assert patience(*[replace(each, draft=True) for each in (one, other)]) == 5.0
+    whole = whole_of(replace(one, draft=True))
+    assert (whole_of(one), whole.draft, whole.state) == (None, False, one.state)
 
     async def scene(page):
         page.queue.pause = 0.0
