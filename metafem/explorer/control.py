@@ -26,7 +26,8 @@ CALLS: WeakKeyDictionary[Client, list[str]] = WeakKeyDictionary()
 
 
 # What an element is given, and what takes the argument of one of its events.
-Props, Handler = Mapping[str, Any], Callable[[Any], Any]
+Props = Mapping[str, Any]
+Handler = Callable[[Any], Any]
 
 # What shows an answer in a panel, with the data that were prepared for it.
 Show = Callable[[], object]
