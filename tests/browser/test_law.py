@@ -192,6 +192,13 @@ def test_kinds_and_sections_are_changed(visit):
     assert (value(visit, "tools"), value(visit, "lattice.radius")) == (None, "526 um")
 
 
+def chosen_file(page, button, path):
+    """Choose a file in the dialog that a button opens."""
+    with page.expect_file_chooser() as dialog:
+        page.get_by_role("button", name=button).click()
+    dialog.value.set_files(path)
+
+
 def test_the_text_and_the_fields_follow_each_other(visit, tmp_path):
     page = visit.page
     page.get_by_role("tab", name="Specification").click()
@@ -214,16 +221,15 @@ def test_the_text_and_the_fields_follow_each_other(visit, tmp_path):
     text.wait_for()
     (tmp_path / "mine.toml").write_text(demo_text("linear"), "utf-8")
     (tmp_path / "picture.toml").write_bytes(bytes(range(256)))
-    files = page.locator(".q-uploader input")
-    after(visit, files.set_input_files, tmp_path / "mine.toml")
+    after(visit, chosen_file, page, "Load…", tmp_path / "mine.toml")
     assert visit.text == demo_text("linear")
-    files.set_input_files(tmp_path / "picture.toml")
+    chosen_file(page, "Load…", tmp_path / "picture.toml")
     page.get_by_text("picture.toml is not a text in UTF-8.").wait_for()
     assert visit.text == demo_text("linear")
     after(visit, drop, visit, ".law-svg", "bilinear.toml", demo_text("bilinear").encode())
     assert visit.text == demo_text("bilinear")
     (tmp_path / "law.csv").write_text("load_N,friction_force_N\n1,2\n", "utf-8")
-    after(visit, files.set_input_files, tmp_path / "law.csv")
+    after(visit, chosen_file, page, "Measured points…", tmp_path / "law.csv")
     page.locator(".law-legend", has_text="law.csv: 1 point").wait_for()
 
 
