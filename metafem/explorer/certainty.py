@@ -135,25 +135,21 @@ STUDIES = {
 FOLDER = "These commands read the folder of “metafem design spec.toml -o surface”."
 
 
-class PlaceWarnings(Panel):
-    """The warnings of a part of the page, "law" or "surface": how many, and their words over the picture."""
+def place_warnings(page: Control, place: str) -> None:
+    """Make the warnings of a part, "law" or "surface": how many, and their words over the picture."""
+    with ui.element("details").classes("place-warnings").on("keydown.esc", js_handler=SHUT):
+        brief = ui.html("", sanitize=False, tag="summary")
+        words = ui.html("", sanitize=False).classes("over")
 
-    def __init__(self, page: Control, place: str) -> None:
-        super().__init__(page, None, "details")
-        self.place = place
-        self.classes("place-warnings").on("keydown.esc", js_handler=SHUT)
-        with self:
-            self.brief = ui.html("", sanitize=False, tag="summary")
-            self.words = ui.html("", sanitize=False).classes("over")
-
-    def warn(self, places: Mapping[str, list[str]]) -> None:
-        """Show the warnings of this part."""
-        texts = [text[:1].upper() + text[1:] for text in places.get(self.place, [])]
+    def warn(places: Mapping[str, list[str]]) -> None:
+        texts = [escape(text[:1].upper() + text[1:]) for text in places.get(place, [])]
         count = f"{len(texts)} warning{'s' * (len(texts) > 1)}"
         chip = f'<span class="chip warn"><span aria-hidden="true">▲</span>{count}</span>'
-        brief = re.split(r"[.:;] ", texts[0])[0] if texts else ""
-        self.brief.content = f'{chip}<span class="small">{escape(brief)}</span>' if texts else ""
-        self.words.content = "".join(f'<p class="warn small">{escape(text)}</p>' for text in texts)
+        first = re.split(r"[.:;] ", texts[0])[0] if texts else ""
+        brief.content = f'{chip}<span class="small">{first}</span>' if texts else ""
+        words.content = "".join(f'<p class="warn small">{text}</p>' for text in texts)
+
+    page.warners.append(warn)
 
 
 # The warnings of an answer by part of the page, and its tables.

@@ -8,7 +8,7 @@ import time
 from collections.abc import Awaitable, Callable, Iterable, Mapping, MutableMapping
 from dataclasses import replace
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any
 from weakref import WeakKeyDictionary
 
 from nicegui import Client, app, json, ui
@@ -24,6 +24,10 @@ from metafem.files import DEMOS, demo_text
 # Calls that are not sent yet, by the page.
 CALLS: WeakKeyDictionary[Client, list[str]] = WeakKeyDictionary()
 
+
+# What an element is given, and what takes the argument of one of its events.
+Props = Mapping[str, Any]
+Handler = Callable[[Any], Any]
 
 # What shows an answer in a panel, with the data that were prepared for it.
 Show = Callable[[], object]
@@ -61,15 +65,8 @@ class Panel(Element):
 
     pace = 0.0
 
-    def __init__(
-        self,
-        page: Control,
-        props: Mapping[str, Any] | None = None,
-        tag: str | None = None,
-        /,
-        **handlers: Callable[[Any], Any],
-    ) -> None:
-        super().__init__(tag)
+    def __init__(self, page: Control, props: Props | None = None, /, **handlers: Handler) -> None:
+        super().__init__()
         self.page, self.asked, self.due, self.sent = page, 0, 0.0, dict[str, Any]()
         self._props.update(props or {})
         for name, handler in handlers.items():
@@ -82,8 +79,8 @@ class Panel(Element):
     def show(self, answer: Answer, data: Any) -> None:
         """Show an answer with its data."""
 
-    def warn(self, places: Mapping[str, list[str]]) -> None:
-        """Show the warnings of the newest answer by part of the page, when they are known."""
+    def opened(self) -> None:
+        """Make what only an open tab needs; called each time that the tab of the panel is opened."""
 
     def send(self, data: Mapping[str, Any]) -> None:
         """Call the method ``show`` of the element in the browser with the data that have changed."""
@@ -113,18 +110,6 @@ class Panel(Element):
             self.client.run_javascript(";".join(calls))
 
 
-class Request(NamedTuple):
-    """A state to answer, the number of the change that made it, and how.
-
-    A draft is enough while the user drags; if the user has stopped the computation, only what is known.
-    """
-
-    number: int
-    state: State
-    draft: bool = False
-    stopped: bool = False
-
-
 class Control:
     """One tab of the browser: its history, its newest answer, and the panels that show each answer."""
 
@@ -134,11 +119,12 @@ class Control:
         self.answer = Answer(0, first)
         self.number = 0  # of the last request
         self.panels: list[Panel] = []
-        self.warnings: Mapping[str, list[str]] = {}
+        # what shows the warnings by part of the page, when they are known
+        self.warners: list[Callable[[Mapping[str, list[str]]], None]] = []
         # messages over the page, each with the number of the last change before it
         self.messages: list[tuple[int, ui.notification]] = []
         self.comments_ended = False
-        self.queue: Queue[Request, tuple[Answer, list[Show]]] = Queue(
+        self.queue: Queue[Answer, tuple[Answer, list[Show]]] = Queue(
             self._work, self._show, self._failed, patience=patience, better=whole_of
         )
         self.kept: MutableMapping[str, Any] = {}  # what NiceGUI keeps of the tab as long as the server runs
@@ -165,12 +151,12 @@ class Control:
         return change * (change > self.queue.made), request * (request > self.answer.number)
 
     async def renew(self, *panels: Panel) -> None:
-        """Show the newest answer and warnings once more in panels that look different; default: in all."""
+        """Show the newest answer once more in panels that look different; default: in all."""
         chosen, answer = panels or tuple(self.panels), None
         while answer is not self.answer:
             answer = self.answer
             shows = await asyncio.to_thread(self._shows, chosen, answer)
-        self._tell([*shows, *(partial(panel.warn, self.warnings) for panel in chosen)])
+        self._tell(shows)
 
     async def change(
         self,
@@ -255,11 +241,10 @@ class Control:
 
     def _ask(self, number: int, state: State, draft: bool = False, stopped: bool = False) -> None:
         self.number = number
-        self.queue.put(Request(number, state, draft, stopped))
+        self.queue.put(Answer(number, state, draft=draft, stopped=stopped))
 
-    def _work(self, request: Request) -> tuple[Answer, list[Show]]:
-        number, state, draft, stopped = request
-        answer = answered(state, number, self.answer, draft, stopped)
+    def _work(self, asked: Answer) -> tuple[Answer, list[Show]]:
+        answer = answered(asked.state, asked.number, self.answer, asked.draft, asked.stopped)
         return answer, self._shows(self.panels, answer)
 
     def _shows(self, panels: Iterable[Panel], answer: Answer) -> list[Show]:
@@ -285,10 +270,10 @@ class Control:
             self.messages = [each for each in self.messages if each[0] >= self.answer.number]
         self._tell(shows)
 
-    def _failed(self, request: Request, error: Exception) -> None:
+    def _failed(self, asked: Answer, error: Exception) -> None:
         """Show a program error together with the last surface that was found."""
         problems = {"": in_words(error)}
-        failed = Answer(request.number, request.state, None, self.answer.design, problems, failed=True)
+        failed = Answer(asked.number, asked.state, None, self.answer.design, problems, failed=True)
         self._show((failed, self._shows(self.panels, failed)))
 
     def wrong(self, error: Exception) -> None:
@@ -296,9 +281,8 @@ class Control:
         self.say(in_words(error))
 
     def warn(self, places: Mapping[str, list[str]]) -> None:
-        """Show the warnings of the current answer."""
-        self.warnings = places
-        self._tell(partial(panel.warn, places) for panel in self.panels)
+        """Show the warnings of the current answer by part of the page."""
+        self._tell(partial(warner, places) for warner in self.warners)
 
     def _tell(self, shows: Iterable[Show]) -> None:
         """Call functions; an error of one is shown, and the remaining ones are still called."""
@@ -350,7 +334,7 @@ class Control:
             self.say(problem)
 
 
-def patience(running: Request, waiting: Request) -> float:
+def patience(running: Answer, waiting: Answer) -> float:
     """Return how long a computation may run while a newer request waits [s].
 
     A full search ends at once when a draft for another state waits, because the drag has gone on. It is
@@ -363,6 +347,6 @@ def patience(running: Request, waiting: Request) -> float:
     return 0.0 if waiting.draft else PATIENCE
 
 
-def whole_of(request: Request) -> Request | None:
+def whole_of(asked: Answer) -> Answer | None:
     """Return the request for the full search that follows a draft when the pointer rests; otherwise None."""
-    return request._replace(draft=False) if request.draft else None
+    return replace(asked, draft=False) if asked.draft else None

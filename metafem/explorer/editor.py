@@ -2,63 +2,82 @@
 
 from __future__ import annotations
 
+import asyncio
 import re
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
+from typing import Literal
+
+from nicegui import background_tasks, events, ui
 
 from metafem.errors import InvalidInput, refuse_if
 from metafem.explorer.answer import Answer
 from metafem.explorer.control import Control, Panel
 from metafem.explorer.history import State
+from metafem.explorer.law_data import read_points
 from metafem.explorer.table import section_of
+from metafem.surface import Surface
 
 # Name of the specification in a result folder.
 KEPT = "spec.toml"
 
+# Time after the last key after which a typed text is used [s].
+TYPED = 0.5
 
-# A file that the user selected or dropped: its ``name``, and its ``text`` or ``why`` it could not be read.
-Given = Mapping[str, str]
+# Colours of the syntax, which `page.css` inverts on a dark page.
+COLOURS: Literal["githubLight"] = "githubLight"
+
+# What is said beside the button for files.
+DROP = "A specification, its tables or a measured law can be dropped onto the page."
+
+# Opens the browser's dialog for files.
+PICK = "() => document.querySelector('.q-uploader input').click()"
 
 
-async def load(page: Control, files: list[Given]) -> None:
-    """Show the specification in loaded files, or a message why they cannot be used."""
-    await page.told(page.step(lambda state: loaded(state, files)))
+# Ends of the names of tables.
+TABLES = (".csv", ".txt", ".tsv")
 
 
-def loaded(state: State, files: list[Given]) -> State:
-    """Return the state with the specification in the files, or with new tables for the old specification.
+def uploader(page: Control) -> ui.upload:
+    """Return the element, not seen, to which the browser gives the files that were selected or dropped."""
+
+    async def read(event: events.MultiUploadEventArguments) -> None:
+        element.reset()
+        texts = {file.name: (await file.read()).decode("utf-8", "replace") for file in event.files}
+        await page.step(lambda state: loaded(state, texts, page.answer.template))
+
+    element = ui.upload(multiple=True, auto_upload=True, on_multi_upload=lambda event: page.told(read(event)))
+    element.on("failed", lambda: page.say("The files could not be read."), args=[])
+    return element.classes("hidden")
+
+
+def loaded(state: State, texts: Mapping[str, str], template: Surface | None = None) -> State:
+    """Return the state with the specification in the files, with tables that it names, or a measured law.
 
     Raises
     ------
     InvalidInput
         If no file is a specification or table that can be used; the message states the reason.
     """
-    unread = {each["name"]: each["why"] for each in files if each.get("why")}
-    texts = {each["name"]: each["text"] for each in files if each["name"] not in unread}
     specifications = {name: text for name, text in texts.items() if name.lower().endswith(".toml")}
-    tables = {name: text for name, text in texts.items() if name.lower().endswith((".csv", ".txt", ".tsv"))}
+    tables = {name: text for name, text in texts.items() if name.lower().endswith(TABLES)}
     if KEPT in specifications:
         specifications = {KEPT: specifications[KEPT]}
     words = "These are several specifications. Load one of them, with its tables."
     refuse_if(len(specifications) > 1, words)
     for name, text in specifications.items():
-        found = State(text)
-        for each, why in unread.items():
-            refuse_if(_named(found, {each: ""}), f"{name} names the table {each}, which {why}.")
-        return replace(state, text=text, tables=_named(found, tables))
+        refuse_if("\N{REPLACEMENT CHARACTER}" in text, f"{name} is not a text in UTF-8.")
+        return replace(state, text=text, tables=_named(State(text), tables))
     if named := _named(state, tables):
         return replace(state, tables={**state.tables, **named})
-    if tables:
-        table, known = next(iter(tables)), ", ".join(table_names(state)) or "no table"
-        raise InvalidInput(
-            f'{table} is a table. The specification names {known}. To use it, write file = "{table}" into '
-            "[target] or [contact] first. To compare with a measured law, drop it onto the plot of the law."
-        )
-    reasons = [f"{name} {why}." for name, why in unread.items()]
-    reasons += [f"{name} is no specification." for name in texts]
-    remedy = f"Load a .toml file, such as the {KEPT} of a result folder, with the tables that it names."
-    raise InvalidInput(" ".join([*reasons, remedy]))
+    names = ", ".join(texts)
+    remedy = f"Load a .toml file, such as the {KEPT} of a result folder, or the table of one measured law."
+    refuse_if(len(tables) != 1, f"{names}: no file that can be shown. {remedy}")
+    if template is None:
+        raise InvalidInput(f"The points of {names} can be shown once the specification has no problems.")
+    ((name, text),) = tables.items()
+    read_points(name, text, template.material, template.friction)
+    return replace(state, measured=text, measured_name=name)
 
 
 def table_names(state: State) -> list[str]:
@@ -79,30 +98,56 @@ def _named(state: State, tables: Mapping[str, str]) -> dict[str, str]:
     return {name: tables[part] for name, part in last.items() if part in tables}
 
 
-class Specification(Panel, component="static/editor.js"):
-    """The editor of the text of the specification, with the problems of the text."""
+class Specification(Panel):
+    """The text of the specification, with its problems."""
 
     pace = 0.3
 
     def __init__(self, page: Control) -> None:
-        super().__init__(
-            page,
-            ready=lambda _: page.renew(self),
-            changed=self._changed,
-            load=lambda given: load(page, given["files"]),
-        )
-        self.taken = 0  # number of the last text that was typed
+        super().__init__(page)
+        self.shown = page.state.text
+        self.editor: ui.codemirror | None = None
+        self.timer: asyncio.TimerHandle | None = None  # while something typed is not used yet
+        self.classes("editor").on("focusout", self._use, args=[])
+        with self:
+            with ui.element("div").classes("row"):
+                ui.html("Load…", sanitize=False, tag="button").classes("act").on("click", js_handler=PICK)
+                self.files = ui.label(DROP).classes("quiet small")
+            with ui.element("div").classes("both"):
+                self.frame = ui.element("div").classes("frame")
+                self.problems = ui.label().classes("problems warn")
 
-    async def _changed(self, given: Mapping[str, Any]) -> None:
-        text, self.taken = given["text"], given["count"]
-        if text != self.page.state.text:
-            await self.page.alter(text=text, by=self)
+    def opened(self) -> None:
+        """Make the editor: the browser loads its script when it is first opened."""
+        if self.editor is not None:
+            return
+        with self.frame:
+            self.editor = ui.codemirror(self.shown, on_change=self._typed, language="TOML", theme=COLOURS)
+        # the key Tab leaves the text, as any other field
+        self.editor.on("keydown.tab.capture", js_handler="(event) => event.stopPropagation()")
+        self.editor.on("focusin", js_handler="({ target }) => { target.ariaLabel ??= 'Specification'; }")
 
-    def prepare(self, answer: Answer) -> dict[str, Any]:
-        """Return the text of an answer, its problems, and the names of its tables."""
-        state = answer.state
-        return {"text": state.text, "problems": answer.refused.splitlines(), "tables": list(state.tables)}
+    def _typed(self) -> None:
+        if self.timer is not None:
+            self.timer.cancel()
+            self.timer = None
+        if self.editor is not None and self.editor.value != self.shown:
+            loop = asyncio.get_running_loop()
+            self.timer = loop.call_later(TYPED, lambda: background_tasks.create(self._use()))
 
-    def show(self, answer: Answer, data: dict[str, Any]) -> None:
-        """Show an answer."""
-        self.call("show", data | {"taken": self.taken})
+    async def _use(self) -> None:
+        """Use what was typed."""
+        if self.timer is not None and self.editor is not None:
+            self.timer.cancel()
+            self.timer, self.shown = None, self.editor.value
+            await self.page.alter(text=self.shown, by=self)
+
+    def show(self, answer: Answer, _: object) -> None:
+        """Show the text of an answer, unless another one is being typed, with its problems and its tables."""
+        if self.timer is not None:
+            return
+        self.shown = re.sub("\r\n?", "\n", answer.state.text)  # the editor has these ends of lines alone
+        self.problems.text, tables = answer.refused, ", ".join(answer.state.tables)
+        self.files.text = f"With {tables}. {DROP}" if tables else DROP
+        if self.editor is not None:
+            self.editor.value = self.shown

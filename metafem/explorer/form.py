@@ -74,12 +74,11 @@ def _field(name: str, key: Form) -> dict[str, Any]:
     )
     if names and key["optional"]:
         names = {"": f"default ({names[default]})" if default in names else "default"} | names
-    return {each: key[each] for each in ("value", "units", "names", "listed", "choice")} | {
+    return {each: key[each] for each in ("units", "listed", "choice")} | {
         "key": name,
         "label": label,
         "help": " ".join(words),
         "example": example,
-        "default": default,
         "placeholder": default or ("" if key["optional"] else example),
         "options": list(names.items()),
     }
@@ -124,9 +123,10 @@ class Workshop(Panel, component="static/fields.js"):
             added=lambda section: self._change(section, with_section),
             removed=lambda section: self._change(section, without_section),
         )
+        page.warners.append(self.warn)
 
-    async def _typed(self, key: str, text: str, released: bool = True) -> None:
-        await self._change(key, with_field, text, draft=not released)
+    async def _typed(self, key: str, text: str) -> None:
+        await self._change(key, with_field, text)
 
     async def _kind(self, section: str, kind: str) -> None:
         """Change the kind of a section; a target of another kind is close to the current law."""
@@ -152,14 +152,14 @@ class Workshop(Panel, component="static/fields.js"):
 
         await self._made(section, given)
 
-    async def _change(self, key: str, change: Callable[..., Table], *given: Any, **how: bool) -> None:
-        await self._made(key, lambda state: change(state.table, key, *given), **how)
+    async def _change(self, key: str, change: Callable[..., Table], *given: Any) -> None:
+        await self._made(key, lambda state: change(state.table, key, *given))
 
-    async def _made(self, key: str, change: Callable[[State], Table], **how: bool) -> None:
+    async def _made(self, key: str, change: Callable[[State], Table], replaceable: bool = False) -> None:
         """Make a change, or show at its field why the change is impossible."""
         before = self.sent.pop("values", None)  # the browser shows the typed text, which may not be used
         try:
-            await self.page.make(change, by=self, **how)
+            await self.page.make(change, by=self, replaceable=replaceable)
         except InvalidInput as error:
             self.sent.setdefault("values", before)
             self.call("refuse", {"key": key, "words": str(error)})

@@ -11,7 +11,6 @@ from nicegui import app, ui
 from metafem._values import percent
 from metafem.explorer.answer import Answer
 from metafem.explorer.control import Control, Panel
-from metafem.explorer.editor import load
 from metafem.explorer.history import State
 from metafem.explorer.new_part import new_part_dialog
 from metafem.explorer.table import section_of, with_field
@@ -25,9 +24,6 @@ HELP = Path(__file__).parent / "static" / "help.html"
 
 # Time after which the header announces an unfinished design [s].
 LATE = 0.5
-
-# Explanation of the steps of a design.
-SEARCH = "The search for heights begins from several surfaces and improves each of them in steps."
 
 # Name of the first state of the page among the examples to start over from.
 FIRST = "as first opened"
@@ -55,7 +51,6 @@ class Header(Panel, component="static/header.js", esm={"metafem": "static"}):
             undo=lambda _: page.moved(-1),
             redo=lambda _: page.moved(1),
             begin=self._begin,
-            load=lambda given: load(page, given["files"]),
             part=lambda _: self.new_part.open(),
             model=self._choose,
             stop=lambda _: page.stop(),
@@ -98,7 +93,7 @@ class Header(Panel, component="static/header.js", esm={"metafem": "static"}):
         if any(running) and running == self.running:
             design = f"designing: {step} …" if step else "designing …"
             words = "changing the specification …" if running[0] else design
-            self.send({"status": words, "kind": "", "meaning": SEARCH if step else "", "late": True})
+            self.send({"status": words, "kind": "", "meaning": "", "late": True})
         self.running = running
 
 

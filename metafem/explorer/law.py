@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import math
 from collections.abc import Awaitable, Callable
 from functools import partial
@@ -16,7 +15,7 @@ from metafem.explorer.control import Control, Panel
 from metafem.explorer.handles import RESOLUTION, moved, removed, scene_of
 from metafem.explorer.history import State
 from metafem.explorer.kinds import reachable, with_nearest, with_point
-from metafem.explorer.law_data import Units, law_data, measured_data, numbers, pinned_data, read_points
+from metafem.explorer.law_data import Units, law_data, measured_data, numbers, pinned_data
 from metafem.explorer.queue import Queue
 from metafem.explorer.scene import Scene
 from metafem.explorer.table import Table
@@ -149,16 +148,6 @@ class LawPanel(Panel, component="static/law_plot.js"):
         """Keep the law that is shown on the plot, or remove the one that is kept."""
         self.pinned = self.page.answer if event["on"] else None
         await self.page.renew(self)
-
-    async def on_dropped(self, event: Event) -> None:
-        """Show the points of a table."""
-        design = self.page.answer.design
-        if design is None:
-            raise InvalidInput("measured points can be shown once the specification has a design")
-        name, text, template = str(event["name"]), str(event["text"]), design.template
-        load, _ = await asyncio.to_thread(read_points, name, text, template.material, template.friction)
-        await self.page.alter(measured=text, measured_name=name)
-        self.say(f"{len(load)} points of {name} are shown.")
 
     async def on_measured(self, event: Event) -> None:
         """Remove the measured points."""

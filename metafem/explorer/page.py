@@ -8,9 +8,9 @@ from pathlib import Path
 from nicegui import ui
 from nicegui.element import Element
 
-from metafem.explorer.certainty import Certainty, PlaceWarnings
+from metafem.explorer.certainty import Certainty, place_warnings
 from metafem.explorer.control import Control, Panel
-from metafem.explorer.editor import Specification
+from metafem.explorer.editor import Specification, uploader
 from metafem.explorer.files import Taking
 from metafem.explorer.form import Workshop
 from metafem.explorer.header import Header
@@ -32,13 +32,14 @@ def build(first: State) -> None:
     ui.add_css(Path(__file__).parent / "static" / "page.css")
     page = Control(first)
     Header(page)
+    uploader(page)
     with ui.element().classes("explorer"):
         with _part("law", "Law"):
             LawPanel(page)
-            PlaceWarnings(page, "law")
+            place_warnings(page, "law")
         with _part("surface", "Surface"):
             SurfacePanel(page)
-            PlaceWarnings(page, "surface")
+            place_warnings(page, "surface")
         with _part("inspector", "Inspector"):
             look = 'dense no-caps align=left outside-arrows mobile-arrows aria-label="Inspector"'
             with ui.tabs().props(look) as tabs:
@@ -46,9 +47,11 @@ def build(first: State) -> None:
                     ui.tab(name)
             with ui.tab_panels(tabs, value=next(iter(TABS)), animated=False) as panels:
                 panels.props("keep-alive").classes("panels")
-                for name, panel in TABS.items():
+                made: dict[str, Panel] = {}
+                for name, kind in TABS.items():
                     with ui.tab_panel(name):
-                        panel(page)
+                        made[name] = kind(page)
+                tabs.on_value_change(lambda event: made[event.value].opened())
 
 
 def _part(name: str, label: str) -> Element:

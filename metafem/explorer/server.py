@@ -12,7 +12,6 @@ from starlette.responses import PlainTextResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from starlette.websockets import WebSocketClose
 
-from metafem.errors import InvalidInput
 from metafem.explorer.history import State
 
 # Time for which the server holds a page after its connection is lost [s]. A later reconnection loads the page
@@ -21,9 +20,6 @@ RECONNECTION = 10.0
 
 # Interval between checks whether the server has started [s]. The address is printed only after the start.
 POLLED = 0.01
-
-# Exit code of uvicorn if it cannot listen at the port.
-STARTUP_FAILURE = 3
 
 # Number of messages that are sent again after a lost connection. A step of a drag sends two of about 20 kB.
 HISTORY = 100
@@ -53,20 +49,14 @@ def serve(first: State, host: str, token: str, port: int, show: bool) -> None:
         await asyncio.to_thread(answered, first, 0, draft=True)
         gc.freeze()  # the modules stay; looking through them for garbage would hold up a drag for .1 s
 
-    app.add_middleware(Guard, token=token, port=port)
+    app.add_middleware(guarded, token=token, port=port)
     app.on_startup(lambda: background_tasks.create(announce()))
     app.on_startup(lambda: background_tasks.create(warm_up()))
-    try:
-        ui.run(
-            root, host=host, port=port, title="metafem", dark=None, language="en-US", reload=False,
-            show=False, show_welcome_message=False, favicon="◠", reconnect_timeout=RECONNECTION,
-            tailwind=False, message_history_length=HISTORY, binding_refresh_interval=None,
-        )  # fmt: skip
-    except SystemExit as end:
-        if end.code != STARTUP_FAILURE:
-            raise
-        taken = f"port = {port} was taken by another program in the meantime; run the command again"
-        raise InvalidInput(taken) from None
+    ui.run(
+        root, host=host, port=port, title="metafem", dark=None, language="en-US", reload=False,
+        show=False, show_welcome_message=False, favicon="◠", reconnect_timeout=RECONNECTION,
+        tailwind=False, message_history_length=HISTORY, binding_refresh_interval=None,
+    )  # fmt: skip
 
 
 REFUSED = "This page needs the token in the address that `metafem explore` printed. Open that address."
@@ -78,35 +68,32 @@ HEADERS = {"referrer-policy": "no-referrer", "x-frame-options": "DENY"}
 POLICY_VIOLATION = 1008  # RFC 6455
 
 
-class Guard:
-    """Middleware that refuses requests without the token, from other origins, and for other hosts.
+def guarded(app: ASGIApp, token: str, port: int) -> ASGIApp:
+    """Return the application behind a guard that refuses requests without the token, or from other origins.
 
     The token is the first part of each path. Without these checks a page of another origin could send
     requests to the loopback address, either directly or through its own host name that resolves to that
     address (DNS rebinding).
     """
+    hosts = {f"127.0.0.1:{port}", f"localhost:{port}"}
 
-    def __init__(self, app: ASGIApp, token: str, port: int) -> None:
-        self.app, self.token = app, token
-        self.hosts = {f"127.0.0.1:{port}", f"localhost:{port}"}
+    def allowed(scope: Scope) -> bool:
+        headers = Headers(scope=scope)
+        host, given = headers.get("host", ""), scope["path"].partition("/")[2].partition("/")[0]
+        own = host in hosts and headers.get("origin", f"http://{host}") == f"http://{host}"
+        return own and compare_digest(given.encode(), token.encode())
 
-    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Pass an allowed request to the application, and refuse any other request."""
+    async def call(scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] not in ("http", "websocket"):
-            await self.app(scope, receive, send)
-        elif self.allowed(scope):
-            await self.app({**scope, "root_path": f"/{self.token}"}, receive, _with_headers(send))
+            await app(scope, receive, send)
+        elif allowed(scope):
+            await app({**scope, "root_path": f"/{token}"}, receive, _with_headers(send))
         elif scope["type"] == "http":
             await PlainTextResponse(REFUSED, 403)(scope, receive, send)
         else:
             await WebSocketClose(POLICY_VIOLATION)(scope, receive, send)
 
-    def allowed(self, scope: Scope) -> bool:
-        """Return whether a request has the token and comes from a page of this server or from no page."""
-        headers = Headers(scope=scope)
-        host, token = headers.get("host", ""), scope["path"].partition("/")[2].partition("/")[0]
-        own = host in self.hosts and headers.get("origin", f"http://{host}") == f"http://{host}"
-        return own and compare_digest(token.encode(), self.token.encode())
+    return call
 
 
 def _with_headers(send: Send) -> Send:

@@ -62,9 +62,8 @@ def text_of(target):
 
 
 def files(**texts):
-    """Return loaded files by their names, of which the last underscore is the point."""
-    named = {".".join(name.rsplit("_", 1)): text for name, text in texts.items()}
-    return [{"name": name, "text": text} for name, text in named.items()]
+    """Return the texts of files by their names, of which the last underscore is the point."""
+    return {".".join(name.rsplit("_", 1)): text for name, text in texts.items()}
 
 
 def changed(text, change, *given):

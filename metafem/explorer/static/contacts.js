@@ -13,7 +13,6 @@ export function capOf(surface, i) {
 // Distance from the axis at which a cap is so far below its summit [mm].
 export const widthAt = ({ across, depth, scale }, below) => (below <= 0 ? 0 : scale * (valueAt({ x: depth, y: across }, below / scale) ?? across.at(-1)));
 
-
 export const range = (values) => values.reduce(([low, high], each) => [Math.min(low, each), Math.max(high, each)], [Infinity, -Infinity]);
 
 const percent = (share) => `${digits(100 * share, 2)} %`;
@@ -82,8 +81,7 @@ export function told(contacts, modulus) {
   return `${closed.toLocaleString("en")} of ${filled.length.toLocaleString("en")} in contact${pressure} · ${digits(newtons)} N${empty ? ` · ${empty.toLocaleString("en")} empty` : ""}`;
 }
 
-// What is shown at the sites by colours: values and their scale.
-
+// What is shown at the sites by colours: its name and unit.
 const NAMES = {
   height: ["height", "µm"],
   radius: ["radius of curvature", "µm"],
@@ -108,34 +106,20 @@ export function colouring(surface, contacts, { what, dark }) {
 }
 
 // Scales of colour whose lightness rises in equal steps, in the colour space Oklab; along blue and yellow, and blue and
-// orange, they are told apart by people who do not tell red from green.
-
-const STEPS = 256;
-
-// The colours that the browser mixes for places from 0 to 1, each as its parts from 0 to 255.
-function table(at) {
-  const context = Object.assign(document.createElement("canvas"), { width: STEPS, height: 1 }).getContext("2d", { willReadFrequently: true });
-  for (let i = 0; i < STEPS; i++) {
-    context.fillStyle = at(i / (STEPS - 1));
-    context.fillRect(i, 0, 1, 1);
-  }
-  const { data } = context.getImageData(0, 0, STEPS, 1);
-  return Array.from({ length: STEPS }, (_, i) => [...data.slice(4 * i, 4 * i + 3)]);
-}
-
-const between = (from, to, t) => `color-mix(in oklab, ${from}, ${to} ${100 * t}%)`;
-
-// From blue over green to yellow.
-const [LOW, GREEN, HIGH] = ["oklab(0.32 0 -0.13)", "oklab(0.625 -0.11 0)", "oklab(0.93 -0.03 0.16)"];
-const rising = table((t) => between(between(LOW, GREEN, t), between(GREEN, HIGH, t), t));
-
-// From blue to orange.
-const twoSided = (middle, end) => table((t) => between(`oklab(${middle} 0 0)`, `oklab(${end} ${t < 0.5 ? "-0.03 -0.12" : "0.09 0.11"})`, Math.abs(2 * t - 1)));
-const diverging = { true: twoSided(0.38, 0.8), false: twoSided(0.93, 0.55) };
+// orange, they are told apart by people who do not tell red from green. The ones of two signs are for a dark and a light page.
+const RISING = ["1b2874", "1d477b", "2a6281", "417c84", "5e9484", "81ac81", "a7c27a", "d2d76e", "ffea58"];
+const SIGNED = {
+  true: ["88c0ff", "7194c4", "596a81", "424242", "806150", "c1815c", "ffa164"],
+  false: ["3d72b8", "759aca", "aec1da", "e8e8e8", "d9b7a4", "c68661", "b05305"],
+};
 
 // A scale of colours over a range.
 function scaleOf(low, high, signed, dark) {
-  const colours = signed ? diverging[dark] : rising;
-  const index = (value) => Math.round(Math.min(STEPS - 1, Math.max(0, ((STEPS - 1) * (value - low)) / (high - low || 1))));
-  return { low, high, css: (value) => `rgb(${colours[index(value)].join(", ")})` };
+  const stops = (signed ? SIGNED[dark] : RISING).map((each) => each.match(/../g).map((part) => parseInt(part, 16)));
+  const css = (value) => {
+    const place = (stops.length - 1) * Math.min(1, Math.max(0, (value - low) / (high - low || 1)));
+    const [from, to] = [stops[Math.floor(place)], stops[Math.ceil(place)]];
+    return `rgb(${from.map((part, k) => Math.round(part + (place % 1) * (to[k] - part)))})`;
+  };
+  return { low, high, css, gradient: `linear-gradient(90deg, ${stops.map((each) => `rgb(${each})`)})` };
 }

@@ -1,21 +1,5 @@
 // The form of the workshop. What is typed stays in `drafts` until it is used; `values` are those of the specification.
 
-// The next number of a text: "120 um" becomes "130 um". The step is a unit of the second digit, or one for whole numbers.
-const NUMBER = /(?<![\w.^])[+-]?\d+(?:\.\d+)?(?:e[+-]?\d+)?/gi;
-
-function stepped(text, caret, steps, whole) {
-  const found = [...text.matchAll(NUMBER)];
-  const at = found.findLast((each) => each.index <= caret) ?? found[0];
-  if (!at) return null;
-  const value = Number(at[0]);
-  // From 100 a step down is one of 99.
-  const size = Math.abs(value) * (steps * value < 0 ? 1 - 1e-9 : 1);
-  const exponent = whole || size === 0 ? 0 : Math.floor(Math.log10(size) + 1e-12) - 1;
-  const digits = Math.max((at[0].split("e")[0].split(".")[1] ?? "").length, -exponent, 0);
-  const next = Math.max(0, value + steps * 10 ** exponent).toFixed(Math.min(digits, 20));
-  return { text: text.slice(0, at.index) + next + text.slice(at.index + at[0].length), caret: at.index + next.length };
-}
-
 // The unit behind a number.
 const UNIT = /[^\d\s.,+-].*$/;
 
@@ -51,17 +35,14 @@ export default {
                :class="['field', { wide: field.listed && field.units.length }]" :title="field.help">
             <label :for="id(field.key)">{{ field.label }}</label>
             <div>
-              <span v-if="field.listed && field.names.length" class="row" role="group" :aria-label="field.label">
-                <label v-for="name in field.names" :key="name"><input type="checkbox" :data-key="field.key" :disabled="!!broken"
-                  :checked="among(field).includes(name)" @change="tick(field, name)"> {{ name }}</label></span>
-              <select v-else-if="field.options.length" class="text" :id="id(field.key)" :data-key="field.key" :disabled="!!broken"
+              <select v-if="field.options.length" class="text" :id="id(field.key)" :data-key="field.key" :disabled="!!broken"
                       :aria-invalid="!!problem(field)" :value="values[field.key] ?? ''" @change="use(field, $event.target.value)">
                 <option v-if="!field.options.some(([value]) => value === (values[field.key] ?? ''))" :value="values[field.key]">{{ values[field.key] }}</option>
                 <option v-for="[value, words] in field.options" :key="value" :value="value">{{ words }}</option></select>
               <input v-else class="text" type="text" maxlength="100000" autocomplete="off" spellcheck="false" :id="id(field.key)" :data-key="field.key" :disabled="!!broken"
                      :value="drafts[field.key] ?? values[field.key] ?? ''" :placeholder="field.placeholder" :data-clean="field.key in drafts ? null : ''" :aria-invalid="!!problem(field)"
                      :aria-describedby="id(field.key) + '-help ' + id(field.key) + '-wrong'" @input="drafts[field.key] = $event.target.value"
-                     @change="leave(field)" @blur="leave(field)" @keydown="key($event, field)" @keyup="release($event, field)">
+                     @change="leave(field)" @blur="leave(field)" @keydown.enter="leave(field)" @keydown.esc="restore(field)">
               <span :id="id(field.key) + '-help'" class="unseen">{{ field.help }}</span>
               <p v-for="each in warnings[field.key]" :key="each" class="cautious small">{{ each }}</p>
               <p :id="id(field.key) + '-wrong'" v-if="problem(field)" class="wrong" role="alert">{{ problem(field) }}</p>
@@ -99,7 +80,7 @@ export default {
       return this.broken ? [] : Object.entries(this.problems).filter(([key]) => !places.includes(key)).map(([, words]) => words);
     },
     telling() { // a key can mean something else in another kind
-      return this.fields.find(({ key }) => key === this.told)?.help ?? "Each value is used with Enter or on leaving its field. Arrow keys up and down change numbers.";
+      return this.fields.find(({ key }) => key === this.told)?.help ?? "Each value is used with Enter or on leaving its field.";
     },
   },
   methods: {
@@ -128,50 +109,26 @@ export default {
       };
       return part.fields.map(told).filter(Boolean).join(" · ");
     },
-    among(field) { return (this.values[field.key] ?? field.default).split(", ").filter(Boolean); },
-    tick(field, name) {
-      const chosen = this.among(field);
-      this.use(field, field.names.filter((each) => chosen.includes(each) !== (each === name)).join(", "));
-    },
     remedy(field) {  // a number without a unit, with the one of the example, or the value that the server offers
       const given = (this.values[field.key] ?? "").trim();
       const unit = UNIT.exec(field.example.split(",")[0])?.[0];
       const bare = this.problem(field) && field.units.length && unit && /^[+-]?(\d+\.?\d*|\.\d+)$/.test(given);
       return bare ? `${Number(given)} ${unit}` : this.offers[field.key];
     },
+    restore({ key }) {
+      delete this.drafts[key];
+      delete this.refused[key];
+    },
     use(field, text) {
-      delete this.drafts[field.key];
-      delete this.refused[field.key];
+      this.restore(field);
       this.values = { ...this.values, [field.key]: text };
-      this.$emit("typed", { key: field.key, text, released: true });
+      this.$emit("typed", { key: field.key, text });
     },
     leave(field) {
       const text = this.drafts[field.key];
       if (text === undefined) return;
-      const stepped = this.stepping === field.key;  // what steps show is not yet a step of the history
-      this.stepping = null;
-      if (text === (this.values[field.key] ?? "") && !this.problem(field) && !stepped) delete this.drafts[field.key];
+      if (text === (this.values[field.key] ?? "") && !this.problem(field)) delete this.drafts[field.key];
       else this.use(field, text);
-    },
-    key(event, field) {
-      if (event.key === "Enter") this.leave(field);
-      else if (event.key === "Escape") {
-        delete this.drafts[field.key];
-        delete this.refused[field.key];
-      }
-      else if (event.key === "ArrowUp" || event.key === "ArrowDown") {
-        const next = stepped(event.target.value, event.target.selectionStart, (event.key === "ArrowUp" ? 1 : -1) * (event.shiftKey ? 10 : 1), field.value === "integer");
-        if (!next) return;
-        event.preventDefault();
-        this.drafts[field.key] = next.text;
-        this.stepping = field.key;
-        this.$emit("typed", { key: field.key, text: next.text, released: false });
-        this.$nextTick(() => event.target.setSelectionRange(next.caret, next.caret));
-      }
-    },
-    release(event, field) {
-      if (this.stepping !== field.key || !event.key.startsWith("Arrow")) return;
-      this.leave(field);
     },
   },
 };

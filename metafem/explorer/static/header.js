@@ -1,6 +1,6 @@
 // The head of the page: the target in words, the status, the model, undo and redo, and the menu.
-// It also takes the files that are dropped, and hands a table to the plot of the law.
-import { remember, shared, textsOf } from "metafem/linked.js";
+// It also takes the files that are dropped.
+import { uploader } from "metafem/linked.js";
 
 const THEMES = { light: "Light", auto: "Auto", dark: "Dark" };
 const CALM = 700;  // milliseconds without a new status, after which screen readers are told
@@ -76,7 +76,7 @@ export default {
     show(data) { Object.assign(this, data); },
     choose(theme) {
       this.theme = theme;
-      remember(THEME, theme);
+      localStorage.setItem(THEME, theme);
       Quasar.Dark.set(theme === "auto" ? "auto" : theme === "dark");
     },
     key(event) {
@@ -92,13 +92,11 @@ export default {
     over(event) {
       if (event.dataTransfer?.types.includes("Files")) event.preventDefault();
     },
-    async drop(event) {  // the browser would leave the page and open the file
+    drop(event) {  // the browser would leave the page and open the file
       if (!event.dataTransfer?.types.includes("Files")) return;
-      const files = [...event.dataTransfer.files];
       event.preventDefault();
       event.stopPropagation();
-      if (files.some((file) => /\.toml$/i.test(file.name))) this.$emit("load", { files: await textsOf(files) });
-      else shared.files = files;
+      uploader().addFiles(event.dataTransfer.files);
     },
   },
 };

@@ -1,11 +1,10 @@
 // The law: shows answers, and turns what hands and keys do into events. NiceGUI calls its methods.
 import { Drags } from "metafem/drags.js";
-import { ARROWS, Chosen, remember, shared, textsOf } from "metafem/linked.js";
-import { area, Axis, digits, path, placeIn, ticks, told, valueAt } from "metafem/plot.js";
+import { ARROWS, Chosen, shared, uploader } from "metafem/linked.js";
+import { area, Axis, digits, path, placeIn, PlotAxes, told, valueAt } from "metafem/plot.js";
 
-// What is free around the axes, the room for a label of an axis, and the length of the marks below it [pixels].
-const MARGIN = { left: 62, right: 16, top: 12, bottom: 46 };
-const [BETWEEN, MARK] = [{ x: 85, y: 48 }, { entry: 7, marked: 12, near: 4 }];
+// What is free around the axes, and the length of the marks below them [pixels].
+const [MARGIN, MARK] = [{ left: 62, right: 16, top: 12, bottom: 46 }, { entry: 7, marked: 12, near: 4 }];
 // Radius of what takes a pointer at a handle: 44 px wide for a finger. Where fingers are the first pointer, a pinch
 // enlarges the page.
 const TOUCH = matchMedia("(any-pointer: coarse)").matches ? 22 : 18;
@@ -36,20 +35,14 @@ export default {
           <button type="button" aria-label="Zoom in" title="Show less of the axes (+); also Ctrl and the wheel" @click="zoom(0.8)">+</button>
           <button type="button" title="Fit the axes to target and law (0)" @click="zoom(0)">Fit</button>
         </span>
-        <button type="button" class="act law-choose" title="Show a CSV table of a measured law; it can also be dropped onto the plot. Its first line names the columns with their units: load_N,friction_force_N or load_mN,area_mm2." @click="$refs.file.click()">Measured points…</button>
-        <input ref="file" type="file" accept=".csv,.tsv,.txt,text/csv" hidden @change="choose">
+        <button type="button" class="act law-choose" title="Show a CSV table of a measured law; it can also be dropped onto the plot. Its first line names the columns with their units: load_N,friction_force_N or load_mN,area_mm2." @click="uploader().pickFiles()">Measured points…</button>
       </div>
       <div class="law-stage" ref="stage">
         <svg class="law-svg" ref="svg" role="group" aria-label="Target law and achieved law. Points can be dragged, or moved with the arrow keys; the key a adds one, Delete removes one; + and - zoom, 0 shows all."
              @pointerdown="pressed = placeOf($event)" @pointermove="follow" @pointerup="release($event.pointerId)" @pointercancel="release($event.pointerId)" @pointerleave="over = null; markTicks()" @wheel.ctrl="wheel" @click="click" @keydown="key">
           <template v-if="answer">
             <defs><clipPath :id="clip"><rect :x="box.left" :y="box.top" :width="box.right - box.left" :height="box.bottom - box.top"/></clipPath></defs>
-            <g class="axes" aria-hidden="true">
-              <path class="grid" :d="grid"/><path :d="'M' + box.left + ' ' + box.top + 'V' + box.bottom + 'H' + box.right"/>
-              <text v-for="each in marks.x" :x="x.px(each.value)" :y="box.bottom + 20" text-anchor="middle">{{ each.words }}</text>
-              <text v-for="each in marks.y" :x="box.left - 7" :y="y.px(each.value) + 4" text-anchor="end">{{ each.words }}</text>
-              <text v-for="({ label, unit, meaning }, i) in [answer.x, answer.y]" class="title" text-anchor="middle" :transform="titles[i]">{{ label }} [{{ unit }}]<title v-if="meaning">{{ meaning }}</title></text>
-            </g>
+            <plot-axes :x="x" :y="y" :titles="[answer.x, answer.y]" :beside="48"/>
             <g class="law-curves" :clip-path="'url(#' + clip + ')'" aria-hidden="true"><path v-for="{ kind, d } in curves" :key="kind" :class="kind" :d="d"/></g>
             <g v-for="handle in handles" :key="handle.id" :class="classesOf(handle)" :data-id="handle.id" :transform="'translate(' + x.px(handle.x).toFixed(2) + ' ' + y.px(handle.y).toFixed(2) + ')'"
                tabindex="0" role="slider" :aria-disabled="inactive" :aria-label="wordsOf(handle)" :aria-valuetext="wordsOf(handle)" :aria-valuenow="handle.moves === 'x' ? handle.x : handle.y" aria-valuemin="0"
@@ -71,24 +64,24 @@ export default {
       <div class="law-dock">
         <ul :key="legend.join()" class="law-legend" aria-label="Legend"><li v-for="[kind, words, more] in legend" :key="words" :title="more || null"><span :class="['key', kind]"></span>{{ words }}
           <button v-if="acts[kind]" type="button" @click="$emit(acts[kind][1], acts[kind][2])">{{ acts[kind][0] }}</button></li></ul>
-        <div :class="['law-refusal', { away }]" :hidden="!refusal">
-          <button type="button" class="law-away" :hidden="held" :aria-label="away ? 'Show the reason of the refusal' : 'Put the reason away'" @click="away = !away">{{ away ? "Why?" : "✕" }}</button>
-          <em class="law-nearest" :hidden="!answer?.nearest"><i></i>nearest law that can be designed</em><span>{{ refusal }}</span>
-          <button type="button" class="law-use" :hidden="!answer?.offer || held" @click="use">{{ offer }}</button></div>
+        <details v-if="refusal" :key="refusal" open class="law-refusal"><summary aria-label="Reason of the refusal"></summary>
+          <em class="law-nearest" :hidden="!answer.nearest"><i></i>nearest law that can be designed</em><span>{{ refusal }}</span>
+          <button type="button" class="law-use" :hidden="!answer.offer || held" @click="use">{{ offer }}</button></details>
       </div>
       <div :class="['law-live', { wrong }]"><span :aria-live="live">{{ words }}</span>
         <button type="button" class="law-drop" :hidden="!pointed" title="Remove this point (Delete)" @click="remove(pointed)">Remove the point</button>
         <button type="button" :hidden="!reason" title="The reason of the refusal" @click="say(reason, true)">Why?</button>
         <button type="button" class="law-use" :hidden="!(wrong && offered)" @click="use">{{ offer }}</button></div>
     </div>`,
+  components: { PlotAxes },
   data() {
     return {
       answer: null, tolerance: null, beside: null, tools: { no_forces: "" }, // the answers are frozen: Vue does not follow thousands of numbers
       x: new Axis(), y: new Axis(), unit: null, zoomed: false, box: { ...MARGIN }, clip: `law-clip-${Math.random().toString(36).slice(2)}`,
       handles: [], inactive: false, drags: new Drags((request) => this.$emit("drag", { ...request, part: this.part }), this.ended), // inactive while the text has problems
       over: null, chosen: null, shared, // where the pointer is [px], and the load that was chosen
-      away: false, offer: "Use the nearest law", offered: false, words: "", reason: "", wrong: false, live: "polite", pointed: "",
-      acts: ACTS, arrows: ARROWS, touch: TOUCH,
+      offer: "Use the nearest law", offered: false, words: "", reason: "", wrong: false, live: "polite", pointed: "",
+      acts: ACTS, arrows: ARROWS, touch: TOUCH, uploader,
     };
   },
   computed: {
@@ -97,20 +90,6 @@ export default {
     held() { return this.drags.now !== null; },
     // The part of the fitted axes that is shown.
     part() { return Math.min(this.x.span / this.x.fitted, this.y.span / this.y.fitted); },
-    marks() {
-      const { box } = this;
-      const room = { x: box.right - box.left, y: box.bottom - box.top };
-      return Object.fromEntries(["x", "y"].map((axis) => [axis, ticks(this[axis].low, this[axis].high, room[axis] / BETWEEN[axis])]));
-    },
-    grid() {
-      const [{ box, marks }, across, up] = [this, this.x.px, this.y.px];
-      const lines = [...marks.x.map(({ value }) => `M${across(value)} ${box.top}V${box.bottom}`), ...marks.y.map(({ value }) => `M${box.left} ${up(value)}H${box.right}`)];
-      return lines.join("");
-    },
-    titles() {
-      const { left, right, top, bottom } = this.box;
-      return [`translate(${(left + right) / 2} ${bottom + MARGIN.bottom - 8})`, `translate(14 ${(top + bottom) / 2}) rotate(-90)`];
-    },
     // [class of the key, words, further words, curve] of all that an answer shows.
     entries() {
       const { answer, tolerance, refusal } = this;
@@ -155,15 +134,12 @@ export default {
     },
   },
   watch: {
-    "shared.files"(files) { this.read(files); },
     "shared.load"(to) { this.take(to); },
-    refusal() { this.away = false; }, // another reason has not been read
-    held(held) { if (held) this.away = false; },
   },
   created() { this.own = new Chosen(); },
   mounted() {
     if (!localStorage.getItem(HINT)) this.words = WELCOME;
-    remember(HINT, "seen");
+    localStorage.setItem(HINT, "seen");
     this.resize();
   },
   methods: {
@@ -224,8 +200,9 @@ export default {
     },
     resize() {
       const { width, height } = this.$refs.stage.getBoundingClientRect();
-      if (!width || !height) return; // hidden
-      this.box = { left: MARGIN.left, right: width - MARGIN.right, top: MARGIN.top, bottom: height - MARGIN.bottom };
+      const [right, bottom] = [width - MARGIN.right, height - MARGIN.bottom];
+      if (right <= MARGIN.left || bottom <= MARGIN.top) return; // hidden, or not yet laid out
+      this.box = { left: MARGIN.left, right, top: MARGIN.top, bottom };
       this.x.ends = [this.box.left, this.box.right];
       this.y.ends = [this.box.bottom, this.box.top];
     },
@@ -287,7 +264,7 @@ export default {
       const { box, x, y } = this;
       if (!at || at.x <= box.left || at.x > box.right || at.y >= box.bottom) return;
       this.changing = { count: this.handles.length, at, marked: this.answer.marked };
-      this.$emit("add", { x: x.rounded(x.at(at.x)), y: y.rounded(y.at(at.y)), near: SNAP * y.pixel });
+      this.$emit("add", { x: x.at(at.x), y: y.at(at.y), near: SNAP * y.pixel });
     },
     remove(id) {
       this.changing = { count: this.handles.length, row: this.handles.findIndex((each) => each.id === id) };
@@ -337,7 +314,7 @@ export default {
       const { now } = this.drags;
       const handle = this.of(now.id);
       for (const axis of handle.moves) {
-        handle[axis] = Math.max(this[axis].rounded(this[axis].pixel), this[axis].rounded(to[axis]));
+        handle[axis] = Math.max(this[axis].pixel, to[axis]);
         this[axis].grow(handle[axis]);
       }
       if ([...handle.moves].every((axis) => handle[axis] === now.place[axis])) return;
@@ -394,8 +371,8 @@ export default {
       this.ticked = sites.join();
     },
     chooseLoad(load) {
-      const { answer: { achieved, load_scale: scale }, x } = this;
-      shared.load = { load: x.rounded(Math.min(achieved.x.at(-1), Math.max(achieved.x[0], load))) / scale, moving: false };
+      const { achieved, load_scale: scale } = this.answer;
+      shared.load = { load: Math.min(achieved.x.at(-1), Math.max(achieved.x[0], load)) / scale, moving: false };
     },
     // A load that was chosen here or beside the surface. The server computes the contacts where it stays.
     take(to) {
@@ -407,15 +384,6 @@ export default {
     use() {
       this.offered = false;
       this.$emit("nearest", {});
-    },
-    choose({ target }) {
-      if (target.files.length) this.read([...target.files]);
-      target.value = ""; // the same file can be chosen again
-    },
-    async read(files) {
-      const [table, ...others] = await textsOf(files);
-      if (table.why || others.length) this.say(others.length ? "Drop one file: a table with columns such as load_N,friction_force_N." : `${table.name} ${table.why}.`, true);
-      else this.$emit("dropped", table);
     },
   },
 };

@@ -1,13 +1,11 @@
 // The map of the sites: draws them, finds the one under the pointer, and those in a rectangle.
 import { colouring, range } from "metafem/contacts.js";
-import { Axis, digits, placeIn, ticks } from "metafem/plot.js";
+import { Axis, digits, placeIn, PlotAxes } from "metafem/plot.js";
 
-// What is free around the map, with the bar of its colours below it [pixels], and pixels for a number at an axis.
-const [MARGIN, ROOM] = [{ left: 44, right: 8, top: 8, bottom: 90 }, 45];
+// What is free around the map; the title beside an axis, and the bar of colours below the other one [pixels].
+const [MARGIN, BESIDE, BELOW] = [{ left: 44, right: 8, top: 8, bottom: 84 }, 33, 44];
 // Part of the least distance between sites that is free around them, and that a marker covers.
 const [EDGE, MARKER] = [0.62, 0.42];
-// The bar of colours: where it is below the map, its height, largest width and number of colours.
-const BAR = { below: 50, height: 10, most: 420, classes: 48 };
 // Smallest radius of a contact that is drawn, of what a pointer finds, and shortest drag that is no click [pixels].
 const [SEEN, REACH, CLICK] = [0.5, 12, 5];
 
@@ -24,8 +22,7 @@ function framed({ x, y, spacing, block }, width, height) {
   const top = MARGIN.top + (room[1] - scale * along.span) / 2;
   across.ends = [left, left + scale * across.span];
   along.ends = [top + scale * along.span, top];
-  const marks = axes.map((axis) => ticks(axis.low, axis.high, Math.max(2, Math.min(8, (scale * axis.span) / ROOM))));
-  return { x: across, y: along, scale, marks };
+  return { x: across, y: along, scale };
 }
 
 const HELP = "Map of the heights. Arrow keys move between the sites, with Shift they select. Enter opens the menu, p keeps the height, e leaves the site empty, r lets the design choose, Escape ends the selection.";
@@ -35,38 +32,15 @@ export default {
     <div class="layer" ref="box"><canvas ref="canvas"></canvas>
       <svg ref="svg" tabindex="0" role="application" aria-roledescription="map of the sites" aria-label="${HELP}" @focus="from || $emit('enter')" @blur="$emit('hover', null)"
            @pointerdown="press" @pointermove="move" @pointerup="lift" @pointercancel="drop" @pointerleave="$emit('hover', null)" @keydown="$emit('key', $event)">
-        <g v-if="frame" class="axes">
-          <rect :class="layout.block ? 'block' : 'frame'" v-bind="box(frame.x.low, frame.y.low, frame.x.high, frame.y.high)"/>
-          <text v-for="{ value, words } in frame.marks[0]" :x="frame.x.px(value)" :y="frame.y.ends[0] + 14" text-anchor="middle">{{ words }}</text>
-          <text v-for="{ value, words } in frame.marks[1]" :x="frame.x.ends[0] - 5" :y="frame.y.px(value) + 4" text-anchor="end">{{ words }}</text>
-          <text :x="middle" :y="frame.y.ends[0] + 29" text-anchor="middle">x [mm]</text>
-          <text text-anchor="middle" :transform="'translate(' + (frame.x.ends[0] - 30) + ' ' + (frame.y.ends[0] + frame.y.ends[1]) / 2 + ') rotate(-90)'">y [mm]</text>
-        </g>
-        <g v-if="bar" class="axes">
-          <rect v-for="each in bar.classes" :x="each.x" :y="bar.y" :width="each.width + 0.5" height="${BAR.height}" :fill="each.fill"/>
-          <text v-for="{ at, words } in bar.marks" :x="at" :y="bar.y + 22" text-anchor="middle">{{ words }}</text>
-          <text :x="middle" :y="bar.y + 37" text-anchor="middle">{{ bar.title }}</text>
-        </g>
+        <plot-axes v-if="frame" :x="frame.x" :y="frame.y" :titles="titles" :beside="${BESIDE}" :class="{ bare: !layout.block }"/>
         <rect v-if="drawn" class="rectangle" v-bind="drawn"/>
       </svg>
+      <p v-if="frame && colours?.scale" class="colours small" :style="{ top: frame.y.ends[0] + ${BELOW} + 'px' }"><span>{{ digits(colours.scale.low) }}</span><i :style="{ background: colours.scale.gradient }"></i><span>{{ digits(colours.scale.high) }}</span><b>{{ colours.name }} [{{ colours.unit }}]</b></p>
     </div>`,
+  components: { PlotAxes },
   props: { marks: Object }, // the sites that are pointed at, selected and active
   emits: ["hover", "pick", "key", "enter"],
-  data() { return { frame: null, colours: null, drawn: null, layout: null }; },
-  computed: {
-    middle() { return (this.frame.x.ends[0] + this.frame.x.ends[1]) / 2; },
-    bar() {
-      const { frame, colours } = this;
-      if (!frame || !colours?.scale) return null;
-      const { name, unit, scale: { low, high, css } } = colours;
-      const room = Math.min(BAR.most, this.$refs.box.clientWidth - 2 * MARGIN.left);
-      const axis = Object.assign(new Axis(), { low, high: high > low ? high : low + 1, ends: [this.middle - room / 2, this.middle + room / 2] });
-      const part = axis.span / BAR.classes;
-      const classes = Array.from({ length: BAR.classes }, (_, i) => ({ x: axis.px(low + i * part), width: room / BAR.classes, fill: css(low + (i + 0.5) * part) }));
-      const marks = ticks(low, axis.high, 5).map(({ value }) => ({ at: axis.px(value), words: digits(value) }));
-      return { y: frame.y.ends[0] + BAR.below, classes, marks: high > low ? marks : [], title: `${name} [${unit}]` };
-    },
-  },
+  data() { return { frame: null, colours: null, drawn: null, layout: null, titles: ["x", "y"].map((label) => ({ label, unit: "mm" })), digits }; },
   methods: {
     // Takes the data of the server; `contacts` may be those of the surface before for some milliseconds.
     show(layout, surface, contacts, look) {
@@ -79,10 +53,6 @@ export default {
       if (!width || !height || !this.layout) return;
       this.frame = Object.freeze(framed(this.layout, width, height));
       this.mark();
-    },
-    box(west, south, east, north) {
-      const { x, y } = this.frame;
-      return { x: x.px(west), y: y.px(north), width: x.px(east) - x.px(west), height: y.px(south) - y.px(north) };
     },
     // Draws the sites: filled, with their contacts to scale, and what was asked of them.
     mark() {

@@ -1,4 +1,4 @@
-// What the law and the map draw with: axes between values and pixels, round ticks, and curves as paths.
+// What the law and the map draw with: axes between values and pixels, and curves as paths.
 
 // Free space beyond the farthest point, and the part of an axis below which the axis is shortened.
 const [SPARE, EMPTY] = [1.08, 0.55];
@@ -14,8 +14,10 @@ export class Axis {
 
   get span() { return this.high - this.low; }
 
-  // What a pixel is.
-  get pixel() { return this.span / Math.max(1, Math.abs(this.ends[1] - this.ends[0])); }
+  // Its length and its middle [pixels], and what a pixel is.
+  get length() { return Math.abs(this.ends[1] - this.ends[0]); }
+  get middle() { return (this.ends[0] + this.ends[1]) / 2; }
+  get pixel() { return this.span / Math.max(1, this.length); }
 
   // The function from values to pixels.
   get px() {
@@ -25,12 +27,6 @@ export class Axis {
 
   at(px) { return this.low + ((px - this.ends[0]) / (this.ends[1] - this.ends[0])) * this.span; }
   has(value) { return value !== null && value >= this.low && value <= this.high; }
-
-  // A value without digits that no pixel resolves.
-  rounded(value) {
-    const power = Math.floor(Math.log10(this.pixel));
-    return power < 0 ? Number(value.toFixed(Math.min(100, -power))) : Math.round(value / 10 ** power) * 10 ** power;
-  }
 
   // Shows all values; stays as it is while they fill it, unless `fresh`.
   fit(values, fresh) {
@@ -58,8 +54,40 @@ export class Axis {
   }
 }
 
+// Pixels for a number at an axis.
+const BETWEEN = { x: 85, y: 48 };
+
+// Two axes with a grid, their numbers, and their titles: the one of y is so many pixels beside the axis.
+export const PlotAxes = {
+  template: `
+    <g class="axes" aria-hidden="true">
+      <path class="grid" :d="grid"/><path class="frame" :d="frame"/>
+      <text v-for="each in marks.x" :x="x.px(each.value)" :y="y.ends[0] + 20" text-anchor="middle">{{ each.words }}</text>
+      <text v-for="each in marks.y" :x="x.ends[0] - 7" :y="y.px(each.value) + 4" text-anchor="end">{{ each.words }}</text>
+      <text v-for="({ label, unit, meaning }, i) in titles" class="title" text-anchor="middle" :transform="places[i]">{{ label }} [{{ unit }}]<title v-if="meaning">{{ meaning }}</title></text>
+    </g>`,
+  props: { x: Object, y: Object, titles: Array, beside: Number },
+  computed: {
+    marks() {
+      return Object.fromEntries(["x", "y"].map((name) => [name, ticks(this[name].low, this[name].high, this[name].length / BETWEEN[name])]));
+    },
+    grid() {
+      const { x, y, marks } = this;
+      return [...marks.x.map(({ value }) => `M${x.px(value)} ${y.ends[1]}V${y.ends[0]}`), ...marks.y.map(({ value }) => `M${x.ends[0]} ${y.px(value)}H${x.ends[1]}`)].join("");
+    },
+    frame() {
+      const { x: { ends: [left, right] }, y: { ends: [bottom, top] } } = this;
+      return `M${left} ${top}V${bottom}H${right}V${top}Z`;
+    },
+    places() {
+      const { x, y } = this;
+      return [`translate(${x.middle} ${y.ends[0] + 38})`, `translate(${x.ends[0] - this.beside} ${y.middle}) rotate(-90)`];
+    },
+  },
+};
+
 // Round values within a range, at most about so many, with the number of decimals that tells them apart.
-export function ticks(low, high, most) {
+function ticks(low, high, most) {
   const rough = (high - low) / Math.max(1, most);
   const power = 10 ** Math.floor(Math.log10(rough));
   const step = [1, 2, 5, 10].find((each) => each * power >= rough) * power;

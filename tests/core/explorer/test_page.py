@@ -2,6 +2,7 @@
 
 import asyncio
 import threading
+from dataclasses import replace
 from importlib import import_module
 from types import SimpleNamespace
 
@@ -11,7 +12,9 @@ from nicegui.page import page as page_of
 
 from metafem.errors import InvalidInput
 from metafem.explorer import control, queue
-from metafem.explorer.control import Panel, Request, patience, whole_of
+from metafem.explorer.answer import Answer
+from metafem.explorer.control import Panel, patience, whole_of
+from metafem.explorer.editor import Specification, loaded
 from metafem.explorer.files import Taking
 from metafem.explorer.form import Workshop
 from metafem.explorer.header import FIRST, Header
@@ -22,11 +25,14 @@ from metafem.explorer.surface import SurfacePanel
 from metafem.explorer.surface_data import asked_sites
 from metafem.explorer.table import with_values
 from metafem.files import demo_text, parsed
-from tests.explorer.scenes import calls_of, held, on_page, shown, with_height
+from tests.explorer.scenes import calls_of, files, held, on_page, shown, with_height
 
 TEXT = demo_text("operating-points")
 OWN = f"# for the fair\n{TEXT}"
 
+
+# A measured law.
+FORCES = "load_N,friction_force_N\n0.1,0.12\n0.3,0.4\n"
 
 # Rescaled friction of one newton [mm^2].
 UNIT = 1.0 / (0.37 * 0.85)
@@ -34,7 +40,7 @@ UNIT = 1.0 / (0.37 * 0.85)
 # What takes long where texts are long or surfaces large.
 LONG = [
     "control.answered", "control.to_link", "law.law_data", "law.moved", "law.removed", "law.with_point",
-    "law.read_points", "law.tolerance_band", "surface.site_data", "surface.layout_data",
+    "editor.read_points", "law.tolerance_band", "surface.site_data", "surface.layout_data",
     "surface.contact_data", "surface.press_data", "surface.edited", "header.header_data",
     "header.with_field", "form.contents", "form.with_kind_near", "files.specification_file",
     "files.made_files",
@@ -162,6 +168,7 @@ class Each(Panel):
     def __init__(self, page):
         super().__init__(page)
         self.shown, self.warned = [], []
+        page.warners.append(self.warn)
 
     def show(self, answer, _):
         self.shown.append(answer.number)
@@ -208,12 +215,13 @@ def test_panels_show_what_is_new_and_fail_alone(caplog):
 
 
 def test_a_search_ends_when_the_drag_goes_on_and_a_draft_is_computed_fully_at_rest(monkeypatch):
-    one, other = (Request(1, State(text), False) for text in "ab")
-    assert patience(one, other._replace(draft=True)) == 0.0
-    assert patience(one, one._replace(number=2)) > 1e9
-    assert patience(one, other) == patience(one._replace(draft=True), other) == queue.PATIENCE
-    assert patience(*[each._replace(draft=True) for each in (one, other)]) == 5.0
-    assert (whole_of(one), whole_of(one._replace(draft=True))) == (None, one)
+    one, other = (Answer(1, State(text)) for text in "ab")
+    assert patience(one, replace(other, draft=True)) == 0.0
+    assert patience(one, replace(one, number=2)) > 1e9
+    assert patience(one, other) == patience(replace(one, draft=True), other) == queue.PATIENCE
+    assert patience(*[replace(each, draft=True) for each in (one, other)]) == 5.0
+    whole = whole_of(replace(one, draft=True))
+    assert (whole_of(one), whole.draft, whole.state) == (None, False, one.state)
 
     async def scene(page):
         page.queue.pause = 0.0
@@ -245,8 +253,8 @@ def test_the_plot_of_the_law_moves_adds_and_removes_points():
         await event("cursor", x=0.272)
         await event("axes", newtons=False)
         await event("pin", on=True)
-        table = "load_N,friction_force_N\n0.1,0.12\n0.3,0.4\n"
-        await event("dropped", name="m.csv", text=table)
+        await page.step(lambda state: loaded(state, files(m_csv=FORCES), page.answer.template))
+        await shown(page)
         await event("measured")
         return sent, texts, page.session.states, page.state
 
@@ -265,7 +273,6 @@ def test_the_plot_of_the_law_moves_adds_and_removes_points():
     assert [each["pinned"] is None for each in drawn][-4:] == [True, False, False, False]
     assert (states[-2].measured_name, last.measured) == ("m.csv", "")
     assert drawn[-2]["measured"]["y"] == pytest.approx([0.12 * UNIT, 0.4 * UNIT], rel=1e-4)
-    assert any(given[0] == "say" and "2 points of m.csv" in given[1] for given in sent)
 
 
 def test_the_pictures_of_the_surface_get_what_changed_and_edit_sites():
@@ -291,6 +298,23 @@ def test_the_pictures_of_the_surface_get_what_changed_and_edit_sites():
     assert asked_sites(answer.state.table) == ({}, [3, 4])
     contacts = [given for name, given in sent if name == "contact"]
     assert contacts[0]["load"] == pytest.approx(0.3, rel=1e-9)
+
+
+def test_an_answer_on_its_way_leaves_what_was_typed():
+    async def scene(page, text):
+        text.opened()
+        text.editor.value = typed = f"# mine\n{TEXT}"
+        await page.make(friction(1.7))
+        await shown(page)
+        kept = text.editor.value == typed
+        await text._use()
+        await shown(page)
+        used = page.state.text == typed
+        await page.make(friction(1.7))
+        await shown(page)
+        return kept, used, text.editor.value == page.state.text != typed
+
+    assert on_page(scene, Specification) == (True, True, True)
 
 
 def test_header_and_fields_show_what_is_chosen_and_what_is_refused():

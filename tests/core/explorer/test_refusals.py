@@ -61,8 +61,8 @@ def sites(action, numbers, height="", design=demo):
     )
 
 
-def load(given, *more):
-    return lambda: loaded(State(TEXT), [*given, *more])
+def load(**given):
+    return lambda: loaded(State(TEXT), files(**given))
 
 
 def part(**typed):
@@ -124,10 +124,10 @@ FILES = [
     (sites("pin", [64]), "sites", "select"),
     (sites("pin", [True]), "sites", "select"),
     (lambda: typed_height("-3"), "height", "-3"),
-    (load(files(a_toml=SAMPLED, b_toml=SAMPLED)), "specifications", "several"),
-    (load(files(a_toml=SAMPLED), {"name": "wanted.csv", "why": "is bad"}), "wanted.csv", "is bad"),
-    (load(files(law_csv=TITLES)), "law.csv", "table"),
-    (load([], {"name": "p.png", "why": "is no text"}), "p.png", "is no text"),
+    (load(a_toml=SAMPLED, b_toml=SAMPLED), "specifications", "several"),
+    (load(law_csv=TITLES), "law.csv", "has no problems"),
+    (load(a_csv=TITLES, b_csv=TITLES), "a.csv, b.csv", "one measured law"),
+    (load(p_png=""), "p.png", "spec.toml"),
 ]
 PARTS = [
     (part(size="20 × 20"), "size", "20 × 20"),

@@ -7,7 +7,7 @@ import pytest
 
 from metafem.errors import InvalidInput
 from metafem.explorer.queue import Dropped, Queue
-from metafem.explorer.server import REFUSED, Guard
+from metafem.explorer.server import REFUSED, guarded
 from metafem.progress import doing
 
 OWN, TOKEN = "127.0.0.1:8123", "c0ffee"
@@ -29,7 +29,7 @@ def asked(path=f"/{TOKEN}/", kind="http", **headers):
 
     given = [(name.encode(), value.encode()) for name, value in ({"host": OWN} | headers).items()]
     scope = {"type": kind, "path": path, "headers": given}
-    asyncio.run(Guard(application, TOKEN, 8123)(scope, receive, send))
+    asyncio.run(guarded(application, TOKEN, 8123)(scope, receive, send))
     return received, sent
 
 

@@ -224,7 +224,7 @@ def test_the_form_has_a_field_for_each_key_and_the_names_of_messages():
     largest = fields["limits.max_height"]
     assert largest["help"].startswith("Max height (limits.max_height): ")
     assert largest["help"].endswith(f"Example: {largest['example']}.")
-    assert fields["part.feed"]["default"] == "20 mm/min"
+    assert fields["part.feed"]["placeholder"] == "20 mm/min"
     broken = contents(State("[limits\n"), {"": "whatever"})
     assert ("not valid TOML" in broken["broken"], broken["problems"]) == (True, {})
 
