@@ -114,15 +114,12 @@ def _steps() -> Iterator[Row]:
     yield near(f"{name}: half of the 68 % interval of the slope", found, half, 1e-8 * half, LINE)
     yield near(f"{name}: fitted slope", line.slope, second, ROUNDING * second, SUMS)
     part, drawn, points = made()
-    worst = float(np.abs(1e3 * (part.height - table.height) - drawn).max())
-    yield below(
-        "4 made part: largest difference of the heights from the draws [µm]", worst, WRITTEN_UM, DRAWN
-    )
+    off = np.abs(1e3 * (part.height - table.height) - drawn).max()
+    yield below("4 made part: largest difference of the heights from the draws [µm]", off, WRITTEN_UM, DRAWN)
     true = mf.friction_law(part, load=modulus * loads).fit(branch.load_range).slope
     most = SIGMAS * paper()["manufacturing"]["slope_sd_below_at_0p9um"]
-    yield below(
-        f"4 made part: change of the slope, {SIGMAS:g} s.d.", abs(true / line.slope - 1.0), most, MADE
-    )
+    change = abs(true / line.slope - 1.0)
+    yield below(f"4 made part: change of the slope, {SIGMAS:g} s.d.", change, most, MADE)
     chosen = np.flatnonzero((points.rescaled_load >= loads[0]) & (points.rescaled_load <= loads[-1]))
     weight = np.linalg.pinv(np.vander(points.rescaled_load[chosen], 2))[0]
     covariance = mf.calibration.compare(points, design).covariance[np.ix_(chosen, chosen)]
