@@ -82,7 +82,6 @@ class Point(NamedTuple):
     per_load: float
     area_error: float
     load_error: float
-    solved: Model | None = None
 
 
 def heights(count: int | tuple[int, ...]) -> np.ndarray:
@@ -202,7 +201,7 @@ def _measured(scene: str, line: str, setting: str, model: Model) -> Point:
         # the reference is the state of order 3, whose own estimates stand for its errors
         area_error = max(area_error, exact.area_uncertainty)
         load_error = max(load_error, exact.load_uncertainty)
-    return Point(line, setting, cold, per_load, area_error, load_error, found.model)
+    return Point(line, setting, cold, per_load, area_error, load_error)
 
 
 def _peer(scene: str) -> Iterator[Point]:
