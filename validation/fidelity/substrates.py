@@ -76,21 +76,18 @@ def claim() -> Claim:
     several times too far.
     """
     rows = [row for name in surfaces() for row in (_second(name), *_areas(name), *_planes(name))]
-    return Claim(
-        "Half-space, layer or true block", [*_influence(), *rows], {"Changes of A0(P)": Picture(_figure)}
-    )
+    figures = {"Changes of A0(P)": Picture(_figure)}
+    return Claim("Half-space, layer or true block", [*_influence(), *rows], figures)
 
 
-def _influence() -> list[Row]:
+def _influence() -> Iterator[Row]:
     """Check the influence of the block against the layer, a coarser mesh, and reciprocity."""
     surface = surfaces()["Fig. 5 red"]
     wide = surface.replaced(block=mf.Block(WIDE, WIDE, surface.block.thickness))
     error = np.abs(mf.fe.Block3D(**CELLS).influence_matrix(wide) - influence(surface, "layer")).max()
     block, name = mf.fe.Block3D().solution(surface), "block of {:g} mm, 64 sites: largest {} [1/mm]"
-    return [
-        below(name.format(WIDE, "error of the influence"), error, LAYER, HANKEL),
-        below(name.format(20, "change with the mesh"), block.error_estimate, INFLUENCE, MESHES),
-    ]
+    yield below(name.format(WIDE, "error of the influence"), error, LAYER, HANKEL)
+    yield below(name.format(20, "change with the mesh"), block.error_estimate, INFLUENCE, MESHES)
 
 
 def _second(name: str) -> Row:

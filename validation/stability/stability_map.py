@@ -5,7 +5,6 @@ The errors are those of A0 at a given load against resolved contacts without cel
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from contextlib import suppress
 from functools import cache
@@ -70,7 +69,7 @@ def solve(surface: mf.Surface, substrate: Radial, cells: int = CELLS, **given: f
     thickness of the layer; announced: whether order 3 warns or refuses; resolved: whether Automatic does.
     """
     load = mf.equilibrium(surface, **given).load
-    area, estimate, announced = math.nan, math.inf, True
+    area, estimate, announced = np.nan, np.inf, True
     with suppress(mf.MetafemError):
         point = mf.equilibrium(surface, mf.Interacting(3, substrate), load=load)
         area, estimate = point.area, truncation(surface, point.asperity_area, substrate)
@@ -81,7 +80,7 @@ def solve(surface: mf.Surface, substrate: Radial, cells: int = CELLS, **given: f
     third, automatic = area / exact - 1.0, abs(state.area / exact - 1.0) - uncertainty
     return {
         "third": third, "uncertainty": uncertainty, "beyond": abs(third) - uncertainty, "estimate": estimate,
-        "automatic": automatic, "ratio": float(np.sqrt(state.asperity_area.max() / math.pi)),
+        "automatic": automatic, "ratio": float(np.sqrt(state.asperity_area.max() / np.pi)),
         "announced": announced, "resolved": isinstance(state.model, mf.BoundaryElements),
     }  # fmt: skip
 
