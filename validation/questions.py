@@ -8,11 +8,12 @@ from pathlib import Path
 from typing import Any
 
 from validation.check import Claim, Result
+from validation.numbers import computed, expected, powers
 from validation.published import paper
-from validation.scenes.models import AREA_ERROR, CAP_ERROR
+from validation.scenes.models import AREA_ERROR, CAP_ERROR, FEW_ERROR
 
 # The largest errors that the documentation states, beside the numbers of the paper.
-STATED = {"area_error": AREA_ERROR, "cap_error": CAP_ERROR}
+STATED = {"area_error": AREA_ERROR, "cap_error": CAP_ERROR, "few_error": FEW_ERROR}
 
 
 def questions(results: Mapping[str, Claim]) -> list[dict[str, Any]]:
@@ -33,7 +34,8 @@ def questions(results: Mapping[str, Claim]) -> list[dict[str, Any]]:
             values = [value(results[claim], words) for claim, *rows in row["rows"] for words in rows]
             row["files"] = [results[claim].file for claim, *_ in row["rows"]]
             row["stated"] = row.get("stated", "–").format(**paper(), **STATED).replace("%", " %")
-            row["computed"] = row["metafem"].format(*values).replace("%", " %").replace("  %", " %")
+            shown = row["metafem"].format(*values).replace("%", " %").replace("  %", " %")
+            row["computed"] = powers(shown)
     return found
 
 
@@ -55,9 +57,9 @@ def markdown(results: Mapping[str, Claim]) -> str:
 
 def _section(of: dict[str, Any]) -> str:
     lines = [f"### {of['title']}", "", of["found"]]
-    if failed := of["failed"]:
-        count = f"{len(failed)} check{'s' * (len(failed) > 1)}"
-        lines += ["", f"**{count} behind these numbers failed**, the first: {failed[0].name}."]
+    for check in of["failed"]:
+        words = f"{check.name}: computed {computed(check)}, expected {expected(check)}"
+        lines += ["", f"**A check behind these numbers failed**: {words}."]
     lines += ["", "| | stated | metafem | computed by |", "|---|---|---|---|"]
     for row in of["numbers"]:
         files = ", ".join(f"[{Path(name).stem}](../../{name})" for name in row["files"])

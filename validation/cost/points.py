@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+import os
 import statistics
 from collections.abc import Iterator
 from functools import cache
+from importlib.metadata import version
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -174,6 +176,12 @@ def points(scene: str) -> tuple[Point, ...]:
     models |= {(RESOLVED, f"{1e3 * cell:g} µm"): mf.BoundaryElements(cell) for cell in known.cells}
     found = [_measured(scene, *names, model) for names, model in models.items()]
     return (*found, *_peer(scene)) if installed() else tuple(found)
+
+
+def machine() -> str:
+    """Return what the times depend on."""
+    versions = [f"{name} {version(name)}" for name in ("numpy", "scipy", "numba", *[PEER] * installed())]
+    return f"{os.cpu_count()} processor cores with {', '.join(versions)}"
 
 
 def _renewed(surface: mf.Surface, run: int) -> mf.Surface:

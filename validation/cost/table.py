@@ -8,11 +8,11 @@ from pathlib import Path
 
 import numpy as np
 
-from validation.cost.points import CURVES, LOADS, points, reference, scenes
+from validation.cost.points import CURVES, LOADS, machine, points, reference, scenes
 from validation.numbers import rounded
 
-# Name, line and setting in the chapter on cost, assumption and range of each model.
-MODELS = Path(__file__).with_name("models.toml")
+# The claim, from the guide; name, line and setting in the chapter on cost, assumption and range of each model.
+CLAIM, MODELS = "../../validation/cost/work_precision.py", Path(__file__).with_name("models.toml")
 
 
 def table() -> str:
@@ -32,7 +32,7 @@ def table() -> str:
         errors = map(percent, (point.area_error, point.load_error), unsure)
         cells = (f"`{each['name']}`", each["assumes"], *times, *errors, each["range"])
         lines.append(f"| {' | '.join(cells)} |")
-    return "\n".join(lines)
+    return "\n".join([*lines, "", f"Measured by [work_precision]({CLAIM}) on {machine()}."])
 
 
 def percent(value: float, unsure: float) -> str:

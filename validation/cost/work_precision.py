@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Iterator
-from importlib.metadata import version
 
 import pandas as pd
 
 import metafem as mf
 from metafem.drawing import MEASURED, QUIET
 from validation.check import Claim, Picture, Row, below, reported
-from validation.cost.peers import installed
 from validation.cost.points import (
     ASPERITIES,
     AUTOMATIC,
@@ -20,6 +17,7 @@ from validation.cost.points import (
     ORDER_3,
     PEER,
     RESOLVED,
+    machine,
     points,
     reference,
     scenes,
@@ -50,12 +48,12 @@ def claim() -> Claim:
     contacts from up to thirteen. For 400 and 10,000 asperities there is no such reference: the error of
     order 3 is its own estimate, and the errors of the other models are counted from order 3. tamaas is
     measured where it is installed (extra `peers`): the time is that of its solver alone, the area that which
-    it reports. Measured on {cores} processor cores with {versions}.
+    it reports. Measured on {machine}.
     """
-    versions = [f"{name} {version(name)}" for name in ("numpy", "scipy", "numba", *[PEER] * installed())]
-    values = {"cores": os.cpu_count(), "versions": ", ".join(versions)}
     rows = [row for scene in scenes() for row in _rows(scene)]
-    return Claim("Seconds against error", rows, {"seconds against error": Picture(picture)}, values)
+    return Claim(
+        "Seconds against error", rows, {"seconds against error": Picture(picture)}, {"machine": machine()}
+    )
 
 
 def _rows(scene: str) -> Iterator[Row]:
