@@ -11,7 +11,7 @@ import numpy as np
 from validation.cost.points import CURVES, LOADS, machine, points, reference, scenes
 from validation.numbers import rounded
 
-# The claim, from the guide; name, line and setting in the chapter on cost, assumption and range of each model.
+# The claim, from the guide; name, line and setting in the chapter on cost, assumption and range of each.
 CLAIM, MODELS = "../../validation/cost/work_precision.py", Path(__file__).with_name("models.toml")
 
 
