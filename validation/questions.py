@@ -11,9 +11,11 @@ from validation.check import Claim, Result
 from validation.numbers import computed, expected, powers
 from validation.published import paper
 from validation.scenes.models import AREA_ERROR, CAP_ERROR, FEW_ERROR
+from validation.scenes.random_contacts import CROWDING, LAYER, WIDTH
 
-# The largest errors that the documentation states, beside the numbers of the paper.
-STATED = {"area_error": AREA_ERROR, "cap_error": CAP_ERROR, "few_error": FEW_ERROR}
+# The largest errors and the ranges that the documentation states, beside the numbers of the paper.
+ERRORS = {"area_error": AREA_ERROR, "cap_error": CAP_ERROR, "few_error": FEW_ERROR}
+STATED = ERRORS | {"width": WIDTH, "crowding": CROWDING, "layer": LAYER}
 
 
 def questions(results: Mapping[str, Claim]) -> list[dict[str, Any]]:
@@ -28,6 +30,7 @@ def questions(results: Mapping[str, Claim]) -> list[dict[str, Any]]:
         each["numbers"] = [
             row for row in each["numbers"] if all(claim in results for claim, *_ in row["rows"])
         ]
+        each["found"] = each["found"].format(**STATED)
         claims = dict.fromkeys(claim for row in each["numbers"] for claim, *_ in row["rows"])
         each["failed"] = [check for claim in claims for check in results[claim].failed]
         for row in each["numbers"]:
