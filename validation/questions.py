@@ -36,10 +36,14 @@ def questions(results: Mapping[str, Claim]) -> list[dict[str, Any]]:
         for row in each["numbers"]:
             values = [value(results[claim], words) for claim, *rows in row["rows"] for words in rows]
             row["files"] = [results[claim].file for claim, *_ in row["rows"]]
-            row["stated"] = row.get("stated", "–").format(**paper(), **STATED).replace("%", " %")
-            shown = row["metafem"].format(*values).replace("%", " %").replace("  %", " %")
-            row["computed"] = powers(shown)
+            row["stated"] = _spaced(row.get("stated", "–").format(**paper(), **STATED))
+            row["computed"] = powers(_spaced(row["metafem"].format(*values)))
     return found
+
+
+def _spaced(text: str) -> str:
+    """Return a text whose percent signs stay with their numbers."""
+    return text.replace(" %", "%").replace("%", "\N{NO-BREAK SPACE}%")
 
 
 def value(claim: Claim, words: Sequence[str]) -> float:
