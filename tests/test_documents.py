@@ -34,7 +34,9 @@ def test_table_of_modules_is_true():
     names = {name for row in table.splitlines() for name in re.findall(r"`(\w+)`", row.partition(" | ")[0])}
     private = {path.stem for path in (ROOT / "metafem").glob("_*")}
     present = {path.stem for path in (ROOT / "metafem").iterdir() if path.suffix == ".py" or path.is_dir()}
+    parts = {name for row in table.splitlines() for name in re.findall(r"`(\w+)`", row.partition(" | ")[2])}
     assert names - present == set()
+    assert parts - {path.stem for path in (ROOT / "metafem").rglob("*")} == set()
     assert present - private - names == set()
 
 

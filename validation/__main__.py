@@ -15,6 +15,7 @@ from validation import explorer_picture, shape_pictures
 from validation.chapters import CHAPTERS, chosen
 from validation.check import Claim
 from validation.cost import work_precision
+from validation.cost.table import table
 from validation.numbers import computed, expected
 from validation.page import write_report
 from validation.paper.surfaces import fig4
@@ -31,7 +32,7 @@ LADDER = Path(__file__).parent / "work_precision.svg"
 def renew_readme(results: dict[str, Claim]) -> None:
     """Write the numbers of the proof, and the pictures of README and guide."""
     _renew("questions", markdown(results))
-    _renew("models", work_precision.table())
+    _renew("models", table())
     ladder = svg(
         work_precision.picture(), "Seconds against error of the models, from sparse to merged contacts"
     )

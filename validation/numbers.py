@@ -41,3 +41,9 @@ def computed(check: Check) -> str:
 def expected(check: Check) -> str:
     """Return the expected number of a check."""
     return powers(check.expected.removesuffix(" ± 0")).replace(" -", " −")
+
+
+def rounded(value: float) -> float:
+    """Return a number rounded to 1, 2 or 5 times a power of ten, so that it seldom changes between runs."""
+    power = 10.0 ** math.floor(math.log10(value))
+    return min((power * each for each in (1.0, 2.0, 5.0, 10.0)), key=lambda each: abs(math.log(each / value)))

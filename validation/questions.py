@@ -8,11 +8,14 @@ from pathlib import Path
 from typing import Any
 
 from validation.check import Claim, Result
+from validation.numbers import computed, expected, powers
 from validation.published import paper
-from validation.scenes.models import AREA_ERROR, CAP_ERROR
+from validation.scenes.models import AREA_ERROR, CAP_ERROR, FEW_ERROR
+from validation.scenes.random_contacts import CROWDING, LAYER, WIDTH
 
-# The largest errors that the documentation states, beside the numbers of the paper.
-STATED = {"area_error": AREA_ERROR, "cap_error": CAP_ERROR}
+# The largest errors and the ranges that the documentation states, beside the numbers of the paper.
+ERRORS = {"area_error": AREA_ERROR, "cap_error": CAP_ERROR, "few_error": FEW_ERROR}
+STATED = ERRORS | {"width": WIDTH, "crowding": CROWDING, "layer": LAYER}
 
 
 def questions(results: Mapping[str, Claim]) -> list[dict[str, Any]]:
@@ -27,14 +30,20 @@ def questions(results: Mapping[str, Claim]) -> list[dict[str, Any]]:
         each["numbers"] = [
             row for row in each["numbers"] if all(claim in results for claim, *_ in row["rows"])
         ]
+        each["found"] = each["found"].format(**STATED)
         claims = dict.fromkeys(claim for row in each["numbers"] for claim, *_ in row["rows"])
         each["failed"] = [check for claim in claims for check in results[claim].failed]
         for row in each["numbers"]:
             values = [value(results[claim], words) for claim, *rows in row["rows"] for words in rows]
             row["files"] = [results[claim].file for claim, *_ in row["rows"]]
-            row["stated"] = row.get("stated", "–").format(**paper(), **STATED).replace("%", " %")
-            row["computed"] = row["metafem"].format(*values).replace("%", " %").replace("  %", " %")
+            row["stated"] = _spaced(row.get("stated", "–").format(**paper(), **STATED))
+            row["computed"] = powers(_spaced(row["metafem"].format(*values)))
     return found
+
+
+def _spaced(text: str) -> str:
+    """Return a text whose percent signs stay with their numbers."""
+    return text.replace(" %", "%").replace("%", "\N{NO-BREAK SPACE}%")
 
 
 def value(claim: Claim, words: Sequence[str]) -> float:
@@ -55,9 +64,9 @@ def markdown(results: Mapping[str, Claim]) -> str:
 
 def _section(of: dict[str, Any]) -> str:
     lines = [f"### {of['title']}", "", of["found"]]
-    if failed := of["failed"]:
-        count = f"{len(failed)} check{'s' * (len(failed) > 1)}"
-        lines += ["", f"**{count} behind these numbers failed**, the first: {failed[0].name}."]
+    for check in of["failed"]:
+        words = f"{check.name}: computed {computed(check)}, expected {expected(check)}"
+        lines += ["", f"**A check behind these numbers failed**: {words}."]
     lines += ["", "| | stated | metafem | computed by |", "|---|---|---|---|"]
     for row in of["numbers"]:
         files = ", ".join(f"[{Path(name).stem}](../../{name})" for name in row["files"])

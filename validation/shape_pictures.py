@@ -57,7 +57,7 @@ def caps_figure() -> Figure:
 
 
 # Exponents of power laws over a range of loads P/E* [mm²], of which spheres of one radius reach those from
-# 2/3 to about 1.35.
+# 2/3 to about 1.44.
 EXPONENTS, LOADS = (0.35, 0.5, 2.0 / 3.0, 1.0, 1.35, 1.8), (0.1, 0.4)
 
 

@@ -1,5 +1,7 @@
 """Quick claims hold, each check names its source, and errors are failed checks."""
 
+from runpy import run_path
+
 import pytest
 from click.testing import CliRunner
 
@@ -31,9 +33,12 @@ def test_quick_claims_hold_and_check_each_printed_number_once():
         printed("somewhere")
 
 
-def test_each_claim_is_in_one_chapter():
-    found = [path.stem for path in FOLDER.glob("*/*.py") if "\ndef claim(" in path.read_text("utf-8")]
+def test_each_claim_is_in_one_chapter_and_is_short():
+    found = {path.stem: path.read_text("utf-8") for path in FOLDER.glob("*/*.py")}
+    found = {name: text for name, text in found.items() if "\ndef claim(" in text}
     assert sorted(name for chapter in CHAPTERS for name in chapter.claims) == sorted(found)
+    lines = run_path(str(FOLDER.parent / ".ci" / "count.py"))["python"]
+    assert [name for name, text in found.items() if lines(text)[0] > 100] == []
     assert CliRunner().invoke(main, ["nothing"]).exit_code == 2
 
 

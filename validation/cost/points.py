@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+import os
 import statistics
 from collections.abc import Iterator
 from functools import cache
+from importlib.metadata import version
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -82,7 +84,6 @@ class Point(NamedTuple):
     per_load: float
     area_error: float
     load_error: float
-    solved: Model | None = None
 
 
 def heights(count: int | tuple[int, ...]) -> np.ndarray:
@@ -177,6 +178,12 @@ def points(scene: str) -> tuple[Point, ...]:
     return (*found, *_peer(scene)) if installed() else tuple(found)
 
 
+def machine() -> str:
+    """Return what the times depend on."""
+    versions = [f"{name} {version(name)}" for name in ("numpy", "scipy", "numba", *[PEER] * installed())]
+    return f"{os.cpu_count()} processor cores with {', '.join(versions)}"
+
+
 def _renewed(surface: mf.Surface, run: int) -> mf.Surface:
     """Return the surface with sites moved by parts in 10⁹, for which nothing is kept from other calls."""
     return surface.replaced(position=surface.position * (1.0 + 1e-9 * (run + 1)))
@@ -202,7 +209,7 @@ def _measured(scene: str, line: str, setting: str, model: Model) -> Point:
         # the reference is the state of order 3, whose own estimates stand for its errors
         area_error = max(area_error, exact.area_uncertainty)
         load_error = max(load_error, exact.load_uncertainty)
-    return Point(line, setting, cold, per_load, area_error, load_error, found.model)
+    return Point(line, setting, cold, per_load, area_error, load_error)
 
 
 def _peer(scene: str) -> Iterator[Point]:

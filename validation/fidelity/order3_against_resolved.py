@@ -7,33 +7,27 @@ are extrapolated to vanishing ones.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
 from functools import cache
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq
 
 import metafem as mf
 from metafem.drawing import QUIET
 from validation.check import Claim, Picture, Row, below, near, reported
 from validation.figures import panels
 from validation.methods import point_load_error
+from validation.scenes.close_contacts import CROWDED, PITCH, Scene, crowded, irregular, lattice
 from validation.scenes.models import CAP_ERROR, CAP_LOAD_ERROR, FEW_ERROR, LOAD_ERROR
 from validation.sources import second_method
 
 # The tests of this claim carry the mark "slow".
 SLOW = True
 
-# Radius of the caps and pitch of the lattice of the paper [mm].
-RADIUS, PITCH = 0.526, 1.5
-
 # Approaches [mm] of the 3 x 3 lattice: contact radii from 0.10 to 0.22 of the pitch.
 APPROACHES = (0.05, 0.1, 0.15, 0.2, 0.3)
 
-# Nine crowded contacts: largest radius over the pitch and over R, at the ends of the documented ranges, where
-# the caps overlap on the base. The approach is that at which order 3 has this radius.
-CROWDED, WIDTH = 0.319, 0.5
+# Nine crowded contacts at the ends of the documented ranges.
 SHAPES = {
     "paraboloid": mf.Hertz(),
     "sphere": mf.Elastic(mf.Sphere()),
@@ -52,25 +46,6 @@ RESOLVED = second_method(mf.BoundaryElements, "resolved contacts, extrapolated t
 LEADING = second_method(point_load_error.area_error, "curvature of the field of point loads")
 
 
-@dataclass(frozen=True)
-class Scene:
-    """Asperities with a cap on a substrate, at an approach [mm]."""
-
-    surface: mf.Surface
-    approach: float
-    contact: mf.Contact = field(default_factory=mf.Hertz)
-    substrate: mf.HalfSpace | mf.BondedLayer = field(default_factory=mf.HalfSpace)
-
-    def state(self, model: mf.Model, load: float | None = None) -> mf.ContactState:
-        """Return the equilibrium at the scene's approach, or at a load."""
-        given = {"approach": self.approach} if load is None else {"load": load}
-        return mf.equilibrium(self.surface, model, **given)
-
-    def expansion(self, order: int) -> mf.Interacting:
-        """Return the model of an order."""
-        return mf.Interacting(order, self.substrate, self.contact)
-
-
 class Errors(NamedTuple):
     """Relative errors of load at fixed approach and of A0 at fixed load, and the uncertainty of each (2,).
 
@@ -82,33 +57,6 @@ class Errors(NamedTuple):
     uncertain: np.ndarray
     radius: np.ndarray
     leading: float
-
-
-def lattice(approach: float, pitch: float = PITCH, **options) -> Scene:
-    """Return nine equal asperities on a lattice, by default the paper's."""
-    part = {"radius": RADIUS, "material": mf.Material(1.0), "block": mf.Block(20.0, 20.0, 7.2)}
-    return Scene(mf.Surface.square_lattice(0.2, (3, 3), pitch, **part), approach, **options)
-
-
-def irregular() -> Scene:
-    """Return six unequal asperities at irregular distances."""
-    position = [[0.0, 0.0], [0.9, 0.1], [0.3, 1.0], [-0.8, 0.5], [1.4, 1.2], [-0.3, -1.1]]
-    height = [0.20, 0.17, 0.19, 0.16, 0.20, 0.18]
-    radius = [0.526, 0.4, 0.6, 0.526, 0.45, 0.526]
-    return Scene(mf.Surface(position, height, radius, mf.Material(1.0)), 0.1)
-
-
-def crowded(law: mf.Contact) -> Scene:
-    """Return nine equal asperities of a law at the approach of the crowded contacts."""
-
-    def at(approach: float) -> Scene:
-        return lattice(approach, WIDTH * RADIUS / CROWDED, contact=law)
-
-    def beyond(approach: float) -> float:
-        state = at(approach).state(at(approach).expansion(3))
-        return float(np.sqrt(state.asperity_area.max() / np.pi)) - WIDTH * RADIUS
-
-    return at(brentq(beyond, 0.01, 0.3, xtol=1e-9))
 
 
 @cache

@@ -17,9 +17,9 @@ import metafem as mf
 from metafem.drawing import ACHIEVED, TARGET
 from validation.check import Claim, Picture, Row, below, reported
 from validation.cost.peers import Grid, installed, solve_with_tamaas
-from validation.fidelity.order3_against_resolved import RADIUS, Scene, irregular, lattice
 from validation.figures import panels
 from validation.methods import two_contacts
+from validation.scenes.close_contacts import RADIUS, Scene, irregular, lattice
 from validation.scenes.models import FEW_ERROR, LOAD_ERROR
 from validation.sources import second_method
 

@@ -75,22 +75,19 @@ def claim() -> Claim:
     P(δ), use the layer or the block: the half-space has no rigid base 7.2 mm below the contacts, and sinks
     several times too far.
     """
-    rows: list[Row] = [*_influence()]
-    for name in surfaces():
-        rows += [_second(name), *_areas(name), *_planes(name)]
-    return Claim("Half-space, layer or true block", rows, {"Changes of A0(P)": Picture(_figure)})
+    rows = [row for name in surfaces() for row in (_second(name), *_areas(name), *_planes(name))]
+    figures = {"Changes of A0(P)": Picture(_figure)}
+    return Claim("Half-space, layer or true block", [*_influence(), *rows], figures)
 
 
-def _influence() -> list[Row]:
+def _influence() -> Iterator[Row]:
     """Check the influence of the block against the layer, a coarser mesh, and reciprocity."""
     surface = surfaces()["Fig. 5 red"]
     wide = surface.replaced(block=mf.Block(WIDE, WIDE, surface.block.thickness))
     error = np.abs(mf.fe.Block3D(**CELLS).influence_matrix(wide) - influence(surface, "layer")).max()
     block, name = mf.fe.Block3D().solution(surface), "block of {:g} mm, 64 sites: largest {} [1/mm]"
-    return [
-        below(name.format(WIDE, "error of the influence"), error, LAYER, HANKEL),
-        below(name.format(20, "change with the mesh"), block.error_estimate, INFLUENCE, MESHES),
-    ]
+    yield below(name.format(WIDE, "error of the influence"), error, LAYER, HANKEL)
+    yield below(name.format(20, "change with the mesh"), block.error_estimate, INFLUENCE, MESHES)
 
 
 def _second(name: str) -> Row:
@@ -135,8 +132,7 @@ def _planes(name: str) -> Iterator[Row]:
     yield reported(f"{name}, block: rms change of P(δ) [%]", 1e2 * rms(rescaled / LOADS - 1.0), AT_PLANES)
     for chosen in ("half-space", "layer"):
         errors.append(rms(at_planes(name, chosen) / block - 1.0))
-        label = f"{name}, {chosen} against block: rms error of P(δ) [%]"
-        yield reported(label, 1e2 * errors[-1], AT_PLANES)
+        yield reported(f"{name}, {chosen} against block: rms error of P(δ) [%]", 1e2 * errors[-1], AT_PLANES)
         apart = 1e3 * np.abs(law(name, "block").separation - law(name, chosen).separation).max()
         yield reported(f"{name}, {chosen}: largest difference of separation [µm]", apart, METHOD)
     exact = second_method(mf.fe.Block3D, "influence of the block by 3D finite elements")

@@ -15,13 +15,12 @@ import numpy as np
 
 import metafem as mf
 from metafem.drawing import MEASURED, TARGET
-from metafem.reference import jkr_contact_radius
-from validation.check import Claim, Difference, Picture, Row, near, reported, rms
+from validation.check import Claim, Picture, Row, near, reported, rms
 from validation.figures import panels
 from validation.methods import caps, independent, tabulated_contacts
 from validation.paper.surfaces import LOADS, RADIUS, designs, surfaces
 from validation.published import paper
-from validation.sources import printed, second_method
+from validation.sources import second_method
 
 # The tests of this claim carry the mark "slow".
 SLOW = True
@@ -41,9 +40,6 @@ FULL, ENDS = tuple(np.linspace(1.0, 2.0, 21)), (1.0, 3.0)
 
 # Largest contact radius of the tables of the second method [mm], and their relative accuracy with a margin.
 LARGEST, METHODS = 0.45, 5e-5
-
-# Force at which the paper states the largest effect of adhesion [N].
-LIGHT = 0.01
 
 SECOND = second_method(tabulated_contacts.areas, "closed forms of one contact, summed over heights")
 METHOD = """independent asperities; changes at 20 loads P/E* to 0.7 mm²; slopes of lines over the range of the
@@ -104,11 +100,8 @@ def claim() -> Claim:
     about as well. Of Fig. 5 the paper states that its slopes were measured within 5.2 % of their targets;
     Hertz's law is closer there.
     """
-    rows: list[Row] = [_one_contact()]
-    for surface in surfaces():
-        rows += _areas(surface)
-    for name in branches():
-        rows += _slopes(name)
+    rows = [row for surface in surfaces() for row in _areas(surface)]
+    rows += [row for name in branches() for row in _slopes(name)]
     return Claim("Adhesion and the shape of caps change A0(P)", rows, {"Measured slopes": Picture(_figure)})
 
 
@@ -141,20 +134,6 @@ def _slopes(name: str) -> Iterator[Row]:
         off = (strength(surface, (over,)) * slope(name, ADHESION) - wanted) / error
         where = f"{REFITTED} at {over:g} times the load of full contact: slope minus the measured one [s.d.]"
         yield reported(f"{name}, {ADHESION}, {where}", off, METHOD)
-
-
-def _one_contact() -> Difference:
-    """Compare one contact by JKR's theory and by Hertz's law, as the paper does."""
-    modulus = surfaces()["Fig. 3"].material.composite_modulus
-    adhesive, plain = (jkr_contact_radius(LIGHT / modulus, RADIUS, w / modulus) for w in (ENERGY, 0.0))
-    return Difference(
-        f"one contact at {LIGHT} N: area by JKR over that of Hertz, minus 1 [%]",
-        1e2 * ((adhesive / plain) ** 2 - 1.0),
-        "for normal loads larger than 0.01 N, the difference in area of both models is less than 2 %",
-        "By JKR's theory with the printed parameters it is less than 2 % only at loads that none but the "
-        "largest of the calibration reach.",
-        printed("SM, calibration of individual microcontacts"),
-    )  # fmt: skip
 
 
 @panels(8.0, 3.8)

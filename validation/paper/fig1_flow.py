@@ -12,11 +12,12 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 from scipy import stats
 
 import metafem as mf
 from metafem import files
-from metafem.drawing import ACHIEVED, MEASURED, TARGET
+from metafem.drawing import MEASURED, TARGET
 from validation.check import Claim, Picture, Row, below, near
 from validation.figures import panels
 from validation.methods import independent
@@ -47,49 +48,36 @@ WANTED = known_input("target of this check")
 @cache
 def designed() -> tuple[mf.Design, mf.Surface]:
     """Return the design that is loaded from its result folder, and the surface of its table of heights."""
+    text = files.demo_text("linear").replace("slope = 6.87 ", f"friction_coefficient = {COEFFICIENT} ")
     with tempfile.TemporaryDirectory() as name:
-        path, result = Path(name, "wanted.toml"), Path(name, "result")
-        text = files.demo_text("linear").replace("slope = 6.87 ", f"friction_coefficient = {COEFFICIENT} ")
-        path.write_text(text, "utf-8")
-        mf.save(mf.read_spec(path).design(), result)
-        design = mf.load(result)
+        Path(name, "wanted.toml").write_text(text, "utf-8")
+        mf.save(mf.read_spec(Path(name, "wanted.toml")).design(), Path(name, "result"))
+        design = mf.load(Path(name, "result"))
         given = design.template.material, None, design.template.friction
-        return design, files.read_surface(result / "heights.csv", *given)
+        return design, files.read_surface(Path(name, "result", "heights.csv"), *given)
 
 
 @cache
-def made() -> tuple[mf.Surface, np.ndarray]:
-    """Return a part with the paper's errors, and what was drawn for its heights (n,) [µm]."""
-    sample, surface = paper()["sample"], designed()[1]
-    angle, rng = np.radians(sample["alignment_precision_deg"]), np.random.default_rng(3)
-    radius = surface.radius + 1e-3 * sample["radius_sd_um"] * rng.standard_normal(surface.count)
-    perturbed = surface.perturbed(1e-3 * sample["depth_precision_um"], rng=1)
-    scatter = sample["depth_precision_um"] * np.random.default_rng(1).standard_normal(surface.count)
-    drawn = scatter + 1e3 * np.tan(angle) * surface.position.sum(axis=1)
-    return perturbed.replaced(radius=radius).tilted(angle, angle), drawn
+def made() -> tuple[mf.Surface, np.ndarray, mf.calibration.MeasuredLaw]:
+    """Return a part with the paper's errors, what was drawn for its heights (n,) [µm], and its measured law.
 
-
-@cache
-def measured() -> mf.calibration.MeasuredLaw:
-    """Write a table of forces with the paper's errors, and read it."""
-    error, rng, part = paper()["force_error"], np.random.default_rng(2), made()[0]
+    The forces have the paper's errors, and are read from a table.
+    """
+    sample, error, surface = paper()["sample"], paper()["force_error"], designed()[1]
+    depth, angle = sample["depth_precision_um"], np.radians(sample["alignment_precision_deg"])
+    of_height, of_force, of_radius = map(np.random.default_rng, (1, 2, 3))
+    radius = surface.radius + 1e-3 * sample["radius_sd_um"] * of_radius.standard_normal(surface.count)
+    part = surface.perturbed(1e-3 * depth, rng=1).replaced(radius=radius).tilted(angle, angle)
+    drawn = depth * of_height.standard_normal(surface.count)
+    drawn += 1e3 * np.tan(angle) * surface.position.sum(axis=1)
     true = mf.friction_law(part, load=FORCES).friction_force
+    load = FORCES + error["normal_N"] * of_force.standard_normal(len(FORCES))
     sd = np.hypot(error["friction_N"], error["friction_relative"] * true)
-    load = FORCES + error["normal_N"] * rng.standard_normal(len(FORCES))
-    table = np.column_stack([load, true + sd * rng.standard_normal(len(FORCES))])
+    table = pd.DataFrame({"load_N": load, "friction_force_N": true + sd * of_force.standard_normal(len(sd))})
     with tempfile.TemporaryDirectory() as name:
-        path = Path(name, "measured.csv")
-        np.savetxt(path, table, "%.17g", ",", header="load_N,friction_force_N", comments="")
-        return files.read_measured_law(path, part.material, part.friction)
-
-
-def _slope(found: mf.calibration.Comparison, ends: tuple[float, float]) -> tuple[float, float]:
-    """Return the slope of the measured points between two loads P/E*, and its standard deviation."""
-    x, y = found.measured.rescaled_load, found.measured.rescaled_friction
-    chosen = (x >= ends[0]) & (x <= ends[1])
-    centred = np.where(chosen, x - x[chosen].mean(), 0.0)
-    weight = centred / (centred**2).sum()
-    return float(weight @ y), float(np.sqrt(weight @ found.covariance @ weight))
+        table.to_csv(Path(name, "measured.csv"), index=False)
+        law = files.read_measured_law(Path(name, "measured.csv"), part.material, part.friction)
+    return part, drawn, law
 
 
 def claim() -> Claim:
@@ -100,28 +88,22 @@ def claim() -> Claim:
     states: 0.9 µm in height, 5 µm in radius, 0.005° in alignment, 5 mN in load, and 1 mN and 1 % in friction
     force.
     """
-    title = f"Fig. 1: the flow for a friction coefficient of {COEFFICIENT}"
-    rows = [*_heights(), *_law(), *_part()]
-    return Claim(title, rows, {"flow": Picture(_figure)}, {"coefficient": COEFFICIENT})
+    rows, values = list(_steps()), {"coefficient": COEFFICIENT}
+    return Claim("Fig. 1: the flow from a target to a measured law", rows, {"flow": Picture(_figure)}, values)
 
 
-def _heights() -> Iterator[Row]:
-    """Check the target, and the heights that are read on their steps."""
+def _steps() -> Iterator[Row]:
+    """Check each step by numpy, by scipy, and by what was put in."""
     design, table = designed()
-    slope = COEFFICIENT / friction_of_slope(design.template)
-    yield near("1 target: slope m of the rescaled law", design.fits[0][0].slope, slope, ROUNDING, RESCALED)
-    # levels stand at the middle of the steps above the offset
-    limits, step = design.limits, paper()["fig4"]["level_step_um"]
-    middles = 1e3 * limits.offset + step * (np.arange(int(1e3 * limits.max_height / step)) + 0.5)
-    off = np.abs(1e3 * table.height[:, None] - middles).min(axis=1).max()
-    yield below("2 heights: largest distance from the middle of a step [µm]", float(off), 1e-9, LEVELS)
-
-
-def _law() -> Iterator[Row]:
-    """Compare the predicted law and the line through it with numpy and scipy."""
-    design, table = designed()
-    branch, modulus = design.fits[0][0], table.material.composite_modulus
-    factor, loads = friction_of_slope(table), np.linspace(*branch.load_range, 100)
+    branch, factor = design.fits[0][0], friction_of_slope(table)
+    slope = COEFFICIENT / factor
+    yield near("1 target: slope m of the rescaled law", branch.slope, slope, ROUNDING, RESCALED)
+    # heights stand in the middles of the steps above the offset
+    step = paper()["fig4"]["level_step_um"]
+    number = 1e3 * (table.height - design.limits.offset) / step - 0.5
+    off = step * np.abs(number - np.rint(number)).max()
+    yield below("2 heights: largest distance from the middle of a step [µm]", off, 1e-9, LEVELS)
+    modulus, loads = table.material.composite_modulus, np.linspace(*branch.load_range, 100)
     law, name = mf.friction_law(table, load=modulus * loads), "3 predicted law"
     force = factor * modulus * independent.areas(table.height, loads, RADIUS)
     worst = float(np.abs(law.friction_force / force - 1.0).max())
@@ -131,22 +113,19 @@ def _law() -> Iterator[Row]:
     found = line.slope_interval[1] - line.slope
     yield near(f"{name}: half of the 68 % interval of the slope", found, half, 1e-8 * half, LINE)
     yield near(f"{name}: fitted slope", line.slope, second, ROUNDING * second, SUMS)
-
-
-def _part() -> Iterator[Row]:
-    """Compare the made part with its draws, and its measured law with the true one and with the target."""
-    design, table = designed()
-    (part, drawn), (low, high) = made(), design.fits[0][0].load_range
-    worst = float(np.abs(1e3 * (part.height - table.height) - drawn).max())
-    words = "largest difference of the heights from those that were drawn [µm]"
-    yield below(f"4 made part: {words}", worst, WRITTEN_UM, DRAWN)
-    loads = part.material.composite_modulus * np.linspace(low, high, 100)
-    before, after = (mf.friction_law(each, load=loads).fit((low, high)).slope for each in (table, part))
+    part, drawn, points = made()
+    off = np.abs(1e3 * (part.height - table.height) - drawn).max()
+    yield below("4 made part: largest difference of the heights from the draws [µm]", off, WRITTEN_UM, DRAWN)
+    true = mf.friction_law(part, load=modulus * loads).fit(branch.load_range).slope
     most = SIGMAS * paper()["manufacturing"]["slope_sd_below_at_0p9um"]
-    yield below(f"4 made part: change of the slope, {SIGMAS:g} s.d.", abs(after / before - 1.0), most, MADE)
-    slope, sd = _slope(mf.calibration.compare(measured(), design), (low, high))
-    name, sd, factor = f"5 measured law, {SIGMAS:g} s.d.", SIGMAS * sd, friction_of_slope(part)
-    yield near(f"{name}: slope", slope, after, sd, TRUE)
+    change = abs(true / line.slope - 1.0)
+    yield below(f"4 made part: change of the slope, {SIGMAS:g} s.d.", change, most, MADE)
+    chosen = np.flatnonzero((points.rescaled_load >= loads[0]) & (points.rescaled_load <= loads[-1]))
+    weight = np.linalg.pinv(np.vander(points.rescaled_load[chosen], 2))[0]
+    covariance = mf.calibration.compare(points, design).covariance[np.ix_(chosen, chosen)]
+    slope, sd = weight @ points.rescaled_friction[chosen], SIGMAS * np.sqrt(weight @ covariance @ weight)
+    name = f"5 measured law, {SIGMAS:g} s.d."
+    yield near(f"{name}: slope", slope, true, sd, TRUE)
     yield near(f"{name}: friction coefficient", factor * slope, COEFFICIENT, factor * sd, WANTED)
 
 
@@ -155,10 +134,10 @@ def _figure(ax):
     """Predicted law of the designed heights, measured points of the made part with their errors, and a line
     of the target slope; the points follow the slope, with the intercept that the paper explains.
     """
-    law, points = designed()[0].law, measured()
-    ax.plot(law.load, law.friction_force, color=ACHIEVED, label="predicted")
-    style = {"fmt": "o", "color": MEASURED, "label": "measured"}
-    ax.errorbar(points.load, points.friction_force, points.friction_force_sd, points.load_sd, **style)
-    ends, middle = np.array([0.1, 0.9]), float(np.interp(0.45, law.load, law.friction_force))
-    ax.plot(ends, middle + COEFFICIENT * (ends - 0.45), color=TARGET, label=f"slope {COEFFICIENT}")
-    ax.set(xlabel="load  P [N]", ylabel="friction force  F [N]", xlim=(0.0, 1.0), ylim=(0.0, 1.8))
+    law, points = designed()[0].law, made()[2]
+    law.plot(ax, "N", "predicted")
+    errors = points.friction_force_sd, points.load_sd
+    ax.errorbar(points.load, points.friction_force, *errors, fmt="o", color=MEASURED, label="measured")
+    middle = 0.45, float(np.interp(0.45, law.load, law.friction_force))
+    ax.axline(middle, slope=COEFFICIENT, color=TARGET, label=f"slope {COEFFICIENT}")
+    ax.set(xlim=(0.0, 1.0), ylim=(0.0, 1.8))

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import re
-from collections import defaultdict
 from collections.abc import Iterator
 from functools import partial
 from typing import NamedTuple
 
 import numpy as np
+import pandas as pd
 
 import metafem as mf
 from validation.check import Claim, Picture, Row, below, near, reported
@@ -102,60 +102,54 @@ def claim() -> Claim:
     states. The rows “refused”, “not solved” and “failed” list all reasons. Each scene follows from its seed:
     `outcome(8, inside=False)` repeats that of seed 8 outside the ranges.
     """
-    found = [outcome(seed, inside) for inside in (True, False) for seed in range(SCENES // 2)]
+    scenes = ((seed, inside) for inside in (True, False) for seed in range(SCENES // 2))
+    found = pd.DataFrame(outcome(*scene) for scene in scenes)
     figures = {"ends by model": Picture(partial(_ends, found))}
     values = {"width": WIDTH, "crowding": CROWDING, "layer": LAYER}
     title = "Random scenes: surfaces, contact laws, models and loads"
     return Claim(title, [*_checks(found), *_reasons(found)], figures, values)
 
 
-def _count(found: list[Outcome], *ends: str) -> int:
-    return sum(each.end in ends for each in found)
-
-
-def _checks(found: list[Outcome]) -> Iterator[Row]:
+def _checks(found: pd.DataFrame) -> Iterator[Row]:
     """Compare the numbers of failures and refusals, and the errors, with what is allowed."""
-    inside, outside = ([each for each in found if each.inside == side] for side in (True, False))
-    designs, others = ([each for each in found if (each.model == "design") == kind] for kind in (True, False))
-    yield near("scenes that fail", _count(found, FAILED), 0, 0, REASON)
-    yield near("inside the ranges: scenes that are refused", _count(inside, REFUSE), 0, 0, INSIDE)
-    yield near("inside the ranges: scenes that are not solved", _count(inside, UNSOLVE), 0, 0, INSIDE)
+    ends = pd.crosstab(found.end, found.inside).reindex(ENDS, fill_value=0)
+    yield near("scenes that fail", ends.loc[FAILED].sum(), 0, 0, REASON)
+    yield near("inside the ranges: scenes that are refused", ends[True][REFUSE], 0, 0, INSIDE)
+    yield near("inside the ranges: scenes that are not solved", ends[True][UNSOLVE], 0, 0, INSIDE)
     name = "outside the ranges: part of the scenes that is refused or not solved"
-    yield below(name, _count(outside, REFUSE, UNSOLVE) / len(outside), REFUSED, FEW)
-    for adhesive, limit in ((False, EQUATIONS), (True, ADHESIVE)):
-        worst = max(each.error for each in found if (each.law == "JKR") == adhesive)
-        name = f"largest error of the recomputed equations, {'with' if adhesive else 'without'} adhesion"
-        yield below(name, worst, limit, RECOMPUTED)
+    yield below(name, ends[False][[REFUSE, UNSOLVE]].sum() / ends[False].sum(), REFUSED, FEW)
+    adhesive = found.law == "JKR"
+    for words, those, limit in (("without", ~adhesive, EQUATIONS), ("with", adhesive, ADHESIVE)):
+        name = f"largest error of the recomputed equations, {words} adhesion"
+        yield below(name, found.error[those].max(), limit, RECOMPUTED)
     yield reported("scenes", len(found), "half of them inside the documented ranges")
-    says = f"of {len(designs):,} designs; it says so"
-    yield reported("scenes whose solver does not converge", _count(others, UNSOLVE), "it says so")
-    yield reported("designs whose search misses the target", _count(designs, UNSOLVE), says)
+    lost, design = found.end == UNSOLVE, found.model == "design"
+    yield reported("scenes whose solver does not converge", (lost & ~design).sum(), "it says so")
+    says = f"of {design.sum():,} designs; it says so"
+    yield reported("designs whose search misses the target", (lost & design).sum(), says)
 
 
-def _reasons(found: list[Outcome]) -> Iterator[Row]:
+def _reasons(found: pd.DataFrame) -> Iterator[Row]:
     """Yield a row for each reason of the scenes without a solution, with a seed and a message."""
-    groups = defaultdict(list)
-    for each in found:
-        if each.end != CONVERGED:
-            short = re.split(r"[:;](?= )", each.reason)[0]
-            groups[each.end, NUMBERS.sub("…", short)].append(each)
-    for (end, reason), group in sorted(groups.items(), key=lambda item: -len(item[1])):
-        first = group[0]
+    lost = found[found.end != CONVERGED]
+    short = lost.reason.str.split(r"[:;](?= )", regex=True).str[0].str.replace(NUMBERS, "…", regex=True)
+    groups = lost.groupby([lost.end, short], sort=False)
+    for (end, reason), group in sorted(groups, key=lambda item: -len(item[1])):
+        first = group.iloc[0]
         where = f"seed {first.seed} {'inside' if first.inside else 'outside'} the ranges"
         yield reported(f"{end}: {reason}", len(group), f"the first: {where}: “{first.reason}”")
 
 
 @panels(6.0, 4.0)
-def _ends(found: list[Outcome], ax):
+def _ends(found: pd.DataFrame, ax):
     """How the scenes of each kind of model end: those inside and outside the documented ranges together.
     Designs are refused where the plane would reach the base plane below their largest load.
     """
-    names = sorted({each.model for each in found})
-    groups = [[each for each in found if each.model == name] for name in names]
-    left = np.zeros(len(names))
+    parts = 100.0 * pd.crosstab(found.model, found.end, normalize="index")
+    left = np.zeros(len(parts))
     for end, colour in zip(ENDS, ("C0", "C1", "C4", "C3"), strict=True):
-        width = np.array([100.0 * _count(group, end) / len(group) for group in groups])
-        ax.barh(names, width, left=left, color=colour, label=end)
+        width = parts.get(end, 0.0 * left)
+        ax.barh(parts.index, width, left=left, color=colour, label=end)
         left += width
     ax.set(xlabel="part of the scenes [%]", xlim=(0, 100))
     ax.figure.legend(frameon=False, loc="outside lower center", ncols=4)
