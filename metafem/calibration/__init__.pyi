@@ -11,6 +11,7 @@ from .images import contact_areas as contact_areas
 from .images import stack_areas as stack_areas
 from .laws import MeasuredLaw as MeasuredLaw
 from .laws import measured_law as measured_law
+from .sheared import at_peak as at_peak
 from .sheared import shear as shear
 from .sheared import shear_strength as shear_strength
 from .sites import SiteMatch as SiteMatch

@@ -176,7 +176,11 @@ class MeasuredLaw(BaseLaw):
         if name != "area":
             return of(values)
         refuse_if(not values.max() > 0.0, f"area is {values.max():g} mm^2 at most: there is no contact")
-        return errors.of_area(np.maximum(values, SMALL_CONTACT * values.max()))
+        total = errors.of_area(values)
+        if self.area is None:
+            closed = np.where(found["asperity_area"] > 0.0, found["asperity_area_sd"], 0.0)
+            total = np.linalg.norm(closed, axis=1)
+        return np.maximum(total, errors.of_area(SMALL_CONTACT * values.max()))
 
     def only(self, chosen: NDArray[np.bool_]) -> MeasuredLaw:
         """Return the law at some of its loads, (k,)."""

@@ -1,4 +1,4 @@
-"""Area ratio and shear strength from sheared contacts, and from a part in full contact."""
+"""Area ratio and shear strength from sheared contacts, from a part in full contact, and from records."""
 
 from __future__ import annotations
 
@@ -225,3 +225,51 @@ def shear_strength(
     refuse_if(factor <= 0.0, f"friction_force is not positive: sigma B = {factor:.4g} MPa; {RESIST}")
     strength = float(factor / ratio)
     return positive(strength, float(fit.covariance[0, 0]) / ratio**2)
+
+
+def at_peak(displacement: ArrayLike, friction_force: ArrayLike, values: ArrayLike | None = None) -> float:
+    """Return the largest friction force of a record [N], or other values at the displacement of this peak.
+
+    Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234, supplementary text "Mechanical
+    testing".
+
+    Parameters
+    ----------
+    displacement, friction_force : array_like, (m,)
+        Tangential displacement [mm], not decreasing, and force [N], positive if it resists sliding.
+    values : array_like, (m,), optional
+        Values to interpolate at the peak, such as contact areas, nan between the frames of the camera;
+        default: the friction forces.
+
+    Returns
+    -------
+    float
+
+    Raises
+    ------
+    InvalidInput
+        If the record has no peak, or no values on both sides of it.
+
+    Examples
+    --------
+    >>> x = np.linspace(0.0, 0.5, 51)
+    >>> force = 0.2 * x / (x**2 + 0.01)
+    >>> round(at_peak(x, force), 3), round(at_peak(x, force, 0.1 - 0.02 * np.minimum(x / 0.1, 1.0)), 3)
+    (1.0, 0.08)
+    """
+    x = check.array("displacement", displacement, shape=(None,))
+    force = check.array("friction_force", friction_force, shape=x.shape)
+    found = force if values is None else check.array_with_gaps("values", values, shape=x.shape)
+    one_way = "is less than the one before; give one pull in one direction"
+    check.refuse_entries("displacement", x, np.diff(x, prepend=x[0]) < 0.0, one_way)
+    peak = int(force.argmax())
+    refuse_if(force[peak] <= 0.0, f"friction_force is at most {force[peak]:g} N; {RESIST}")
+    none = (
+        f"friction_force is largest at an end of the record, at {x[peak]:g} mm: there is no peak; begin the"
+    )
+    refuse_if(peak in (0, len(x) - 1), f"{none} record before the contact is sheared, and shear farther")
+    frames = np.flatnonzero(np.isfinite(found))
+    beside = frames.size > 0 and frames[0] <= peak <= frames[-1]
+    refuse_if(not beside, f"values have no frame on both sides of the peak at {x[peak]:g} mm")
+    # interpolate over the entries, which are equidistant in time; displacements may repeat
+    return float(np.interp(peak, frames, found[frames]))

@@ -7,6 +7,7 @@ import metafem as mf
 from metafem.calibration import (
     MeasuredLaw,
     MeasurementErrors,
+    at_peak,
     compare,
     contact_areas,
     crossover,
@@ -33,7 +34,7 @@ from tests.calibration.measured_law.scenes import (
     measured_on,
     two_branches,
 )
-from tests.calibration.sheared.scenes import SURFACE, measured
+from tests.calibration.sheared.scenes import SURFACE, X, area, force, measured
 from tests.calibration.sites import scenes as images
 from tests.calibration.topography.scenes import FOUR, lattice
 from tests.refusals import faults
@@ -110,6 +111,7 @@ REFUSALS = [
         strength(surface=SURFACE.replaced(friction=None), known={"friction": None, "area": np.full(12, 0.2)}),
         *("B", "area_ratio"),
     ),
+    (lambda: at_peak(X, X), "friction_force", "0.6"),
     (lambda: law_of(friction_force=None), "friction_force", "area"),
     (lambda: law_of(load=[-0.2, 0.1, 0.3]), "load[0]", "-0.2"),
     (lambda: law_of(area_sd=[0.1, 0.1, 0.1]), "area_sd", "area"),
@@ -141,6 +143,10 @@ REFUSALS = [
     (lambda: aligned(0.7 * FOUR.position, FOUR.height, FOUR, False), "caps", "1.05"),
     (mapped(height_map=np.full((80, 80), np.nan)), "map", "heights"),
     (lambda: shear(AREA, AREA / 0.85, AREA), "area_ratio", "1.176"),
+    (lambda: at_peak(X, -force(X)), "friction_force", "0"),
+    (lambda: at_peak(X[::-1], force(X)), "displacement[1]", "0.59"),
+    (lambda: at_peak(X, force(X), area(X)[:9]), "values", "9"),
+    (lambda: at_peak(X, force(X), np.where(X > 0.1, np.nan, area(X))), "values", "0.15"),
     (lambda: law_of(asperity_area=np.ones((3, 2)), site=[1, -1]), "site", "-1"),
     (
         lambda: MeasuredLaw(LOAD, asperity_area=np.outer(LOAD, [1, np.nan]), material=MATERIAL),

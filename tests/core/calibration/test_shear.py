@@ -7,9 +7,9 @@ from hypothesis import strategies as st
 from scipy.optimize import least_squares
 
 import metafem as mf
-from metafem.calibration import MeasurementErrors, shear, shear_strength
+from metafem.calibration import MeasurementErrors, at_peak, shear, shear_strength
 from metafem.calibration.sheared import proportional
-from tests.calibration.sheared.scenes import SURFACE, measured
+from tests.calibration.sheared.scenes import SURFACE, X, area, force, measured
 from validation.scenes.sheared_contacts import ERRORS, RATIO, STRENGTH, sheared
 
 TESTS = np.repeat(["a", "b", "c"], 20)
@@ -135,3 +135,10 @@ def test_constant_errors_of_two_quantities_give_demings_line():
     moments = points @ points.T
     axis = np.linalg.eigh(moments)[1][:, -1]
     assert factor[0] == pytest.approx(axis[1] / axis[0], rel=1e-10)
+
+
+def test_the_peak_of_an_exact_record_and_its_area_between_the_frames():
+    assert (at_peak(X, force(X)), at_peak(X, force(X), area(X))) == pytest.approx((0.2, 0.425))
+    sparse = np.full_like(X, np.nan)
+    sparse[::4] = area(X)[::4]  # no frame at the peak, entry 15
+    assert at_peak(X, force(X), sparse) == pytest.approx(0.25 * area(X)[12] + 0.75 * area(X)[16])

@@ -64,9 +64,8 @@ def test_all_parameters_are_printed_and_written(run, tables):
 def test_tests_are_compared(run, tables):
     Path("second.csv").write_bytes(Path("shear.csv").read_bytes())
     arguments = ("calibrate", "shear.csv", "second.csv")
-    assert "2 tests: the tests agree" in run(*arguments).told
+    assert "the tests agree" in run(*arguments).told
     data = run(*arguments, "--json").data
-    assert data["shear"]["tests"] == ["shear", "second"]
     assert data["covariance"]["parameters"] == ["area_ratio", "shear_strength"]
 
 
@@ -107,10 +106,10 @@ def test_the_covariance_is_handed_on_to_the_study(run, demo, tables):
     demo("linear")
     run("calibrate", "compression.csv", "shear.csv", *RADIUS, "-o", "calibration.toml")
     options = ("--calibration", "calibration.toml", "--draws", 512, "--json")
-    data = run("study", "uncertainty", "linear", "--sd", "load=2mN", *options).data
+    data = run("study", "uncertainty", "linear", "--load-sd", "2mN", *options).data
     parameters = data["coords"]["parameter"]["data"]
     assert parameters == ["radius + composite_modulus", "area_ratio + shear_strength", "load"]
     assert (
-        "--sd radius and --calibration both give"
-        in run("study", "uncertainty", "linear", "--sd", "radius=2um", *options, "--force").refusal
+        "two options give the error of radius"
+        in run("study", "uncertainty", "linear", "--radius-sd", "2um", *options, "--force").refusal
     )
