@@ -159,7 +159,7 @@ class Problem:
         choice = Tools.of(tools, template, contact_of(solver))
         refuse_misfits(choice, template, bounds.top)
         # messages state loads in N and in mm^2
-        any_kind: Any = target
+        any_kind: Any = target.rounded()
         target = replace(any_kind, wording=target.wording.of_part(template.material))
         return cls(target, template, choice, solver, bounds, pinned, _DRAFT.get())
 

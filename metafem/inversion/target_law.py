@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from typing import Any, ClassVar, Self
 
@@ -27,6 +27,10 @@ ROUNDS = 3
 
 # Part of the width of a band at which a search aims, so that its result lies inside by a margin.
 INNER = 0.5
+
+# Format of the numbers of a target that is designed: ten digits, more than any is known to. A design then does
+# not depend on the rounding errors by which a target was computed.
+DIGITS = "%.9e"
 
 # If the nearest law is not positive, it is raised to at least this fraction of the area curve, which makes
 # the differences large.
@@ -78,6 +82,12 @@ class Target(Value):
     def _through(cls, load: FloatArray, friction: FloatArray) -> tuple[Any, ...]:
         """Return the arguments of the target through, or nearest to, points (k,) [mm^2]."""
         return load, friction
+
+    def rounded(self) -> Self:
+        """Return the target with ten digits of each number."""
+        members = {each.name: getattr(self, each.name) for each in fields(self) if each.name != "wording"}
+        given = {name: value for name, value in members.items() if value is not None}
+        return replace(self, **{name: np.char.mod(DIGITS, of).astype(float) for name, of in given.items()})
 
     @property
     def title(self) -> str:
