@@ -43,7 +43,6 @@ from .specification.sections import PartSection as PartSection
 from .specification.targets import rescaled_range as rescaled_range
 from .summits import heights_table as heights_table
 from .summits import law_table as law_table
-from .summits import made_table as made_table
 from .summits import read_surface as read_surface
 from .tables import read_table as read_table
 from .units import converted as converted

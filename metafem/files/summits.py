@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,9 +14,6 @@ from metafem.files.tables import Columns, Table
 from metafem.inversion import Design
 from metafem.prediction import FrictionLaw, equilibrium
 from metafem.surface import Block, Friction, Material, Surface
-
-if TYPE_CHECKING:
-    from metafem.calibration import MadeSurface
 
 # Columns of a table of summits. metafem writes the site and standard deviations, but reading needs neither.
 COLUMNS = Columns(
@@ -37,19 +33,6 @@ DIGITS = 13
 def heights_table(surface: Surface, sites: IntArray) -> str:
     """Return the text of heights.csv: site in the template, from 1, position, height, radius and cap."""
     return csv({"site": sites + 1, **_columns(surface)})
-
-
-def made_table(made: MadeSurface, sites: IntArray) -> str:
-    """Return the table of a made surface, as `heights_table` does, with standard deviations.
-
-    `sites` are the sites of the design's asperities.
-    """
-    errors = {
-        "sd_position_mm": made.position_sd,
-        "sd_height_mm": made.height_sd,
-        "sd_radius_mm": made.radius_sd,
-    }
-    return csv({"site": sites[made.site] + 1, **_columns(made.surface), **errors})
 
 
 def law_table(law: FrictionLaw) -> str:

@@ -6,7 +6,6 @@ import json
 import math
 import re
 from dataclasses import replace
-from types import SimpleNamespace
 
 import meshio
 import numpy as np
@@ -173,10 +172,6 @@ def test_caps_cells_and_errors_have_columns_where_they_differ():
     np.testing.assert_allclose(table["nominal_shear_stress_MPa"], law.friction_force / 22.5, rtol=1e-12)
     bare = mf.friction_law(design.surface.replaced(friction=None), load=[0.01])
     assert "friction_force_N" not in files.law_table(bare)
-    sd = dict.fromkeys(("position_sd", "height_sd", "radius_sd"), np.array([1e-3]))
-    one = mf.Surface([[1.0, 2.0]], [0.1], 0.5, mf.Material(1.0))
-    made = files.made_table(SimpleNamespace(surface=one, site=np.array([1]), **sd), np.array([7, 5]))
-    assert made.splitlines()[1] == "6,1.0,2.0,0.1,0.5,0.001,0.001,0.001"
 
 
 def test_tables_of_summits_are_read_with_other_units_separators_and_decimals(tmp_path):
