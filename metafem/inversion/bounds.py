@@ -203,19 +203,22 @@ def nearest_law(law: TargetLaw, bounds: Bounds, margin: float = 0.0) -> tuple[fl
     if not bounds.convex:
         return 0.0, target
     low, high = bounds.friction(load)
+    low, high = low * (1.0 - margin), high * (1.0 + margin)
     w = np.sqrt(low * high) if law.is_open else target
-    k, q = law.free.shape
-    one, free, nothing = np.eye(k), law.free / w[:, None], np.zeros((k - 1, k + q))
     power = w / load**bounds.least_exponent
-    rising = (1.0 - margin) * one[:-1] - one[1:] * (power[1:] / power[:-1])[:, None]
-    rows = np.block([[one, -free, -one], [-one, free, -one], [rising, nothing]])
-    right = np.concatenate([law.upper / w, -law.lower / w, np.zeros(k - 1)])
-    ends = zip(low / w * (1.0 - margin), high / w * (1.0 + margin), strict=True)
-    limits = [*ends, *[(None, None)] * q, *[(0.0, None)] * k]
-    found = linprog(np.append(np.zeros(k + q), np.ones(k)), rows, right, bounds=limits, method="highs")
-    if found.x is None:  # the bounds exclude each other by rounding
-        return 0.0, target
-    distance, friction = float(found.x[-k:].max()), found.x[:k] * w
+    rise = power[1:] / power[:-1]
+    distance, friction = 0.0, target
+    if law.is_open or not ((low <= w) & (w <= high)).all() or (rise < 1.0 - margin).any():
+        k, q = law.free.shape
+        one, free, nothing = np.eye(k), law.free / w[:, None], np.zeros((k - 1, k + q))
+        rising = (1.0 - margin) * one[:-1] - one[1:] * rise[:, None]
+        rows = np.block([[one, -free, -one], [-one, free, -one], [rising, nothing]])
+        right = np.concatenate([law.upper / w, -law.lower / w, np.zeros(k - 1)])
+        limits = [*zip(low / w, high / w, strict=True), *[(None, None)] * q, *[(0.0, None)] * k]
+        found = linprog(np.append(np.zeros(k + q), np.ones(k)), rows, right, bounds=limits, method="highs")
+        if found.x is None:  # the bounds exclude each other by rounding
+            return 0.0, target
+        distance, friction = float(found.x[-k:].max()), found.x[:k] * w
     if not law.is_open:
         jump = bounds.highest_after(load, friction if law.is_band else target) * (1.0 + margin)
         distance = max(distance, float((np.minimum(friction, law.lower) / jump).max()) - 1.0)

@@ -28,8 +28,8 @@ ROUNDS = 3
 # Part of the width of a band at which a search aims, so that its result lies inside by a margin.
 INNER = 0.5
 
-# Format of the numbers of a target that is designed: ten digits, more than any is known to. A design then does
-# not depend on the rounding errors by which a target was computed.
+# Format of the numbers of a target that is designed: ten digits, more than any is known to. A design then
+# does not depend on the rounding errors by which a target was computed.
 DIGITS = "%.9e"
 
 # If the nearest law is not positive, it is raised to at least this fraction of the area curve, which makes
