@@ -86,8 +86,12 @@ class Target(Value):
     def rounded(self) -> Self:
         """Return the target with ten digits of each number."""
         members = {each.name: getattr(self, each.name) for each in fields(self) if each.name != "wording"}
-        given = {name: value for name, value in members.items() if value is not None}
-        return replace(self, **{name: np.char.mod(DIGITS, of).astype(float) for name, of in given.items()})
+        given: dict[str, Any] = {
+            name: np.char.mod(DIGITS, value).astype(float)
+            for name, value in members.items()
+            if value is not None
+        }
+        return replace(self, **given)
 
     @property
     def title(self) -> str:
