@@ -274,9 +274,6 @@ class ChecksSection(Section):
     hardness: Stress | None = optional("H, which decides on a plastic law", "10 MPa")
 
 
-RHO, DEPTHS = ["0 um", "200 um", "400 um", "600 um"], ["0 um", "39 um", "184 um", "600 um"]
-
-
 def kind(name: str, makes: Callable[..., Any], choices: Choices = (), **keys: tuple[Any, Any]) -> Any:
     """Return the section of one kind, from the types and fields of its keys; `makes` describes it."""
     words = (makes.__doc__ or "").splitlines()[0].replace("`", "")
