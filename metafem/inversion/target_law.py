@@ -28,9 +28,9 @@ ROUNDS = 3
 # Part of the width of a band at which a search aims, so that its result lies inside by a margin.
 INNER = 0.5
 
-# Format of the numbers of a target that is designed: ten digits, more than any is known to. A design then
+# Format of the numbers of a target that is designed: 11 digits, more than any is known to. A design then
 # does not depend on the rounding errors by which a target was computed.
-DIGITS = "%.9e"
+DIGITS = "%.10e"
 
 # If the nearest law is not positive, it is raised to at least this fraction of the area curve, which makes
 # the differences large.
@@ -84,7 +84,7 @@ class Target(Value):
         return load, friction
 
     def rounded(self) -> Self:
-        """Return the target with ten digits of each number."""
+        """Return the target with 11 digits of each number."""
         members = {each.name: getattr(self, each.name) for each in fields(self) if each.name != "wording"}
         given: dict[str, Any] = {
             name: np.char.mod(DIGITS, value).astype(float)
