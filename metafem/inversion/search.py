@@ -49,6 +49,10 @@ CLEAR = 1e-3
 # A height within this fraction of the span from a limit counts as at the limit, because of rounding.
 AT_LIMIT = 1e-9
 
+# Heights of a descent are multiples of this fraction of the span, unless it must converge to rounding. On
+# another processor, whose sums differ in the last digit, a descent then finds the same heights.
+GRAIN = 2.0**-26
+
 # Random changes: fractions of the heights that move, probability that asperities are added, probability that
 # otherwise one is removed, the largest number of either, and probability of a new height anywhere.
 FRACTIONS = (0.2, 0.5, 1.0)
@@ -223,8 +227,12 @@ def descend(
     options = HERTZ if has_paraboloids(problem.model) else OTHERS
     low, high = problem.foot, problem.limits.top
     near, some = AT_LIMIT * problem.limits.span, start.sites
+    grain = GRAIN * problem.limits.span
     held = np.isin(some, list(problem.held))
-    height, at, damping = start.height[some], start, options.damping
+    height, damping = start.height[some], options.damping
+    if not exact:
+        height = np.where(held, height, np.clip(grain * np.rint(height / grain), low, high))
+    at = start.with_heights(height)
     r, jacobian = residual(at)
     squares, known = float(r @ r), None
     for _ in each("step", range(min(EXACT_STEPS if exact else options.steps, most)), at_most=True):
@@ -238,7 +246,8 @@ def descend(
         step = _step(r, known, damping)
         if step is None:
             break
-        trial = np.where(held, height, np.clip(height + step, low, high))
+        trial = height + step if exact else grain * np.rint((height + step) / grain)
+        trial = np.where(held, height, np.clip(trial, low, high))
         moved = at.with_heights(trial)
         new_r, new_jacobian = residual(moved)
         new = float(new_r @ new_r)
