@@ -82,3 +82,47 @@ def test_no_module_imports_itself_through_others_and_folders_are_small():
     folders = [HOME, *(folder for folder in HOME.rglob("*") if folder.is_dir())]
     counts = {folder.relative_to(HOME).as_posix(): len(list(folder.glob("*.py"))) for folder in folders}
     assert {name: count for name, count in counts.items() if count > 25} == {}
+
+
+# Prints the files of metafem whose functions run in a statement, after all imports that the statement needs.
+RUNNING = """
+import sys
+files = set()
+def profile(frame, event, _):
+    code, above = frame.f_code, frame
+    while above is not None and above.f_code.co_name != "<module>":
+        above = above.f_back
+    own = above is not None and above.f_globals.get("__name__") == "__main__"
+    if event == "call" and own and code.co_filename.startswith(HOME):
+        files.add(code.co_filename)
+HOME, statement = sys.argv[1:]
+import metafem, metafem.cli
+sys.setprofile(profile)
+try:
+    exec(statement)
+except SystemExit as ended:
+    assert not ended.code, ended.code
+sys.setprofile(None)
+print(len(files), *sorted(files))
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("statement", "most"),
+    [
+        ("metafem.read_spec('linear.toml')", 12),
+        ("metafem.cli.main(['calibrate', 'data.csv', '--radius', '526 um'])", 15),
+    ],
+)
+def test_a_command_runs_code_in_few_files(tmp_path, statement, most):
+    load = np.linspace(0.02, 0.2, 20)
+    area = np.pi * (0.75 * 0.526 * load / 1.36) ** (2 / 3)
+    rows = "\n".join(f"{one},{two}" for one, two in zip(load, area, strict=True))
+    (tmp_path / "data.csv").write_text(f"load_N,area_mm2\n{rows}\n")
+    (tmp_path / "linear.toml").write_text(mf.files.demo_text("linear"))
+    command = [sys.executable, "-c", RUNNING, str(HOME), statement]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True)
+    count, *files = done.stdout.splitlines()[-1].split()
+    assert int(count) <= most, files
+    assert int(count) > 5
