@@ -106,7 +106,11 @@ REFUSED = {
 }
 
 
-@pytest.mark.parametrize("name", REFUSED)
+# what would reach the forces is searched for two seconds
+SLOW = pytest.param("forces", marks=pytest.mark.slow)
+
+
+@pytest.mark.parametrize("name", [SLOW, *(name for name in REFUSED if name != "forces")])
 def test_a_refused_law_has_a_nearest_one_which_can_be_taken(name):
     refused = to(changed(TEXT, with_only, "target", REFUSED[name]), before=to(TEXT))
     assert refused.refused == refused.refusal
