@@ -45,7 +45,8 @@ def design(
     ----------
     target : OperatingPoints, LinearLaw, BilinearLaw, SampledLaw, PowerLaw, MultilinearLaw or Band
         With a load range, a linear or bilinear law is a line through the origin over that range. Without one
-        the heights follow a density whose law has the target slopes but its own intercept.
+        the heights follow a density whose law has the target slopes but its own intercept. The design has
+        11 digits of each number, so that it does not depend on how these were computed.
     template : Surface
         Surface with the sites, common radius, material, friction and block. Its heights are used only for the
         default of `limits`, and its radii only if `tools` is not given.

@@ -34,7 +34,7 @@ except mf.Infeasible as error:
     print(f"exponent 0.5: {error}")
     nearest = mf.design(error.nearest, template, limits=limits)
 print(f"exponent {nearest.target.exponent:.4f}: misfit {nearest.misfit:.2%}")
-assert nearest.target.exponent == 2 / 3
+assert abs(nearest.target.exponent - 2 / 3) < 1e-10  # a design keeps 11 digits of its target
 
 ax = nearest.law.plot(label="exponent 2/3")
 ax.plot(sampled.law.rescaled_load, sampled.law.area, color="tab:orange", label="table")

@@ -93,8 +93,8 @@ def section_forms() -> dict[str, Form]:
 
     Examples
     --------
-    >>> section_forms()["limits"]["keys"][""][0]["units"][:3], section_forms()["contact"]["kinds"]["hertz"]
-    (['nm', 'um', 'mm'], 'Elastic paraboloids with the curvature of each summit.')
+    >>> section_forms()["limits"]["keys"][""][0]["units"][:3], section_forms()["contact"]["kinds"]["hertz"][:42]
+    (['nm', 'um', 'mm'], 'Frictionless, non-adhesive elastic contact')
     """
     whole = whole_schema()
     every = (
