@@ -93,7 +93,8 @@ def section_forms() -> dict[str, Form]:
 
     Examples
     --------
-    >>> section_forms()["limits"]["keys"][""][0]["units"][:3], section_forms()["contact"]["kinds"]["hertz"][:42]
+    >>> known = section_forms()
+    >>> known["limits"]["keys"][""][0]["units"][:3], known["contact"]["kinds"]["hertz"][:42]
     (['nm', 'um', 'mm'], 'Frictionless, non-adhesive elastic contact')
     """
     whole = whole_schema()
