@@ -27,6 +27,9 @@ from metafem.models.boundary_elements.influence import Influence
 # Maximum number of halvings of a gradient step; 2^-40 of the first step is below rounding.
 MAX_HALVINGS = 40
 
+# Number of consecutive gradient steps after which a step ends at the first bound, where the energy is lower.
+SLOW = 10
+
 
 @dataclass(frozen=True, eq=False)
 class Program:
@@ -44,7 +47,7 @@ class Program:
         The gap is recomputed. The error is the largest |gap| of a cell with pressure, or overlap of a cell
         without.
         """
-        v, iterations, halvings = self.operator.product(p) + self.gap, 0, 0
+        v, iterations, halvings, slow = self.operator.product(p) + self.gap, 0, 0, 0
         # Conjugate gradients on a face stop if their error is below this share of the error that the bounds
         # cause. Smaller values need fewer cycles and more steps: 6, 5 and 4 cycles and 17, 18 and 18 steps at
         # 1, 0.3 and 0.1 (64 contacts of 36 cells per radius). If a projected step does not decrease the
@@ -59,7 +62,10 @@ class Program:
             face = (p > 0.0) | (v < z)
             trial, z, steps = self.on_face(face, p, v, z, share, self.max_iterations - iterations)
             iterations += max(steps, 1)
+            if slow >= SLOW:
+                trial = _within_bounds(p, trial)
             p, v, halvings = self._projected_step(face, p, v, z, trial)
+            slow = slow + 1 if halvings else 0
             share *= 10.0 if halvings else 1.0
 
     def on_face(
@@ -117,6 +123,13 @@ class Program:
             step *= 0.5
             trial = p + step
         return p, v, MAX_HALVINGS
+
+
+def _within_bounds(p: FloatArray, trial: FloatArray) -> FloatArray:
+    """Return the point on the way from p to a trial step at which the first entry becomes 0, or the trial."""
+    falling = trial < 0.0
+    share = (p[falling] / (p[falling] - trial[falling])).min(initial=1.0)
+    return np.asarray(np.maximum(p + share * (trial - p), 0.0) if share > 0.0 else trial)
 
 
 def project(trial: FloatArray, total: float | None) -> FloatArray:
