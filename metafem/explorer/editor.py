@@ -16,6 +16,7 @@ from metafem.explorer.control import Control, Panel
 from metafem.explorer.history import State
 from metafem.explorer.law_data import read_points
 from metafem.explorer.table import section_of
+from metafem.files.disk import text_of_table
 from metafem.surface import Surface
 
 # Name of the specification in a result folder.
@@ -33,7 +34,6 @@ DROP = "A specification, its tables or a measured law can be dropped onto the pa
 # Opens the browser's dialog for files.
 PICK = "() => document.querySelector('.q-uploader input').click()"
 
-
 # Ends of the names of tables.
 TABLES = (".csv", ".txt", ".tsv")
 
@@ -43,12 +43,20 @@ def uploader(page: Control) -> ui.upload:
 
     async def read(event: events.MultiUploadEventArguments) -> None:
         element.reset()
-        texts = {file.name: (await file.read()).decode("utf-8", "replace") for file in event.files}
-        await page.step(lambda state: loaded(state, texts, page.answer.template))
+        contents = {file.name: await file.read() for file in event.files}
+        await page.step(lambda state: loaded(state, texts_of(contents), page.answer.template))
 
     element = ui.upload(multiple=True, auto_upload=True, on_multi_upload=lambda event: page.told(read(event)))
     element.on("failed", lambda: page.say("The files could not be read."), args=[])
     return element.classes("hidden")
+
+
+def texts_of(contents: Mapping[str, bytes]) -> dict[str, str]:
+    """Return the texts of files by name; tables may have any encoding in which spreadsheets write them."""
+    return {
+        name: text_of_table(name, raw) if name.lower().endswith(TABLES) else raw.decode("utf-8", "replace")
+        for name, raw in contents.items()
+    }
 
 
 def loaded(state: State, texts: Mapping[str, str], template: Surface | None = None) -> State:

@@ -7,7 +7,7 @@ import pytest
 
 from metafem.errors import InvalidInput
 from metafem.explorer import history as module
-from metafem.explorer.editor import loaded, table_names
+from metafem.explorer.editor import loaded, table_names, texts_of
 from metafem.explorer.history import MOST_STATES, Session, State, from_link, to_link
 from metafem.explorer.start import first_state
 from metafem.files import demo_text, read_spec, save
@@ -86,3 +86,10 @@ def test_files_that_are_loaded_replace_the_text_and_the_named_tables():
     cap = '[cap]\nkind = "profile"\nfile = "cap.csv"'
     assert table_names(State(text + cap)) == ["laws/wanted.csv", "cap.csv"]
     assert table_names(State("[target")) == table_names(State("target = 3\n[contact]\nfile = 4")) == []
+
+
+def test_tables_of_spreadsheets_are_read_in_their_encodings():
+    text = "load_N;height_µm\r\n1;2\r\n"
+    for encoding in ("utf-8", "utf-8-sig", "utf-16", "cp1252"):
+        assert texts_of({"Maße.CSV": text.encode(encoding)}) == {"Maße.CSV": text}
+    assert "\N{REPLACEMENT CHARACTER}" in texts_of({"spec.toml": b"\xff"})["spec.toml"]
