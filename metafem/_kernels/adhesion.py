@@ -14,13 +14,17 @@ from metafem._kernels.compiled import compiled
 
 
 @compiled
-def contact(table, depth):
-    """Return contact radius, load and dP/dd at an indentation, interpolated within the table."""
+def place(table, depth):
+    """Return the index of the entries around an indentation, and its share of the way from the first."""
     j = min(max(np.searchsorted(table[0], depth), 1), table.shape[1] - 1)
-    low, high = table[:, j - 1], table[:, j]
-    share = min(max((depth - low[0]) / (high[0] - low[0]), 0.0), 1.0)
-    radius, load, rate = low[1:] + share * (high[1:] - low[1:])
-    return radius, load, rate
+    low, high = table[0, j - 1], table[0, j]
+    return j, min(max((depth - low) / (high - low), 0.0), 1.0)
+
+
+@compiled
+def between(values, j, share):
+    """Return an entry of a row of a table, interpolated."""
+    return values[j - 1] + share * (values[j] - values[j - 1])
 
 
 @compiled
@@ -29,9 +33,10 @@ def total(tables, which, gap, closed, x):
     load = rate = 0.0
     for i in range(len(gap)):
         if closed[i]:
-            _, own, slope = contact(tables[which[i]], x - gap[i])
-            load += own
-            rate += slope
+            table = tables[which[i]]
+            j, share = place(table, x - gap[i])
+            load += between(table[2], j, share)
+            rate += between(table[3], j, share)
     return load, rate
 
 
@@ -59,5 +64,7 @@ def approached(tables, which, gap, closed, load, x, goal, most):
             if abs(step) <= goal * x[k]:
                 break
         for i in range(len(gap)):
-            radius[k, i], _, _ = contact(tables[which[i]], x[k] - gap[i])
+            table = tables[which[i]]
+            j, share = place(table, x[k] - gap[i])
+            radius[k, i] = between(table[1], j, share)
     return radius
