@@ -229,9 +229,13 @@ def descend(
     near, some = AT_LIMIT * problem.limits.span, start.sites
     grain = GRAIN * problem.limits.span
     held = np.isin(some, list(problem.held))
-    height, damping = start.height[some], options.damping
-    if not exact:
-        height = np.where(held, height, np.clip(grain * np.rint(height / grain), low, high))
+    given, damping = start.height[some], options.damping
+
+    def allowed(height: FloatArray) -> FloatArray:
+        rounded = height if exact else grain * np.rint(height / grain)
+        return np.where(held, given, np.clip(rounded, low, high))
+
+    height = given if exact else allowed(given)
     at = start.with_heights(height)
     r, jacobian = residual(at)
     squares, known = float(r @ r), None
@@ -246,8 +250,7 @@ def descend(
         step = _step(r, known, damping)
         if step is None:
             break
-        trial = height + step if exact else grain * np.rint((height + step) / grain)
-        trial = np.where(held, height, np.clip(trial, low, high))
+        trial = allowed(height + step)
         moved = at.with_heights(trial)
         new_r, new_jacobian = residual(moved)
         new = float(new_r @ new_r)
