@@ -5,11 +5,6 @@ need not be an integer. Their summits are at the height of the plane at the firs
 earlier asperities together have exactly the area and load of the second sample (eq. S1, as for operating
 points). If the earlier asperities already have more friction than the second sample, no asperities are added.
 Finally, the asperities are spread over the heights between the levels.
-
-*By least squares, for several tools.* At given approaches x_k of the plane, load and area are linear in the
-numbers c of asperities with each tool and each gap: ``sum c P(x_k - g) = P_k``, ``sum c A(x_k - g) = F_k``.
-The approaches are not known; powers of the load with several exponents and several largest values are tried.
-The solution has few non-zero numbers, which are then rounded to whole asperities.
 """
 
 from __future__ import annotations
@@ -19,11 +14,10 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
-from scipy.optimize import linprog, nnls
+from scipy.optimize import linprog
 
-from metafem._validate import FloatArray, IntArray
+from metafem._validate import FloatArray
 from metafem.contact import Contact
-from metafem.errors import InvalidInput
 from metafem.inversion.bounds import Bounds, at_load, nearest_law
 from metafem.inversion.problem import Asperities, Problem
 from metafem.inversion.target_law import TargetLaw
@@ -40,20 +34,6 @@ LOW_FRACTIONS = (1.0, 0.75, 0.5, 0.25, 0.0)
 
 # If the level of the target is free, levels at these fractions of the range within the bounds are tried.
 LEVEL_FRACTIONS = (0.5, 0.25, 0.75, 0.1, 0.9)
-
-# Exponents m of the approaches ``x = X (P/P_K)^(1/m)``, and X over the largest difference of the heights.
-POWERS = (1.0, 1.15, 1.3, 1.6, 2.0, 2.6, 3.5)
-DEPTHS = (0.03, 0.1, 0.2, 0.3, 0.5, 1.0)
-
-# Largest number of loads, and number of gaps for each tool, which lie at approaches between the loads.
-LOADS, GAPS = 30, 40
-
-# Largest number of iterations of the least squares, and of its guesses that are used, the nearest ones.
-MOST_STEPS, USED = 2000, 20
-
-# Up to this number of sites, random initial guesses come first, and their number; their heights are drawn to
-# this multiple of the indentation of half of the sites.
-FEW, RANDOM, DEEP = 12, 40, 4.0
 
 
 def frictions(law: TargetLaw, bounds: Bounds) -> list[FloatArray]:
@@ -79,100 +59,32 @@ def of_one_tool(
     """Yield asperities of one tool whose law is near frictions at loads, (k,) each [mm^2]."""
     span = problem.limits.span
     law, summit = problem.tools.laws[tool]
-    height, _ = in_order(law, load, friction, np.full(len(load), summit), problem.count)
+    height = in_order(law, load, friction, summit, problem.count)
     inside = int((height >= height[0] - span).sum())
     # if heights are deeper than the span, further guesses have fewer of these heights
     for number in dict.fromkeys(inside + round(part * (len(height) - inside)) for part in LOW_FRACTIONS):
         yield problem.placed(height[:number], np.full(number, tool), rng)
 
 
-def of_several_tools(
-    problem: Problem, load: FloatArray, friction: FloatArray, rng: np.random.Generator
-) -> Iterator[Asperities]:
-    """Yield asperities of several tools whose law is near frictions at loads, (k,) each [mm^2]."""
-    tools, count = problem.tools, problem.count
-    if count <= FEW:
-        law, summit = tools.laws[len(tools) // 2]
-        depth, _ = at_load(law.without_adhesion, load[-1:] / max(1.0, 0.5 * count), summit)
-        for number in rng.integers((count + 1) // 2, count + 1, size=RANDOM).tolist():
-            height = -rng.uniform(0.0, min(DEEP * float(depth[0]), problem.limits.span), number)
-            yield problem.placed(height, rng.integers(len(tools), size=number), rng)
-    if tools.same_shape:  # radii that increase or decrease with the depth
-        order = np.argsort([tool.radius for tool in tools.all], kind="stable")
-        ramp = order[np.linspace(0.0, len(tools) - 1.0, len(load)).round().astype(np.int64)]
-        for which in (ramp, ramp[::-1]):
-            height, sample = in_order(tools.law, load, friction, tools.summits[which], count)
-            yield problem.placed(height, which[sample], rng)
-    yield from by_least_squares(problem, load, friction, rng)
+def in_order(law: Contact, load: FloatArray, friction: FloatArray, radius: Any, count: int) -> FloatArray:
+    """Return at most `count` heights [mm] with summits of one radius, whose law is near the samples.
 
-
-def by_least_squares(
-    problem: Problem, load: FloatArray, friction: FloatArray, rng: np.random.Generator
-) -> list[Asperities]:
-    """Return asperities of the tried tools whose law is near frictions at loads (k,), the nearest first."""
-    rows = np.unique(np.linspace(0.0, len(friction) - 1.0, LOADS).round().astype(np.int64))
-    load, friction, span = load[rows], friction[rows], problem.limits.span
-    law, tried = problem.tools.law, problem.tools.tried
-    which, right = np.tile(tried, GAPS), np.ones(2 * len(load))
-    found = []
-    for depth in DEPTHS:
-        for power in POWERS:
-            approach = depth * span * (load / load[-1]) ** (1.0 / power)
-            at = np.linspace(0.0, len(load) - 1.0, GAPS)[1:]
-            gap = np.repeat(np.insert(np.interp(at, np.arange(len(load)), approach), 0, 0.0), len(tried))
-            indentation = approach[:, None] - gap
-            try:
-                one = law.contacts(
-                    indentation, np.broadcast_to(problem.tools.summits[which], indentation.shape)
-                )
-                closed = indentation > 0.0
-                areas, loads = np.where(closed, one.area, 0.0), np.where(closed, one.load, 0.0)
-                columns = np.vstack([areas / friction[:, None], loads / load[:, None]])
-                number, left = nnls(columns, right, maxiter=MOST_STEPS)
-            except (InvalidInput, RuntimeError):  # beyond the range of the law, or no solution
-                continue
-            used = np.flatnonzero(number)
-            if used.size:
-                height, tool = _rounded(gap[used], which[used], number[used], problem.count)
-                found.append((left, problem.placed(height, tool, rng)))
-    return [one for _, one in sorted(found, key=lambda each: each[0])[:USED]]
-
-
-def _rounded(gap: FloatArray, which: IntArray, number: FloatArray, count: int) -> tuple[FloatArray, IntArray]:
-    """Return heights [mm] and tools of whole asperities, at most `count`, from any numbers."""
-    order = np.lexsort((which, gap))
-    total = np.cumsum(number[order])
-    most = min(count, max(1, math.ceil(total[-1])))
-    middle = (np.arange(most) + 0.5) / most * total[-1]
-    rows = order[np.minimum(np.searchsorted(total, middle), len(order) - 1)]
-    return gap[rows[0]] - gap[rows], which[rows]
-
-
-def in_order(
-    law: Contact, load: FloatArray, friction: FloatArray, radius: FloatArray, count: int
-) -> tuple[FloatArray, IntArray]:
-    """Return at most `count` heights [mm] whose law is near the samples, and the samples they are added for.
-
-    The tallest height is first and equal to 0. Asperities added for sample k have the k-th radius.
+    The tallest height is first and equal to 0.
     """
-    tables = {size: _Table(law, size) for size in np.unique(radius).tolist()}
-    first = tables[radius[0]]
+    table = _Table(law, radius)
     if law.power == 1.0:
         # cones have the same P/A at any depth, so the first load is divided among all asperities
-        depth = float(at_load(law, load[:1] / count, radius[0])[0][0])
+        depth = float(at_load(law, load[:1] / count, radius)[0][0])
     else:  # P/A increases with the indentation
-        depth = float(np.interp(load[0] / friction[0], first.load / first.area, first.depth))
-    levels, numbers, at, plane = [0.0], [friction[0] / float(first.contacts(depth)[1])], [0], -depth
-    for k, (p, f, new) in enumerate(zip(load[1:], friction[1:], radius[1:], strict=True), start=1):
-        above, kinds, many = np.array(levels) - plane, radius[at], np.array(numbers)
-        parts = [(tables[size], above[kinds == size], many[kinds == size]) for size in set(kinds.tolist())]
-        depth, number = _entering(tables[new], parts, p, f)
+        depth = float(np.interp(load[0] / friction[0], table.load / table.area, table.depth))
+    levels, numbers, plane = [0.0], [friction[0] / float(table.contacts(depth)[1])], -depth
+    for p, f in zip(load[1:], friction[1:], strict=True):
+        depth, number = _entering(table, np.array(levels) - plane, np.array(numbers), p, f)
         if number > 0.0:
             levels.append(plane)
             numbers.append(number)
-            at.append(k)
         plane -= depth
-    return _spread(np.array(levels), np.array(numbers), np.array(at), plane, count)
+    return _spread(np.array(levels), np.array(numbers), plane, count)
 
 
 class _Table:
@@ -191,20 +103,18 @@ class _Table:
 
 
 def _entering(
-    new: _Table, earlier: list[tuple[_Table, FloatArray, FloatArray]], load: float, friction: float
+    table: _Table, above: FloatArray, numbers: FloatArray, load: float, friction: float
 ) -> tuple[float, float]:
     """Return the depth [mm] of the plane below the new level at a sample, and the number of new asperities.
 
-    earlier: tables, heights above the new level and numbers of the asperities that are in contact.
+    above, numbers: heights above the new level and numbers of the asperities that are in contact.
     """
-    low, high = new.depth[0], new.depth[-1]
+    low, high = table.depth[0], table.depth[-1]
     for _ in range(ZOOMS):
         depth = np.geomspace(low, high, ZOOM)
-        carried = area = np.zeros(ZOOM)
-        for table, above, many in earlier:
-            loads, areas = table.contacts(above[:, None] + depth)
-            carried, area = carried + many @ loads, area + many @ areas
-        one_load, one_area = new.contacts(depth)
+        loads, areas = table.contacts(above[:, None] + depth)
+        carried, area = numbers @ loads, numbers @ areas
+        one_load, one_area = table.contacts(depth)
         number = np.maximum(friction - area, 0.0) / one_area  # eq. S1
         missing = load - carried - number * one_load
         i = int((missing <= 0.0).argmax()) if missing[-1] <= 0.0 else ZOOM - 1
@@ -215,16 +125,12 @@ def _entering(
     return float(low + share * (high - low)), float(number[i - 1] + share * (number[i] - number[i - 1]))
 
 
-def _spread(
-    levels: FloatArray, numbers: FloatArray, at: IntArray, plane: float, count: int
-) -> tuple[FloatArray, IntArray]:
-    """Return the heights [mm] of an integer number of asperities, and the samples they are added for.
+def _spread(levels: FloatArray, numbers: FloatArray, plane: float, count: int) -> FloatArray:
+    """Return the heights [mm] of an integer number of asperities.
 
     The asperities of a level are spread evenly over the heights up and down to half-way to the next levels.
     """
     ends = np.append(np.insert(0.5 * (levels[1:] + levels[:-1]), 0, levels[0]), 0.5 * (levels[-1] + plane))
     total = np.insert(np.cumsum(numbers), 0, 0.0)
     most = min(count, max(1, math.ceil(total[-1])))
-    middle = (np.arange(most) + 0.5) / most * total[-1]
-    level = np.minimum(np.searchsorted(total[1:], middle), len(at) - 1)
-    return np.interp(middle, total, ends), at[level]
+    return np.asarray(np.interp((np.arange(most) + 0.5) / most * total[-1], total, ends))

@@ -9,7 +9,7 @@ import numpy as np
 
 from metafem.errors import NotConverged
 from metafem.inversion.bounds import nearest_law
-from metafem.inversion.guesses import frictions, of_one_tool, of_several_tools
+from metafem.inversion.guesses import frictions, of_one_tool
 from metafem.inversion.levels import on_levels
 from metafem.inversion.problem import NONE, Asperities, Branch, Candidate, Problem, misfit
 from metafem.inversion.search import (
@@ -113,8 +113,10 @@ def _nearest(residual: Residual, goal: float, rng: np.random.Generator, first: l
     """Return the best asperities of a search, which begins with the `first` ones."""
     problem, sought, exact = residual.problem, residual.law, residual.problem.target.exact
     guesses = frictions(sought, problem.bounds)
-    # no surface meets a target outside the bounds, and one restart tells how near surfaces come
-    agreeing = 1 if nearest_law(sought, problem.bounds)[0] > goal else AGREEING
+    # one restart is enough for a target outside the bounds, which no surface meets, and for adhesive contacts
+    # with interaction, whose searches are slow and whose heights change again
+    changes = problem.tools.law.adhesive and problem.model.couples and not exact
+    agreeing = 1 if changes or nearest_law(sought, problem.bounds)[0] > goal else AGREEING
     best = list[Found]()
     for tool in problem.tools.tried.tolist():
         guessed = (of_one_tool(problem, sought.load, friction, tool, rng) for friction in guesses)
@@ -135,11 +137,8 @@ def _nearest(residual: Residual, goal: float, rng: np.random.Generator, first: l
         at = one.asperities
         best.insert(0, Found(Asperities(at.height, np.where(at.exists, tool, NONE)), one.misfit))
     if several and best[0].misfit > goal:
-        mixed = chain(
-            [best[0].asperities],
-            *(of_several_tools(problem, sought.load, friction, rng) for friction in guesses),
-        )
-        best.append(_with_fewer_tools(residual, search(residual, mixed, goal, rng, agreeing), goal))
+        mixed = search(residual, [best[0].asperities], goal, rng, agreeing)
+        best.append(_with_fewer_tools(residual, mixed, goal))
     found = min(best, key=misfit_of)
     # under a model with interaction the heights change again
     if not exact or problem.model.couples:

@@ -7,13 +7,13 @@ the step is discarded and c is multiplied by it. A height at a limit does not mo
 ``J' r`` would move it beyond the limit (a projected gradient).
 
 As a function of the heights, A0 has kinks where asperities come into contact, so that a descent can end at a
-local minimum. Random changes of the best asperities follow, and exchanges of tools, until the goal is met or
-until restarts agree.
+local minimum. Random changes of the best asperities follow, each with a descent and with changes of tools,
+until the goal is met or until restarts agree.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -25,6 +25,7 @@ from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 from metafem.inversion.problem import NONE, Asperities, Branch, Problem
 from metafem.inversion.target_law import LateResidual, TargetLaw
+from metafem.models.curve import Sensitivity
 from metafem.models.independent import load_equation
 from metafem.models.model import has_paraboloids
 from metafem.progress import each
@@ -37,7 +38,7 @@ NEARLY = 1e-4
 
 # If the misfit is below this multiple of the goal, random changes reach the goal faster than other initial
 # guesses, and one search that does not reach it is enough.
-NEAR = 2.4
+NEAR = 2.2
 
 # Smallest and largest damping c, and the factor of the step size rule.
 LEAST_DAMPING, MOST_DAMPING, DAMPING_FACTOR = 1e-12, 1e4, 5.0
@@ -77,12 +78,8 @@ PEAK = 1.0 / 3.0
 # Weight of the error of a slope, over that of all differences at loads: a slope is met twice as loosely.
 SLOPES = 0.5
 
-# Dampings of steps along a range of tools.
-RANGE_DAMPINGS = (1.0, 0.1, 1e-2, 1e-3, 1e-4, 1e-5)
-
-# Number of exchanges of one tool that are combined to exchanges of two, and number of exchanges that are
-# tried by descents, each with the least predicted misfits.
-PAIRED, TRIED_EXCHANGES = 300, 12
+# Dampings of steps from tool to tool.
+TOOL_DAMPINGS = (1.0, 0.1, 1e-2, 1e-3, 1e-4, 1e-5)
 
 
 @dataclass(frozen=True)
@@ -148,10 +145,7 @@ class Residual:
         problem, law, some = self.problem, self.law, at.sites
         height, summits = at.height[some], problem.tools.summits[at.tool[some]]
         try:
-            if self.model is None:
-                found = problem.independent.sensitivity_of(height, summits, law.load)
-            else:
-                found = self.model.sensitivity(self._surface(at.tool.tobytes()), law.load, height)
+            found = self.sensitivity(at)
             area = problem.model.curve(problem.surface(at), law.load).area if self.own else found.curve.area
         except InvalidInput:  # heights beyond the range of the contact law
             count = len(law.load) + len(self._slopes) + 1
@@ -170,6 +164,15 @@ class Residual:
             return np.vstack([jacobian(), self._slopes @ found.gradient, -weight / top * stiffness])
 
         return np.concatenate([r, self.slope_errors(area), [weight * missing]]), whole
+
+    def sensitivity(self, at: Asperities) -> Sensitivity:
+        """Return the law of asperities at the loads of the target."""
+        height = at.height[at.sites]
+        if self.model is None:
+            summits = self.problem.tools.summits[at.tool[at.sites]]
+            return self.problem.independent.sensitivity_of(height, summits, self.law.load)
+        found: Sensitivity = self.model.sensitivity(self._surface(at.tool.tobytes()), self.law.load, height)
+        return found
 
     def _surface(self, which: bytes) -> Any:
         """Return the surface of asperities made by tools, at any heights."""
@@ -270,7 +273,7 @@ def _step(r: FloatArray, jacobian: FloatArray, damping: float) -> FloatArray | N
     wide = len(r) <= jacobian.shape[1]  # the smaller of the two systems is solved
     product = jacobian @ jacobian.T if wide else jacobian.T @ jacobian
     size = float(np.trace(product)) / len(r)
-    if size == 0.0:
+    if not size > 0.0:  # also where a gradient is not finite
         return None
     product[np.diag_indices(len(product))] += damping * size
     right = r if wide else jacobian.T @ r
@@ -287,15 +290,18 @@ def search(
     rng: np.random.Generator,
     agreeing: int = AGREEING,
 ) -> Found:
-    """Return the best asperities of descents from initial guesses, exchanges of tools and random changes.
+    """Return the best asperities of descents from initial guesses and of random changes.
 
     The search ends at the goal, or when so many restarts agree; a single one has half the random changes.
     """
     found = descended(residual, starts, goal)
     best, ends = found[0], list[float]()
     patience = residual.patience(len(best.asperities.sites)) // (1 if agreeing > 1 else 2)
+    problem = residual.problem
+    # heights of one tool that are near an exact law usually reach it
+    met = NEAR * goal if problem.target.exact and len(problem.tools) > 1 else MET
     for restart in range(MOST_RESTARTS):
-        alike, enough = max(MET, AGREE * best.misfit), 1 if best.misfit <= NEAR * goal else agreeing
+        alike, enough = max(met, AGREE * best.misfit), 1 if best.misfit <= NEAR * goal else agreeing
         if best.misfit <= goal or sum(end <= alike for end in ends) >= enough:
             break
         begun = found[restart] if restart < len(found) else _far(residual, best, goal, rng)
@@ -328,21 +334,14 @@ def _far(residual: Residual, best: Found, goal: float, rng: np.random.Generator)
 
 
 def _changed(residual: Residual, best: Found, goal: float, rng: np.random.Generator, patience: int) -> Found:
-    """Return the best asperities of exchanges and random changes of the best ones so far."""
-    problem = residual.problem
-    fixed = residual.model is not None or len(problem.tools) == 1  # no exchanges of tools are tried
-    failed, exchanged = 0, fixed
+    """Return the best asperities of random changes of the best ones so far."""
+    failed = 0
     for _ in each("random change", range(100 * patience), at_most=True):
         if best.misfit <= goal or failed >= patience:
             break
-        at = best.asperities
-        trials = [changed(at, problem, rng)] if exchanged else exchanges(at, problem, residual.law)
-        one = min((descend(residual, trial, goal) for trial in trials), key=misfit_of, default=best)
-        exchanged = exchanged or one.misfit >= best.misfit
-        if one.misfit < (1.0 - GAIN) * best.misfit:
-            failed, exchanged = 0, fixed
-        else:
-            failed += 1
+        start = changed(best.asperities, residual.problem, rng)
+        one = with_tools(residual, descend(residual, start, goal), goal)
+        failed = 0 if one.misfit < (1.0 - GAIN) * best.misfit else failed + 1
         best = min(best, one, key=misfit_of)
     return best
 
@@ -370,7 +369,7 @@ def changed(at: Asperities, problem: Problem, rng: np.random.Generator) -> Asper
         tool[rng.choice(free)] = NONE
     if len(problem.tools) > 1:
         anew = free[(rng.random(len(free)) < rng.choice((0.0, 0.1, 0.3))) & (tool[free] != NONE)]
-        if problem.tools.ordered and rng.random() < NEIGHBOURING:
+        if rng.random() < NEIGHBOURING:
             tool[anew] = np.clip(tool[anew] + rng.integers(-3, 4, len(anew)), 0, len(problem.tools) - 1)
         else:
             tool[anew] = rng.integers(len(problem.tools), size=len(anew))
@@ -380,51 +379,58 @@ def changed(at: Asperities, problem: Problem, rng: np.random.Generator) -> Asper
     return Asperities(height, tool)
 
 
-def exchanges(at: Asperities, problem: Problem, law: TargetLaw) -> Iterator[Asperities]:
-    """Yield asperities of which one or two have another tool, with the least predicted misfits.
+def with_tools(residual: Residual, found: Found, goal: float) -> Found:
+    """Return asperities after changes of their tools, each with a descent, until no change lowers the misfit.
+
+    Steps in the indices of the tools reduce the residual that the heights cannot reduce. They are damped and
+    rounded, so that fewer tools change with more damping; in one of them a single tool changes.
+    """
+    best, last = found, len(residual.problem.tools) - 1
+    while last and best.misfit > goal:
+        at, before = best.asperities, best.misfit
+        which, (r, rates) = at.tool[at.sites], _rates_by_tools(residual, at)
+        if not len(r):
+            break
+        # the change of one tool with the least predicted residual
+        single = ((r[:, None] + np.hstack([rates, -rates])) ** 2).sum(axis=0)
+        single[np.append(which == last, which == 0)] = np.inf
+        up, down = np.reshape(np.arange(single.size) == single.argmin(), (2, -1)).astype(float)
+        steps = [up - down, *(_step(r, rates, damping) for damping in TOOL_DAMPINGS)]
+        trials = dict[bytes, Asperities]()
+        for step in steps:
+            tool = at.tool.copy()
+            tool[at.sites] = np.clip(which + np.rint(0.0 if step is None else step), 0, last)
+            if (tool != at.tool).any():
+                trials[tool.tobytes()] = Asperities(at.height, tool)
+        best = min([best, *(descend(residual, trial, goal) for trial in trials.values())], key=misfit_of)
+        if best.misfit >= (1.0 - GAIN) * before:
+            break
+    return best
+
+
+def _rates_by_tools(residual: Residual, at: Asperities) -> tuple[FloatArray, FloatArray]:
+    """Return the residual (q,) that no heights reduce, and its differences from tool to tool (q, n).
 
     To first order, another tool changes A0 at a fixed load by the change of its own area, less dA0/dP times
-    that of its own load. The heights then reduce the residual as in an undamped step.
+    that of its own load, where interaction is left out. Both are empty beyond the range of a contact law.
     """
-    tools, some = problem.tools, at.sites
-    which, every = at.tool[some], np.repeat(np.arange(len(tools)), len(some))
+    problem, law = residual.problem, residual.law
+    summits, which = problem.tools.summits, at.tool[at.sites]
+    up, down = np.minimum(which + 1, len(summits) - 1), np.maximum(which - 1, 0)
     try:
-        found = problem.independent.sensitivity_of(at.height[some], tools.summits[which], law.load)
-        load, _, area, _ = _rates(problem, np.tile(found.indentation, len(tools)), tools.summits[every])
-    except InvalidInput:  # beyond the range of a contact law
-        return
-    own_load, stiffness, own_area, growth = _rates(problem, found.indentation, tools.summits[which])
-    slope = growth.sum(axis=1) / stiffness.sum(axis=1)
+        found = residual.sensitivity(at)
+        own, more, less = (_rates(problem, found.indentation, summits[each]) for each in (which, up, down))
+    except InvalidInput:
+        return np.empty(0), np.empty((0, len(which)))
+    slope = own[3].sum(axis=1) / own[1].sum(axis=1)
+    change = (more[2] - less[2] - slope[:, None] * (more[0] - less[0])) / (up - down)
     r, jacobian = law.residual(found.curve.area, lambda: found.gradient)
     scale = np.sqrt(law.weight) / law.law(found.curve.area)
-    change = (area - np.tile(own_area, len(tools))) - slope[:, None] * (load - np.tile(own_load, len(tools)))
-    # without what the heights can change, and in an orthonormal basis of the rest
-    q, _ = np.linalg.qr(jacobian()[:, (found.gradient != 0.0).any(axis=0)], mode="complete")
-    rest = q[:, int((found.gradient != 0.0).any(axis=0).sum()) :].T
-    r, change = rest @ r, rest @ (scale[:, None] * change)
-    if tools.ordered and len(r):  # all tools at once, by damped steps along the range
-        last, column = len(tools) - 1, np.arange(len(some))
-        up, down = np.minimum(which + 1, last), np.maximum(which - 1, 0)
-        rates = (change[:, up * len(some) + column] - change[:, down * len(some) + column]) / (up - down)
-        for damping in RANGE_DAMPINGS:
-            step = _step(r, rates, damping)
-            if step is not None and (rounded := np.rint(step)).any():
-                tool = at.tool.copy()
-                tool[some] = np.clip(which + rounded, 0, last)
-                yield Asperities(at.height, tool)
-    single = ((r[:, None] + change) ** 2).sum(axis=0)
-    single[every == np.tile(which, len(tools))] = np.inf
-    row = np.argsort(single, kind="stable")[:PAIRED]
-    row = row[np.isfinite(single[row])]
-    both = single[row][:, None] + single[row] - r @ r + 2.0 * change[:, row].T @ change[:, row]
-    both[(row % len(some))[:, None] == row % len(some)] = np.inf
-    both[np.tri(len(row), dtype=bool)] = np.inf
-    np.fill_diagonal(both, single[row])
-    for flat in np.argsort(both, axis=None, kind="stable")[:TRIED_EXCHANGES].tolist():
-        tool = at.tool.copy()
-        for one in row[list(divmod(flat, len(row)))].tolist():
-            tool[some[one % len(some)]] = every[one]
-        yield Asperities(at.height, tool)
+    moving = (found.gradient != 0.0).any(axis=0)
+    q, _ = np.linalg.qr(jacobian()[:, moving], mode="complete")
+    # a basis of what the heights cannot change; of everything, if a descent ended where they could change all
+    rest = q[:, moving.sum() if moving.sum() < len(q) else 0 :].T
+    return np.asarray(rest @ r), np.asarray(rest @ (scale[:, None] * change))
 
 
 def _rates(problem: Problem, depth: FloatArray, summits: Any) -> tuple[FloatArray, ...]:

@@ -30,7 +30,7 @@ EXPONENT_STEP = 0.1
 DECIMALS = 12
 
 # Number of tools of a range, evenly spaced in logarithms, that are tried for all asperities and of which
-# initial guesses consist; exchanges of tools then reach the others.
+# initial guesses consist; changes of tools then reach the others.
 TRIED = 7
 
 
@@ -225,11 +225,6 @@ class Tools:
 
     def __len__(self) -> int:
         return len(self.all)
-
-    @property
-    def ordered(self) -> bool:
-        """Whether the tools are those of a range, so that neighbours have similar laws."""
-        return isinstance(self.given, (RadiusRange, PowerRange))
 
     @property
     def tried(self) -> IntArray:
