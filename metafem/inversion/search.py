@@ -38,7 +38,7 @@ NEARLY = 1e-4
 
 # If the misfit is below this multiple of the goal, random changes reach the goal faster than other initial
 # guesses, and one search that does not reach it is enough.
-NEAR = 2.2
+NEAR = 1.6
 
 # Smallest and largest damping c, and the factor of the step size rule.
 LEAST_DAMPING, MOST_DAMPING, DAMPING_FACTOR = 1e-12, 1e4, 5.0
