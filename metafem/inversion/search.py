@@ -54,6 +54,9 @@ AT_LIMIT = 1e-9
 # another processor, whose sums differ in the last digit, a descent then finds the same heights.
 GRAIN = 2.0**-26
 
+# Decimals by which misfits are compared: of equal asperities any may move, and sums differ in the last digit.
+DIGITS = 12
+
 # Random changes: fractions of the heights that move, probability that asperities are added, probability that
 # otherwise one is removed, the largest number of either, and probability of a new height anywhere.
 FRACTIONS = (0.2, 0.5, 1.0)
@@ -78,8 +81,9 @@ PEAK = 1.0 / 3.0
 # Weight of the error of a slope, over that of all differences at loads: a slope is met twice as loosely.
 SLOPES = 0.5
 
-# Dampings of steps from tool to tool.
-TOOL_DAMPINGS = (1.0, 0.1, 1e-2, 1e-3, 1e-4, 1e-5)
+# Dampings of steps from tool to tool; and singular value of the Jacobian over the largest one, below which a
+# direction is due to rounding: equal asperities have equal columns.
+TOOL_DAMPINGS, RANK = (1.0, 0.1, 1e-2, 1e-3, 1e-4, 1e-5), 1e-9
 
 
 @dataclass(frozen=True)
@@ -321,8 +325,8 @@ def descended(residual: Residual, starts: Iterable[Asperities], goal: float) -> 
 
 
 def misfit_of(found: Found) -> float:
-    """Return the misfit, by which results are compared."""
-    return found.misfit
+    """Return the misfit without the digits that depend on the processor, by which results are compared."""
+    return round(found.misfit, DIGITS)
 
 
 def _far(residual: Residual, best: Found, goal: float, rng: np.random.Generator) -> Found:
@@ -394,7 +398,8 @@ def with_tools(residual: Residual, found: Found, goal: float) -> Found:
         # the change of one tool with the least predicted residual
         single = ((r[:, None] + np.hstack([rates, -rates])) ** 2).sum(axis=0)
         single[np.append(which == last, which == 0)] = np.inf
-        up, down = np.reshape(np.arange(single.size) == single.argmin(), (2, -1)).astype(float)
+        first = np.round(single, 2 * DIGITS).argmin()
+        up, down = np.reshape(np.arange(single.size) == first, (2, -1)).astype(float)
         steps = [up - down, *(_step(r, rates, damping) for damping in TOOL_DAMPINGS)]
         trials = dict[bytes, Asperities]()
         for step in steps:
@@ -409,7 +414,7 @@ def with_tools(residual: Residual, found: Found, goal: float) -> Found:
 
 
 def _rates_by_tools(residual: Residual, at: Asperities) -> tuple[FloatArray, FloatArray]:
-    """Return the residual (q,) that no heights reduce, and its differences from tool to tool (q, n).
+    """Return the residual (k,) that no heights reduce, and its differences from tool to tool (k, n).
 
     To first order, another tool changes A0 at a fixed load by the change of its own area, less dA0/dP times
     that of its own load, where interaction is left out. Both are empty beyond the range of a contact law.
@@ -426,11 +431,12 @@ def _rates_by_tools(residual: Residual, at: Asperities) -> tuple[FloatArray, Flo
     change = (more[2] - less[2] - slope[:, None] * (more[0] - less[0])) / (up - down)
     r, jacobian = law.residual(found.curve.area, lambda: found.gradient)
     scale = np.sqrt(law.weight) / law.law(found.curve.area)
-    moving = (found.gradient != 0.0).any(axis=0)
-    q, _ = np.linalg.qr(jacobian()[:, moving], mode="complete")
-    # a basis of what the heights cannot change; of everything, if a descent ended where they could change all
-    rest = q[:, moving.sum() if moving.sum() < len(q) else 0 :].T
-    return np.asarray(rest @ r), np.asarray(rest @ (scale[:, None] * change))
+    change = scale[:, None] * change
+    u, size, _ = np.linalg.svd(jacobian(), full_matrices=False)
+    u = u[:, size > RANK * size[0]]
+    if u.shape[1] < len(r):  # otherwise a descent ended where the heights could change everything
+        r, change = r - u @ (u.T @ r), change - u @ (u.T @ change)
+    return r, np.asarray(change)
 
 
 def _rates(problem: Problem, depth: FloatArray, summits: Any) -> tuple[FloatArray, ...]:
