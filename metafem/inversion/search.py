@@ -81,9 +81,8 @@ PEAK = 1.0 / 3.0
 # Weight of the error of a slope, over that of all differences at loads: a slope is met twice as loosely.
 SLOPES = 0.5
 
-# Dampings of steps from tool to tool; and singular value of the Jacobian over the largest one, below which a
-# direction is due to rounding: equal asperities have equal columns.
-TOOL_DAMPINGS, RANK = (1.0, 0.1, 1e-2, 1e-3, 1e-4, 1e-5), 1e-9
+# Dampings of steps from tool to tool.
+TOOL_DAMPINGS = (1.0, 0.1, 1e-2, 1e-3, 1e-4, 1e-5)
 
 
 @dataclass(frozen=True)
@@ -414,7 +413,7 @@ def with_tools(residual: Residual, found: Found, goal: float) -> Found:
 
 
 def _rates_by_tools(residual: Residual, at: Asperities) -> tuple[FloatArray, FloatArray]:
-    """Return the residual (k,) that no heights reduce, and its differences from tool to tool (k, n).
+    """Return the residual (q,) that no heights reduce, and its differences from tool to tool (q, n).
 
     To first order, another tool changes A0 at a fixed load by the change of its own area, less dA0/dP times
     that of its own load, where interaction is left out. Both are empty beyond the range of a contact law.
@@ -431,12 +430,11 @@ def _rates_by_tools(residual: Residual, at: Asperities) -> tuple[FloatArray, Flo
     change = (more[2] - less[2] - slope[:, None] * (more[0] - less[0])) / (up - down)
     r, jacobian = law.residual(found.curve.area, lambda: found.gradient)
     scale = np.sqrt(law.weight) / law.law(found.curve.area)
-    change = scale[:, None] * change
-    u, size, _ = np.linalg.svd(jacobian(), full_matrices=False)
-    u = u[:, size > RANK * size[0]]
-    if u.shape[1] < len(r):  # otherwise a descent ended where the heights could change everything
-        r, change = r - u @ (u.T @ r), change - u @ (u.T @ change)
-    return r, np.asarray(change)
+    moving = (found.gradient != 0.0).any(axis=0)
+    q, _ = np.linalg.qr(jacobian()[:, moving], mode="complete")
+    # a basis of what the heights cannot change; of everything, if a descent ended where they could change all
+    rest = q[:, moving.sum() if moving.sum() < len(q) else 0 :].T
+    return np.asarray(rest @ r), np.asarray(rest @ (scale[:, None] * change))
 
 
 def _rates(problem: Problem, depth: FloatArray, summits: Any) -> tuple[FloatArray, ...]:

@@ -133,9 +133,12 @@ class _Steps:
         return found
 
     def _total(self, residual: FloatArray) -> FloatArray:
-        """Return the sum of a power of residuals over the loads (last axis)."""
+        """Return the norm of residuals over the loads (last axis), in single precision.
+
+        The last digits depend on the processor, and would decide between equal changes.
+        """
         power = LARGEST_POWER // 2 if self.candidate.law.pointwise else 1
-        return np.asarray(((residual * residual) ** power).sum(axis=-1))
+        return np.asarray(((residual * residual) ** power).sum(axis=-1) ** (1.0 / power), dtype=np.float32)
 
     def _descended(self, at: Asperities) -> tuple[Asperities, FloatArray]:
         """Return asperities after changes that lower the sum, and their residual (k,)."""
