@@ -81,6 +81,10 @@ PEAK = 1.0 / 3.0
 # Weight of the error of a slope, over that of all differences at loads: a slope is met twice as loosely.
 SLOPES = 0.5
 
+# Fraction of the way of the plane between two loads after which an added asperity is touched: its contact is
+# small at the second load, since that of a flat cap grows fast.
+LATE = 0.95
+
 # Dampings of steps from tool to tool.
 TOOL_DAMPINGS = (1.0, 0.1, 1e-2, 1e-3, 1e-4, 1e-5)
 
@@ -342,7 +346,10 @@ def _changed(residual: Residual, best: Found, goal: float, rng: np.random.Genera
     for _ in each("random change", range(100 * patience), at_most=True):
         if best.misfit <= goal or failed >= patience:
             break
-        start = changed(best.asperities, residual.problem, rng)
+        if failed == patience - 1 and np.isfinite(best.misfit):
+            start = _with_one_more(residual, best.asperities)
+        else:
+            start = changed(best.asperities, residual.problem, rng)
         one = with_tools(residual, descend(residual, start, goal), goal)
         failed = 0 if one.misfit < (1.0 - GAIN) * best.misfit else failed + 1
         best = min(best, one, key=misfit_of)
@@ -379,6 +386,21 @@ def changed(at: Asperities, problem: Problem, rng: np.random.Generator) -> Asper
     height = np.clip(height, low, high)
     for site, given in problem.held.items():
         height[site] = given
+    return Asperities(height, tool)
+
+
+def _with_one_more(residual: Residual, at: Asperities) -> Asperities:
+    """Return the asperities and one that touches first below the load at which most friction is missing."""
+    vacant = np.setdiff1d(residual.problem.open, at.sites)
+    if not vacant.size:
+        return at
+    height, tool, curve = at.height.copy(), at.tool.copy(), residual.sensitivity(at).curve
+    least = residual.law.difference(curve.area).argmin()
+    before = curve.approach[least - 1] if least else 0.0
+    depth = before + LATE * (curve.approach[least] - before)
+    lowest = at.sites[height[at.sites].argmin()]
+    height[vacant[0]] = max(height[at.sites].max() - depth, residual.problem.foot)
+    tool[vacant[0]] = tool[lowest]
     return Asperities(height, tool)
 
 

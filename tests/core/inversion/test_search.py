@@ -87,6 +87,17 @@ def test_random_changes_keep_given_heights_empty_sites_and_limits():
     assert tools == {0, 1}
 
 
+@pytest.mark.parametrize("seed", range(6))
+def test_a_search_finds_the_asperity_that_touches_only_at_the_last_load(seed):
+    law, height = mf.Independent(mf.Elastic(mf.Power(6, 0.4))), np.full(9, 0.2)
+    height[1:] -= 1e-3 * np.array([0.23, 0.37, 1.69, 2.06, 3.14, 3.4, 3.58, 7.92])
+    load = 2.07e-5 * 10.0 ** np.arange(4)
+    curve = law.curve(SITES.replaced(height=height), load)
+    limits = mf.Limits(0.2, offset=float(curve.approach[-1]))
+    design = mf.design(mf.SampledLaw(load, curve.area), SITES, law, limits, seed)
+    assert design.misfit < 1e-3
+
+
 def test_a_change_of_tools_finds_the_one_that_lowers_the_misfit():
     """The law is that of four asperities, one of which is made by the other tool."""
     problem, wanted = problem_of([0.16, 0.155, 0.15, 0.13], mf.Limits(0.12, offset=0.05), TOOLS)
