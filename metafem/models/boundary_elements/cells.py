@@ -157,12 +157,14 @@ def boxes(position: FloatArray, half_width: FloatArray) -> tuple[list[IntArray],
 
 def measure(
     patches: list[Patch], pressure: list[FloatArray], scene: Scene
-) -> tuple[FloatArray, FloatArray, BoolArray, IntArray, int]:
+) -> tuple[FloatArray, FloatArray, BoolArray, FloatArray, IntArray, int]:
     """Return what the pressures on the cells of each patch carry.
 
-    The loads and the contact areas on the cells in which each asperity is the highest, (n,); whether its area
-    is that within the edge instead of the law's for the second moments, (n,); the pairs of asperities with
-    adjacent cells in contact, (m, 2); and the number of pairs of cells of two asperities, `NARROW` apart.
+    The loads and the contact areas on the cells in which each asperity is the highest, (n,); whether
+    its area is that within the edge instead of the law's for the second moments, (n,); by how many
+    cells the law's for the mean pressure differs from the latter, (n,), 0 for other caps than
+    paraboloids; the pairs of asperities with adjacent cells in contact, (m, 2); and the number of pairs
+    of cells of two asperities, `NARROW` apart.
     """
     count = len(scene.radius)
     sums, area, pairs, grooves = np.zeros((7, count)), np.zeros(count), [], 0
@@ -188,12 +190,12 @@ def measure(
     merged = np.unique(np.sort(np.concatenate(pairs), axis=1), axis=0)
     # the pressure of a Hertz contact, linear in its square, has this area, with a smaller error than the edge
     ellipse = 9.0 / 8.0 * load / np.where(carries, power, 1.0)
+    # .3 to 1.3 cells less for Hertz contacts of 5 to 80 cells per radius
+    apart = np.abs(ellipse - lawful + 0.6) * scene.paraboloids
     deformed = np.abs(area - lawful) > allowed(lawful, scene.paraboloids)
-    if scene.paraboloids:
-        # .3 to 1.3 cells less for Hertz contacts of 5 to 80 cells per radius
-        deformed |= np.abs(ellipse - lawful + 0.6) > 1.1 + 0.003 * np.sqrt(4.0 * math.pi * lawful)
+    deformed |= apart > 1.1 + 0.003 * np.sqrt(4.0 * math.pi * lawful)
     deformed[merged.ravel()] = True
-    return load, np.where(deformed, area, lawful), deformed, merged, grooves
+    return load, np.where(deformed, area, lawful), deformed, apart, merged, grooves
 
 
 def _neighbours(apart: int) -> tuple[tuple[Any, Any], ...]:

@@ -144,9 +144,9 @@ def within(
 
     control: loads or approaches (k,), by the name of the argument of `curve`. The contacts are resolved by
     coarse cells and by half of them, at the first and at the last value. The stated errors tell the side of
-    the cells. It is chosen again if more contacts are found deformed or merged by these cells. With more than
-    500,000 in contact, which take about ten seconds on two cores, the error remains above the tolerance, as
-    the state says.
+    the cells. It is chosen again while more contacts are found deformed or merged by these cells. With more
+    than 500,000 in contact, which take about ten seconds on two cores, the error remains above the tolerance,
+    as the state says.
     """
     ((name, values),) = control.items()
     ends = values[values > 0.0][[0, -1]]
@@ -164,8 +164,7 @@ def within(
     least = math.sqrt(float(curves[1].area.max()) / 5e5)
     model = replace(coarse, cell=min(coarse.cell, max(cell, least)))
     curve = model.curve(surface, **control)
-    error = float(curve.error or 0.0)
-    if error > tolerance and model.cell > least:
+    while (error := float(curve.error or 0.0)) > tolerance and model.cell > least:
         model = replace(model, cell=max(0.9 * model.cell * (tolerance / error) ** (1.0 / rate), least))
         curve = model.curve(surface, **control)
     return model, curve

@@ -132,6 +132,15 @@ def test_a_summit_in_the_contact_of_another_gets_cells_up_to_the_end_of_its_own(
     assert state.area == pytest.approx(coarse.area, rel=5e-3)
 
 
+def test_the_stated_error_bounds_that_of_contacts_whose_shape_is_nearly_elliptic():
+    """The reference is extrapolated to vanishing cells, see `validation.stability.stability_map`; +- 8e-5."""
+    nine = mf.Surface.square_lattice(20.0, (3, 3), 1.0, radius=10.0, material=mf.Material(1.0))
+    for cells_per_pitch in (20, 32, 40, 64):
+        model = mf.BoundaryElements(1.0 / cells_per_pitch)
+        state = mf.equilibrium(nine, model, load=0.1022208)
+        assert abs(state.area / 5.2215 - 1.0) <= state.model_error
+
+
 def test_cells_for_a_tolerance_are_chosen_once():
     four = mf.Surface.square_lattice(0.2, (2, 2), 0.3, radius=RADIUS, material=MATERIAL)
     for surface, tolerance in ((PAIR, 1e-4), (four, 5e-3)):
