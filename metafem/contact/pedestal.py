@@ -30,9 +30,9 @@ COEFFICIENTS = np.array(
 )
 FIT_ERROR = 3e-4
 
-# Terms of the fit that do not depend on the contact radius. The terms that grow with the contact radius
-# belong to the contact law and are left out: for these terms, the deviations at small strain and at finite
-# strain are equal in size and opposite in sign.
+# Terms of the fit that do not depend on the contact radius. The terms that grow with it belong to the contact
+# law, as those of a sphere on a half-space do, and are left out: at large strain they have the other sign
+# (validation/finite_elements/fe_pedestal.py).
 LIGHT = COEFFICIENTS[:, 0]
 
 
