@@ -37,7 +37,7 @@ def renew_readme(results: dict[str, Claim]) -> None:
         work_precision.picture(), "Seconds against error of the models, from sparse to merged contacts"
     )
     LADDER.write_text(ladder, "utf-8")
-    PICTURE.write_text(svg(_first_minute(), "Target, achieved law and finite elements"), "utf-8")
+    PICTURE.write_text(svg(_first_minute(), "Target, achieved law, and order 3 on the block"), "utf-8")
     explorer_picture.renew_picture()
     shape_pictures.renew_pictures()
 
@@ -51,14 +51,20 @@ def _renew(part: str, body: str) -> None:
 
 
 def _first_minute():
-    """Draw the demo's law with the areas on its block by finite elements."""
+    """Draw the demo's law with the areas by order 3 on its block."""
     design = fig4("red")
     found = mf.studies.fidelity(design)
     figure = law_figure(design)
     ax = figure.axes[0]
     every = slice(4, None, 8)
     area = found["area"].sel(model="block").values[every]
-    ax.plot(design.law.rescaled_load[every], area, "k^", ms=4, label="finite elements of the block")
+    ax.plot(
+        design.law.rescaled_load[every],
+        area,
+        "k^",
+        ms=4,
+        label="order 3 on the block",
+    )
     ax.legend(frameon=False, loc="upper left")
     return figure
 

@@ -36,10 +36,10 @@ def table() -> str:
 
 
 def percent(value: float, unsure: float) -> str:
-    """Return a percentage to two digits, without an exponent, or that it is below its uncertainty."""
-    digits = {"precision": 2, "unique": False, "fractional": False, "trim": "-"}
-    shown = np.format_float_positional(100.0 * max(value, unsure), **digits)
-    return f"{'below ' * (value <= unsure)}{shown} %"
+    """Return a percentage to two digits, without an exponent; a bound if it is near its uncertainty."""
+    digits, small = {"precision": 2, "unique": False, "fractional": False, "trim": "-"}, value < 2.0 * unsure
+    shown = np.format_float_positional(100.0 * (value + unsure if small else value), **digits)
+    return f"{'below ' * small}{shown} %"
 
 
 def in_words(seconds: float) -> str:

@@ -16,7 +16,7 @@ from validation.finite_elements.fe_cap import CELL, SEARCHED, contact, search_co
 from validation.finite_elements.frozen_meshes import FOLDER, RADIUS, SOFT_HEIGHT, cap
 from validation.finite_elements.large_strain.body import FiniteContact, SoftBody
 from validation.finite_elements.large_strain.press import press_sequence
-from validation.sources import known_input, second_method, self_consistency
+from validation.sources import known_input, self_consistency
 
 # Ten contacts on two meshes take a minute.
 SLOW = True
@@ -33,8 +33,8 @@ EDGES = {"contact_edge": 1e-4, "foot_edge": 0.05}
 
 LOADS = "neo-Hookean cap over Hertz's law at the same deformed radius, finite elements at large strain"
 CUBIC = "cubic displacements and quadratic pressures on another mesh"
-FRESH = second_method(press_sequence, "finite elements at large strain at the same contact radius")
-MESHES = second_method(press_sequence, "the same contacts on a coarser mesh")
+FRESH = self_consistency(press_sequence, "finite elements at large strain at the same contact radius")
+MESHES = self_consistency(press_sequence, "the same contacts on a coarser mesh")
 ENERGY = known_input("identity: the work of the plane is the stored elastic energy")
 
 
