@@ -22,33 +22,31 @@ from metafem.report import all_notes, fit_table, numbers
 # lines are drawn between them.
 EVERY = 3
 
-# Largest numbers of independent and of coupled asperities for a band by linear response. Coupled asperities
-# require the solution of n equations at each load, which takes 13 ms for 64 asperities and about a second for
-# the largest number.
-MOST_ALONE, MOST_COUPLED = 100_000, 400
+# Largest number of asperities for a band, which then takes up to three seconds.
+MOST = 100_000
 
 # Rescaled load, and lowest and highest friction [mm^2].
 Band = tuple[FloatArray, FloatArray, FloatArray]
 
 
 def tolerance_band(answer: Answer) -> Band | None:
-    """Return rescaled load, and A0 of manufactured surfaces one standard deviation below and above [mm^2].
+    """Return rescaled load, and mean A0 of made surfaces minus and plus one standard deviation [mm^2].
 
     The error of their heights is ``limits.height_sd``. The result is None if the specification states none,
-    the surface has too many asperities or the model has no solution.
+    the surface has too many asperities or independent asperities have no solution.
     """
     design = answer.design
     if design is None or not design.limits.height_sd:
         return None
-    model, surface = design.law.model, design.surface
-    if surface.count > (MOST_COUPLED if model.couples else MOST_ALONE):
+    law, surface = design.law, design.surface
+    if surface.count > MOST:
         return None
-    load = design.law.rescaled_load[::-EVERY][::-1]
+    load, area = law.rescaled_load[::-EVERY][::-1], law.area[::-EVERY][::-1]
     try:
-        mean, sd = scatter(surface, model, load, design.limits.height_sd)
-    except MetafemError:  # the model has no solution at these loads
+        mean, sd = scatter(surface, law.model, load, design.limits.height_sd)
+    except MetafemError:  # independent asperities have no solution at these loads
         return None
-    return load, mean - sd, mean + sd
+    return load, area * (mean - sd), area * (mean + sd)
 
 
 # Messages in place of the tables and above them.

@@ -38,7 +38,7 @@ def beside(answer: Answer) -> dict[str, Any]:
         "x": numbers(units.load * load),
         "low": numbers(units.friction * low),
         "high": numbers(units.friction * high),
-        "name": f"± 1 SD of made surfaces, with errors of the heights of {micrometres:.3g} µm (SD)",
+        "name": f"mean ± 1 SD of made surfaces, with errors of the heights of {micrometres:.3g} µm (SD)",
     }
     return {"number": answer.number, "tolerance": tolerance}
 

@@ -116,21 +116,20 @@ def numbers(design: Design) -> list[tuple[str, str]]:
 
 
 def _scatter(design: Design) -> tuple[str, str]:
-    """Return the relative scatter of A0 by errors of the heights, and its meaning."""
-    model, target, sd = design.law.model, design.target_law, design.limits.height_sd
+    """Return the relative change of A0 by errors of the heights, and its meaning."""
+    target, sd = design.target_law, design.limits.height_sd
     assumed = ", the precision of the source paper's moulds" if sd is None else ""
     sd = HEIGHT_SD if sd is None else sd
-    if model.couples and design.surface.count > MOST_COMPARED:
-        return "unknown", f"it is not estimated for more than {MOST_COMPARED:,} asperities"
     try:
-        area, deviation = scatter(design.surface, model, target.load, sd)
+        mean, deviation = scatter(design.surface, design.law.model, target.load, sd)
     except MetafemError as reason:
         return "unknown", f"because {reason}"
-    ratio = deviation / area
-    value = ratio.max() if target.pointwise else np.sqrt((ratio**2).mean())
-    of = "largest" if target.pointwise else "rms"
-    errors = f"errors of {MICROMETRES * sd:.3g} µm (SD){assumed}"
-    return percent(value), f"SD of A0, {of} over the loads of the target, if the heights have {errors}"
+    change = np.hypot(mean - 1.0, deviation)
+    value, of = (change.max(), ", largest") if target.pointwise else (np.sqrt((change**2).mean()), "")
+    return percent(value), (
+        f"rms change of A0{of} over the loads of the target, by errors of the heights of "
+        f"{MICROMETRES * sd:.3g} µm (SD){assumed}; drawn with independent asperities"
+    )
 
 
 def _gists(design: Design, sliding: Onset | None, models: Summary | None) -> dict[str, str]:

@@ -12,6 +12,7 @@ from jinja2 import UndefinedError
 
 import metafem as mf
 from metafem.drawing.inline import Drawn
+from metafem.prediction.tolerances import scatter
 from metafem.report import all_notes, error_data, error_words, figures, fit_table, model_data, parameter_rows
 from metafem.report.figures import law_figure
 from metafem.report.html import headings, render
@@ -69,10 +70,8 @@ def test_the_page_states_the_numbers_of_the_design():
     misfit, error, scattered = re.findall(r"<b>(.*?)</b>", text)
     assert misfit == f"{100.0 * design.misfit:.2g} %"
     assert error == f"{100.0 * law.model_error:.2g} %"
-    target = design.target_law.load
-    gradient = law.model.sensitivity(surface, target).gradient
-    ratio = 0.0009 * np.linalg.norm(gradient, axis=1) / law.model.curve(surface, target).area
-    assert scattered == f"{100.0 * rms(ratio):.2g} %"
+    mean, sd = scatter(surface, law.model, design.target_law.load, 0.0009)
+    assert scattered == f"{100.0 * rms(np.hypot(mean - 1.0, sd)):.2g} %"
     assert f"{heights.min():.1f} – {heights.max():.1f} µm on {surface.count} of 16 sites" in text
     (branch, fit), *_ = design.fits
     columns, (row, *_) = fit_table(design)
