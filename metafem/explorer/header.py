@@ -28,15 +28,8 @@ LATE = 0.5
 # Name of the first state of the page among the examples to start over from.
 FIRST = "as first opened"
 
-# Words for each status, and its kind: "good", "warn" or "" for neither.
-STATUS = {
-    DesignStatus.EXACT: ("meets the target exactly", "good"),
-    DesignStatus.REACHED: ("meets the target", "good"),
-    DesignStatus.WITHIN_ERRORS: ("meets the target", "good"),
-    DesignStatus.REFINED: ("meets the target", "good"),
-    DesignStatus.APPROXIMATE: ("approximate", ""),
-    DesignStatus.MISSED: ("misses the target", "warn"),
-}
+# Kind of each status that is not "good": "warn", or "" for neither.
+KINDS = {DesignStatus.APPROXIMATE: "", DesignStatus.ADJUSTED: "", DesignStatus.MISSED: "warn"}
 
 STOPPED = "stopped: change something, or compute again"
 
@@ -127,10 +120,11 @@ def _status(answer: Answer) -> tuple[str, str]:
         return f"{count} problem{'s' if count > 1 else ''} in the specification", "warn"
     if answer.refusal or answer.design is None:
         return "refused: no surface reaches the target", "warn"
-    words, kind = STATUS[answer.design.status]
+    status = answer.design.status
+    words, kind = status.value.partition(":")[0], KINDS.get(status, "good")
     if answer.simplified:
         words, kind = f"draft under {answer.design.law.model.name}", ""
-    if answer.design.status is not DesignStatus.EXACT:
+    if status is not DesignStatus.EXACT:
         words = f"{words}, misfit {misfit_text(answer.design.misfit)}"
     return words, kind
 

@@ -193,7 +193,7 @@ def _status(candidate: Candidate, misfit: float, touching: bool) -> DesignStatus
     if misfit <= REACHED and candidate.refined:
         return DesignStatus.REFINED
     if density:
-        return DesignStatus.APPROXIMATE
+        return DesignStatus.ADJUSTED if candidate.refined else DesignStatus.APPROXIMATE
     return DesignStatus.REACHED if misfit <= REACHED else DesignStatus.WITHIN_ERRORS
 
 

@@ -33,10 +33,11 @@ def design_notes(problem: Problem, candidate: Candidate, found: Design) -> tuple
     missed = found.misfit > REACHED
     if missed and candidate.density is not None:
         notes.append(_of_density(problem, found))
-    if missed and problem.held:
+    if found.misfit > found.largest_misfit and problem.held:
         words = f"{len(problem.held)} heights are given, and the misfit is {misfit_text(found.misfit)}"
         text = f"{words}: give others, or fewer"
-        notes.append(Note(text, quantity="misfit", value=found.misfit, bound=REACHED, remedies=("pinned",)))
+        bound = found.largest_misfit
+        notes.append(Note(text, quantity="misfit", value=found.misfit, bound=bound, remedies=("pinned",)))
     if problem.target.refused and not problem.target.exact and not candidate.law.is_band:
         notes += _outside(problem)
     return tuple(dict.fromkeys((*notes, *found.law.notes)))
@@ -83,9 +84,11 @@ def _doubt(problem: Problem, candidate: Candidate, found: Design) -> list[Note]:
         return []
     difference = law.difference(curve.area)
     i = int(np.abs(difference).argmax())
-    load = problem.target.wording.of_part(surface.material).loads(law.load[i])
-    where = "on the block" if on_block else "with interaction"
-    text = f"met under {model.name} asperities; {where} {percent(abs(difference[i]), '.2g')} off at {load}"
+    load = problem.target.wording.of_part(surface.material).loads(law.load[i], digits=3)
+    where = "on the bonded layer" if on_block else "with interaction"
+    word, _, _ = found.status.value.partition(":")
+    off = f"{percent(abs(difference[i]), '.2g')} off {where} at {load}"
+    text = f"{word} under the model {model.name}, but {off}"
     return [Note(text, quantity=DOUBT, value=size, bound=found.largest_misfit, remedies=("model",))]
 
 
@@ -108,9 +111,9 @@ def _of_density(problem: Problem, found: Design) -> Note:
     """Return a note on the heights of a density that miss its law or the slopes."""
     name, within = problem.target.wording.name(len(found.fits)), percent(REACHED, "g")
     text = (
-        f"the {found.misfit_meaning} is {misfit_text(found.misfit)}: the heights follow a density, whose law "
-        f"has the {name} at large loads and an intercept. Give load_range: heights are then found with a "
-        f"friction within {within} of the line through the origin over those loads"
+        f"the {found.misfit_meaning} is {misfit_text(found.misfit)}: the law sought is that of a density of "
+        f"heights, with the {name} at large loads and an intercept. Give load_range: heights are then found "
+        f"with a friction within {within} of the line through the origin over those loads"
     )
     level = Level.INFORMATION if found.misfit <= MISSED else Level.WARNING
     return Note(text, level, "misfit", found.misfit, MISSED, ("load_range",))

@@ -45,9 +45,10 @@ class DesignStatus(Enum):
 
     EXACT = "exact: the law meets the target to 1e-9"
     REACHED = "reached: the law meets the target within 1 %"
-    WITHIN_ERRORS = "reached: the law meets the samples within 1 % and their stated errors"
+    WITHIN_ERRORS = "within errors: the law meets the samples within 1 % and their stated errors"
     REFINED = "refined: the heights were adjusted until the law met the target within 1 %"
     APPROXIMATE = "approximate: the heights follow a density whose law has the target's slopes at large loads"
+    ADJUSTED = "adjusted: the heights of a density were adjusted to its law, and meet it within 10 %, not 1 %"
     MISSED = (
         "missed: the misfit is above 1 % (and the errors of the samples), or above 10 % for the heights of a "
         "density, or the base plane would touch"

@@ -109,7 +109,8 @@ def _candidate(design: Design, surface: Surface, problem: Problem, rms: dict[str
     return Candidate(
         Asperities(height, tool), design.target_law, found={**design.parameters, **rms},
         branches=tuple(branch for branch, _ in design.fits), density=design.density,
-        stepped=design.limits.height_step is not None, refined=design.status is DesignStatus.REFINED,
+        stepped=design.limits.height_step is not None,
+        refined=design.status in (DesignStatus.REFINED, DesignStatus.ADJUSTED),
     )  # fmt: skip
 
 

@@ -89,12 +89,12 @@ class Wording:
         """Return rescaled loads in words for a title, in the unit of the target: ``0.05 to 0.2 mm²``."""
         return _stated(loads, self.composite_modulus).replace("^2", "²")
 
-    def loads(self, *loads: float) -> str:
+    def loads(self, *loads: float, digits: int = 6) -> str:
         """Return rescaled loads in words: ``0.05 to 0.2 mm^2``, or ``0.068 N (0.05 mm^2)``."""
         modulus = self.composite_modulus or self.part_modulus
         if modulus is None:
-            return _stated(loads)
-        both = _stated(loads), _stated(loads, modulus)
+            return _stated(loads, digits=digits)
+        both = _stated(loads, digits=digits), _stated(loads, modulus, digits)
         first, second = both if self.composite_modulus is None else both[::-1]
         return f"{first} ({second})"
 
@@ -107,9 +107,9 @@ class Wording:
 RESCALED = Wording()
 
 
-def _stated(values: tuple[float, ...], factor: float | None = None) -> str:
+def _stated(values: tuple[float, ...], factor: float | None = None, digits: int = 6) -> str:
     """Return rescaled values in words: in mm^2, or multiplied by a factor [MPa] in N."""
-    numbers = " to ".join(f"{(factor or 1.0) * value:.6g}" for value in values)
+    numbers = " to ".join(f"{(factor or 1.0) * value:.{digits}g}" for value in values)
     return f"{numbers} {'mm^2' if factor is None else 'N'}"
 
 

@@ -210,7 +210,7 @@ def test_the_first_computation_of_a_page_can_be_stopped(browser, tmp_path):
         stop.click()
         again.wait_for()
         after(visit, page.get_by_label("Model", exact=True).select_option, "independent")
-        assert page.locator(".bar .chip").inner_text() == "meets the target exactly"
+        assert page.locator(".bar .chip").inner_text() == "exact"
         assert server.said == ""
 
 

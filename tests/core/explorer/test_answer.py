@@ -34,9 +34,7 @@ def test_an_answer_is_the_design_of_the_command_once_for_each_text():
     assert answered(State(TEXT + "\n"), 5, answer).design is not answer.design
     assert answered(State(SAMPLED, {"wanted.csv": WANTED}), 6).current
     header = header_data(answer)
-    assert (header["status"], header["kind"], header["model"]) == (
-        "meets the target exactly", "good", "independent",
-    )  # fmt: skip
+    assert (header["status"], header["kind"], header["model"]) == ("exact", "good", "independent")
     assert header["title"] == answer.specification.target.title
     assert header_data(replace(answer, stopped=True))["status"] == STOPPED
 

@@ -49,6 +49,7 @@ def test_given_heights_of_a_design_meet_its_target_again():
         after = designed(TARGETS[name], pinned)
         assert_kept(after, pinned)
         assert after.misfit <= most
+        assert not any("are given" in note.text for note in after.notes)
 
 
 def test_the_other_height_of_two_follows_the_given_one():

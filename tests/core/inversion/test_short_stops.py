@@ -38,14 +38,15 @@ def test_a_base_that_touches_within_the_range_is_a_miss_and_avoided():
     assert found.status is not DesignStatus.MISSED
 
 
-def test_the_verdict_names_the_model_on_the_block_that_misses():
+def test_the_verdict_begins_with_the_status_and_names_the_layer_that_misses():
     found = mf.design(LINE, SOFT, mf.Independent(), mf.Limits(0.3))
     area = LAYER.curve(found.surface, LINE.curve().load).area
     off = np.abs(LINE.curve().difference(area)).max()
     assert found.status is not DesignStatus.MISSED
-    assert (off > 0.01) == ("on the block" in found.verdict)
     assert off > 0.01
-    assert f"{100 * off:.2g} %" in found.verdict
+    word, size = found.status.name.lower(), f"{100 * off:.2g} %"
+    start = f"{word} under the model independent, but {size} off on the bonded layer at "
+    assert re.fullmatch(re.escape(start) + r"0\.\d{3} N \(0\.\d{3} mm\^2\)", found.verdict)
 
 
 def test_no_cap_of_a_part_is_without_height(tmp_path):
