@@ -167,7 +167,7 @@ def full_report(once):
         design = mf.design(mf.LinearLaw(6.87), paper_lattice(), limits=mf.Limits(0.12, offset=0.084))
         studies = {
             "manufacturing": mf.studies.manufacturing(design.surface, (0.001, 0.003), draws=20),
-            "misalignment": mf.studies.misalignment(design.surface, [0.0005, 0.001], shuffles=2),
+            "misalignment": mf.studies.misalignment(design.surface, [0.0005, 0.001], assignments=2),
             "uncertainty": mf.studies.uncertainty(
                 design.surface, {"composite_modulus": 0.04, "radius": 0.002}
             ),

@@ -143,7 +143,7 @@ def manufacturing(design: Design, height_sd: list[float], misfit: bool, **option
 
 @of_design(
     _option("--angle", ANGLE, "Largest angle, reached in 1,000 steps.", default="0.1deg"),
-    _option("--shuffles", FROM_0, "Number of random placements to compare with.", default=20),
+    _option("--assignments", FROM_0, "Number of random assignments to compare with.", default=20),
     *(*LAW, SEED, WORKERS),
     short_help="How level the plane must be.",
 )
@@ -154,7 +154,7 @@ def misalignment(design: Design, **options: Any) -> Dataset:
     angle. It depends on the assignment of the heights to sites, so that random assignments are also studied.
     The result is the file DIR/misalignment.nc.
 
-    Example: metafem study misalignment linear --angle 0.05deg --shuffles 100
+    Example: metafem study misalignment linear --angle 0.05deg --assignments 100
     """
     return mf.studies.misalignment(design.surface, **options)
 
@@ -187,7 +187,7 @@ def uncertainty(design: Design, calibration: Path | None, **options: Any) -> Dat
 
 
 @of_design(
-    _option("--placements", FROM_1, "Number of random placements.", default=1000),
+    _option("--assignments", FROM_1, "Number of random assignments.", default=1000),
     SEED,
     short_help="Elastic interaction, and assignments of heights to sites.",
 )
@@ -197,7 +197,7 @@ def interaction(design: Design, **options: Any) -> Dataset:
     The laws are compared for the design and for random assignments of its heights to sites, on a half-space
     and on the bonded layer. The result is the file DIR/interaction.nc.
 
-    Example: metafem study interaction linear --placements 200
+    Example: metafem study interaction linear --assignments 200
     """
     return mf.studies.interaction(design, **options)
 

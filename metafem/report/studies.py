@@ -33,9 +33,9 @@ FEW_BARS = 3
 # Studies by the label that they have in the figure, such as the name of the surface; "" for no label.
 Labelled = Mapping[str, "Dataset"]
 
-# Largest number of shuffled placements that are drawn; in the source paper's Fig. S2, about as many can be
-# distinguished.
-MOST_SHUFFLES = 20
+# Largest number of assignments of heights to sites that are drawn; in the source paper's Fig. S2, about as
+# many can be distinguished.
+MOST_ASSIGNMENTS = 20
 
 COLOURS = (ACHIEVED, TARGET)
 
@@ -64,10 +64,10 @@ def misalignment_figure(ax: Axes, studies: Labelled) -> None:
     for (label, study), colour in zip(studies.items(), cycle(COLOURS), strict=False):
         angle = np.append(0.0, np.degrees(study["angle"].values))
         scatter = 100.0 * study["slope_sd"].values / float(study["nominal_slope"])
-        made, *shuffled = np.pad(scatter, ((0, 0), (1, 0)))
+        made, *assigned = np.pad(scatter, ((0, 0), (1, 0)))
         ax.plot(angle, made, color=colour, lw=1.8, label=f"{label} as made".strip())
-        for i, each in enumerate(shuffled[:MOST_SHUFFLES]):
-            name = f"{label} shuffled".strip() if i == 0 else None
+        for i, each in enumerate(assigned[:MOST_ASSIGNMENTS]):
+            name = f"{label} random assignments".strip() if i == 0 else None
             ax.plot(angle, each, "--", color=colour, lw=0.6, alpha=0.6, label=name)
     ax.set(xlabel="largest angle  |φ| [°]", ylabel="SD of the slope [%]", xlim=(0.0, None), ylim=(0.0, None))
 

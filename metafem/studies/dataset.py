@@ -19,7 +19,7 @@ QUANTILES = [0.05, 0.5, 0.95]
 STUDIED: Mapping[str, tuple[str, str]] = QUANTITIES | {
     "slope": ("1", "slope of the law"),
     "area_change": ("1", "change of the real contact area from independent asperities"),
-    "placement_rms": ("1", "root mean square change of the area of a random assignment"),
+    "assignment_rms": ("1", "root mean square change of the area of a random assignment"),
     "sinking": ("mm", "decrease of the separation by interaction"),
     "deviation": ("mm2", "rescaled friction less the predicted real contact area"),
     "stress": ("MPa", "friction force over rescaled friction, 0 for a law of areas"),

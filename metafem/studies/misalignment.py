@@ -33,7 +33,7 @@ def misalignment(
     angle: ArrayLike,
     *,
     model: Model | None = None,
-    shuffles: int = 0,
+    assignments: int = 0,
     load_range: tuple[float, float] | None = None,
     rng: Any = 0,
 ) -> xr.Dataset:
@@ -43,7 +43,7 @@ def misalignment(
     angle, mean and standard deviation are taken over all tilts from minus this angle to this angle, as in
     Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234, Fig. S2 and supplementary text
     "Effect of a misalignment on the friction law". The law is linear between neighbouring angles. The
-    placements are computed as `joblib.parallel_config` says.
+    assignments are computed as `joblib.parallel_config` says.
 
     Parameters
     ----------
@@ -53,20 +53,20 @@ def misalignment(
         pi/4. All angles are used with both signs, together with the angle 0.
     model : Model, optional
         Default: `Independent()`.
-    shuffles : int
+    assignments : int
         Number of random assignments of the asperities to the sites that are also studied; default: 0.
     load_range : (float, float), optional
         Rescaled loads P/E* between which a line is fitted [mm^2]. The source does not state its range.
         Default: 25 to 100 % of the load at which the plane reaches the lowest summit.
     rng : int or numpy.random.Generator
-        Seed or generator of the shuffled placements; default: 0.
+        Seed or generator of the random assignments; default: 0.
 
     Returns
     -------
     xarray.Dataset
-        ``slope_mean`` and ``slope_sd`` [-] over ``placement`` ("as made", "shuffle 1", ...) and ``angle``
+        ``slope_mean`` and ``slope_sd`` [-] over ``assignment`` ("as made", "assignment 1", ...) and ``angle``
         [rad], and ``area_mean`` and ``area_sd`` [mm^2], as made, over ``angle`` and ``rescaled_load`` [mm^2].
-        With at least two shuffled placements, ``slope_sd_quantile`` over ``quantile`` (0.05, 0.5 and 0.95)
+        With at least two random assignments, ``slope_sd_quantile`` over ``quantile`` (0.05, 0.5 and 0.95)
         and ``angle`` gives the quantiles of their `slope_sd`. ``nominal_slope`` and ``nominal_area`` are the
         values without a tilt.
 
@@ -83,15 +83,15 @@ def misalignment(
     >>> surface = mf.Surface.square_lattice(
     ...     [[0.1, 0.12], [0.11, 0.13]], (2, 2), radius=0.526, material=mf.Material(1.36)
     ... )
-    >>> found = misalignment(surface, [0.0005, 0.001], shuffles=3)
+    >>> found = misalignment(surface, [0.0005, 0.001], assignments=3)
     >>> dict(found.slope_sd.sizes), found.slope_sd[0].round(3).values
-    ({'placement': 4, 'angle': 2}, array([0.025, 0.065]))
+    ({'assignment': 4, 'angle': 2}, array([0.025, 0.065]))
     """
     surface.refuse_tilt()
     angles = _angles(angle)
     used = checked_model(Independent() if model is None else model)
     load, seed = slope_loads(surface, load_range, used), seed_of(rng)
-    count, sites = check.integer("shuffles", shuffles, at_least=0), np.arange(surface.count)
+    count, sites = check.integer("assignments", assignments, at_least=0), np.arange(surface.count)
     orders = [sites, *(generator_of(seed, k).permutation(sites) for k in range(count))]
     tilt = np.outer(np.tan(np.concatenate([-angles[::-1], [0.0], angles])), [1.0, 1.0])
 
@@ -101,15 +101,15 @@ def misalignment(
     mean, sd = moments(angles, slopes)
     area_mean, area_sd = moments(angles, made.T)
     variables: Variables = {
-        "slope_mean": (("placement", "angle"), mean),
-        "slope_sd": (("placement", "angle"), sd),
+        "slope_mean": (("assignment", "angle"), mean),
+        "slope_sd": (("assignment", "angle"), sd),
         "area_mean": (("angle", "rescaled_load"), area_mean.T),
         "area_sd": (("angle", "rescaled_load"), area_sd.T),
         "nominal_slope": ((), slopes[0, len(angles)]),
         "nominal_area": (("rescaled_load",), made[len(angles)]),
     }
-    placements = ["as made", *(f"shuffle {k + 1}" for k in range(count))]
-    coordinates: dict[str, Any] = {"placement": placements, "angle": angles, "rescaled_load": load}
+    names = ["as made", *(f"assignment {k + 1}" for k in range(count))]
+    coordinates: dict[str, Any] = {"assignment": names, "angle": angles, "rescaled_load": load}
     if count > 1:
         variables["slope_sd_quantile"] = ("quantile", "angle"), np.quantile(sd[1:], QUANTILES, axis=0)
         coordinates["quantile"] = QUANTILES

@@ -103,7 +103,7 @@ def compared(design: Design, *, wait: bool) -> xr.Dataset:
 
 
 @doing("comparing assignments of heights to sites")
-def interaction(design: Design, *, placements: int = 1000, rng: Any = 0) -> xr.Dataset:
+def interaction(design: Design, *, assignments: int = 1000, rng: Any = 0) -> xr.Dataset:
     """Compare A0(P) and delta(P) of coupled asperities with those of independent ones.
 
     The assignment of asperities to sites affects the law of coupled asperities, but not the law of
@@ -113,7 +113,7 @@ def interaction(design: Design, *, placements: int = 1000, rng: Any = 0) -> xr.D
     Parameters
     ----------
     design : Design
-    placements : int
+    assignments : int
         Number of random assignments; default: 1000.
     rng : int or numpy.random.Generator
         Seed or generator; default: 0.
@@ -124,8 +124,8 @@ def interaction(design: Design, *, placements: int = 1000, rng: Any = 0) -> xr.D
         ``area_change`` [-] and ``sinking`` [mm], the decrease of the separation, over ``substrate``
         ("half-space", and "layer" if there is a block) and the ``rescaled_load`` [mm^2] of the design's law,
         with the coordinate ``load`` [N]. The contact law is that of the design, at its largest order of
-        interaction. ``placement_rms`` [-] is the root mean square change of each random assignment
-        (``placement``) over every fifth load.
+        interaction. ``assignment_rms`` [-] is the root mean square change of each random assignment
+        (``assignment``) over every fifth load.
 
     Raises
     ------
@@ -137,10 +137,10 @@ def interaction(design: Design, *, placements: int = 1000, rng: Any = 0) -> xr.D
     >>> import metafem as mf
     >>> template = mf.Surface.square_lattice(0.12, (2, 2), radius=0.526, material=mf.Material(1.36))
     >>> design = mf.design(mf.OperatingPoints([0.01], [0.1]), template)
-    >>> dict(interaction(design, placements=5).sizes)
-    {'substrate': 1, 'rescaled_load': 100, 'placement': 5}
+    >>> dict(interaction(design, assignments=5).sizes)
+    {'substrate': 1, 'rescaled_load': 100, 'assignment': 5}
     """
-    count, seed = check.integer("placements", placements, at_least=1), seed_of(rng)
+    count, seed = check.integer("assignments", assignments, at_least=1), seed_of(rng)
     surface, law, found = design.surface, design.law, compared(design, wait=False)
     substrates = {"half-space": HalfSpace(), "layer": BondedLayer()}
     names = [name for name in substrates if name in found["model"]]
@@ -161,7 +161,7 @@ def interaction(design: Design, *, placements: int = 1000, rng: Any = 0) -> xr.D
     variables: Variables = {
         "area_change": (("substrate", "rescaled_load"), coupled["area_change"].values),
         "sinking": (("substrate", "rescaled_load"), coupled["sinking"].values),
-        "placement_rms": (("substrate", "placement"), spread),
+        "assignment_rms": (("substrate", "assignment"), spread),
     }
     loads = {"rescaled_load": law.rescaled_load, "load": ("rescaled_load", law.load)}
     coordinates = {"substrate": names, **loads}

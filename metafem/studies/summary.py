@@ -65,7 +65,7 @@ def summary(study: Dataset) -> Summary:
     >>> import metafem as mf
     >>> template = mf.Surface.square_lattice(0.12, (2, 2), radius=0.526, material=mf.Material(1.36))
     >>> design = mf.design(mf.OperatingPoints([0.01], [0.1]), template)
-    >>> summary(mf.studies.interaction(design, placements=5)).columns[:3]
+    >>> summary(mf.studies.interaction(design, assignments=5)).columns[:3]
     ('model', 'rms [%]', 'largest [%]')
     """
     name = str(study.attrs.get("study", ""))
@@ -91,8 +91,8 @@ def _changes(study: Dataset) -> Summary:
         columns["A0 [mm²]"] = texts(".5g", last["area"].values)
         columns["separation [µm]"] = texts(".2f", MICROMETRES * last["separation"].values)
     columns["plane lower by [µm]"] = texts("+.2f", MICROMETRES * last["sinking"].values)
-    if "placement_rms" in study:
-        placed = 100.0 * study["placement_rms"].values
+    if "assignment_rms" in study:
+        placed = 100.0 * study["assignment_rms"].values
         columns["random: median rms [%]"] = texts(".2f", np.median(placed, axis=1))
         columns["random: largest rms [%]"] = texts(".2f", placed.max(axis=1))
     title = f"Change of A0 from independent asperities; the last columns at {load[-1]:.3g} N"
@@ -125,9 +125,9 @@ def _manufacturing(study: Dataset) -> Summary:
 
 def _misalignment(study: Dataset) -> Summary:
     """Return the table of the scatter of the slope under tilts of the plane."""
-    nominal, every = float(study["nominal_slope"]), study.isel(placement=0)
+    nominal, every = float(study["nominal_slope"]), study.isel(assignment=0)
     study = study.isel(angle=shown(study.sizes["angle"]))
-    made, scatter = study.isel(placement=0), study["slope_sd"].values / nominal
+    made, scatter = study.isel(assignment=0), study["slope_sd"].values / nominal
     columns = {
         "largest angle [°]": texts(".3g", np.degrees(study["angle"].values)),
         "mean slope": texts(".4f", made["slope_mean"].values),
@@ -136,7 +136,7 @@ def _misalignment(study: Dataset) -> Summary:
     if "slope_sd_quantile" in study:
         quantile = 100.0 * study["slope_sd_quantile"].values / nominal
         for share, values in zip(study["quantile"].values, quantile, strict=True):
-            columns[f"{100.0 * share:.0f} % of the shuffled [%]"] = texts(".3f", values)
+            columns[f"{100.0 * share:.0f} % of the assignments [%]"] = texts(".3f", values)
     median = ""
     if shuffled := len(scatter) - 1:
         middle = percent(float(np.median(scatter[1:, -1])))

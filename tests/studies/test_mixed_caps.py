@@ -1,4 +1,4 @@
-"""Caps that differ, in the studies, placements and calibrations: the right numbers, or a refusal by name."""
+"""Caps that differ, in studies, assignments to sites and calibrations: the right numbers, or a refusal."""
 
 import numpy as np
 import pytest
@@ -40,7 +40,7 @@ def moved(part, order):
 
 
 @pytest.mark.parametrize("model", MODELS, ids=lambda model: model.name)
-def test_shuffles_of_the_misalignment_study_move_the_caps(model):
+def test_assignments_of_the_misalignment_study_move_the_caps(model):
     part, angle = surface(radius=np.linspace(0.4, 0.6, 9)), np.array([-0.001, 0.0, 0.001])
     order = np.random.default_rng(2).permutation(9)
     tilt = np.outer(np.tan(angle), [1.0, 0.0])

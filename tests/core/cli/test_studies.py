@@ -16,11 +16,11 @@ def test_study_prints_its_table_and_keeps_its_file(run):
     text = demo_text("linear").replace("[8, 8]", "[3, 3]").replace('height_step = "6 um"', "")
     Path("small.toml").write_text(text, "utf-8")
     assert run("design", "small.toml", "-o", "small").exit_code == 0
-    result = run("study", "interaction", "small", "--placements", 20)
+    result = run("study", "interaction", "small", "--assignments", 20)
     assert "half-space" in result.told
     assert "…" not in result.stdout  # on the other stream kernels may be compiled
     assert "--force" in run("study", "interaction", "small").refusal
-    data = run("study", "interaction", "small", "--placements", 20, "--force", "--json").data
+    data = run("study", "interaction", "small", "--assignments", 20, "--force", "--json").data
     with xr.open_dataset("small/interaction.nc", engine="h5netcdf") as kept:
         assert kept.area_change.values.tolist() == data["data_vars"]["area_change"]["data"]
         assert kept.sinking.attrs["units"] == "mm"
@@ -28,7 +28,7 @@ def test_study_prints_its_table_and_keeps_its_file(run):
 
 STUDIES = {
     "manufacturing": ("--height-sd", "1um,3um,5um", "--angle", "0.01deg", "--misfit", "--draws", 200),
-    "misalignment": ("--angle", "0.1deg", "--shuffles", 3),
+    "misalignment": ("--angle", "0.1deg", "--assignments", 3),
     "uncertainty": ("--composite-modulus-sd", "0.04MPa", "--radius-sd", "2 um", "--draws", 200),
 }
 ANSWERS = {
@@ -59,7 +59,7 @@ def test_the_report_holds_the_answers_of_all_studies(run, demo):
 def test_a_study_takes_model_and_loads(run, demo):
     demo("linear")
     options = ("--model", "layer", "--load-range", "0.2N", "0.5N", "--angle", "0.2deg")
-    data = run("study", "misalignment", "linear", *options, "--shuffles", 0, "--json").data
+    data = run("study", "misalignment", "linear", *options, "--assignments", 0, "--json").data
     assert data["model"].startswith("Interacting(")
     assert data["load_range"] == pytest.approx([0.2 / 1.36, 0.5 / 1.36])
     assert mf.load("linear").law.model == mf.Independent()

@@ -87,7 +87,7 @@ def test_heights_and_contacts_are_shown(design):
 
 def test_studies_are_drawn_and_answered(design):
     made = mf.studies.manufacturing(design.surface, (0.003, 0.001), draws=5)
-    tilted = mf.studies.misalignment(design.surface, [0.0005, 0.001], shuffles=2)
+    tilted = mf.studies.misalignment(design.surface, [0.0005, 0.001], assignments=2)
     inputs = mf.studies.uncertainty(design.surface, {"composite_modulus": 0.04, "radius": 0.002})
     ax = studies.manufacturing_figure({"a": made}).axes[0]
     line, _, (bars,) = ax.containers[0].lines

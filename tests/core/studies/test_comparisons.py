@@ -11,7 +11,7 @@ from metafem.studies import summary
 
 @pytest.fixture(scope="module")
 def interaction(design):
-    return mf.studies.interaction(design, placements=7)
+    return mf.studies.interaction(design, assignments=7)
 
 
 def test_interaction_as_placed_is_the_law_of_the_models(design, interaction):
@@ -24,12 +24,12 @@ def test_interaction_as_placed_is_the_law_of_the_models(design, interaction):
         np.testing.assert_allclose(found.sinking, laws[1].approach - laws[0].approach, atol=1e-12)
 
 
-def test_random_placements_repeat_and_differ(design, interaction):
-    again = mf.studies.interaction(design, placements=7)
-    other = mf.studies.interaction(design, placements=7, rng=1)
+def test_random_assignments_repeat_and_differ(design, interaction):
+    again = mf.studies.interaction(design, assignments=7)
+    other = mf.studies.interaction(design, assignments=7, rng=1)
     assert again.identical(interaction)
     assert (again.attrs["seed"], again.attrs["draws"]) == ("0", 7)
-    assert not other.placement_rms.equals(interaction.placement_rms)
+    assert not other.assignment_rms.equals(interaction.assignment_rms)
 
 
 def test_fidelity_states_what_is_left_out(design):
@@ -43,7 +43,7 @@ def test_fidelity_states_what_is_left_out(design):
 def test_the_summary_of_an_interaction_holds_each_substrate(interaction):
     rows, change = summary(interaction).rows, 100.0 * interaction.area_change.values
     assert [row[0] for row in rows] == ["half-space", "layer"]
-    sinking, placed = 1000.0 * interaction.sinking.values[:, -1], 100.0 * interaction.placement_rms.values
+    sinking, placed = 1000.0 * interaction.sinking.values[:, -1], 100.0 * interaction.assignment_rms.values
     for k, row in enumerate(rows):
         moments = [np.sqrt((change[k] ** 2).mean()), np.abs(change[k]).max(), sinking[k]]
         expected = [*moments, np.median(placed[k]), placed[k].max()]

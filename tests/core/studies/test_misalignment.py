@@ -33,13 +33,13 @@ def test_moments_are_those_of_the_laws_of_tilted_surfaces(surface, model):
     assert found.area_sd[-1, -1] == pytest.approx(inside.std(), rel=1e-4)
 
 
-def test_shuffled_placements_repeat_and_belong_to_the_seed(surface):
+def test_random_assignments_repeat_and_belong_to_the_seed(surface):
     angle = np.array([0.0005, 0.001])
-    found = mf.studies.misalignment(surface, angle, shuffles=12)
-    assert found.identical(mf.studies.misalignment(surface, angle, shuffles=12))
-    fewer = mf.studies.misalignment(surface, angle, shuffles=4)
+    found = mf.studies.misalignment(surface, angle, assignments=12)
+    assert found.identical(mf.studies.misalignment(surface, angle, assignments=12))
+    fewer = mf.studies.misalignment(surface, angle, assignments=4)
     np.testing.assert_array_equal(found.slope_sd[:5], fewer.slope_sd)
-    other = mf.studies.misalignment(surface, angle, shuffles=12, rng=1)
+    other = mf.studies.misalignment(surface, angle, assignments=12, rng=1)
     np.testing.assert_array_equal(other.slope_sd[0], found.slope_sd[0])
     assert (other.slope_sd[1:] != found.slope_sd[1:]).any()
     low, high = np.quantile(found.slope_sd[1:], [0.05, 0.95], axis=0)

@@ -43,7 +43,7 @@ REFUSALS = {
         (misalignment(0.8), "angle", "0.8"),
         (misalignment([-0.1, 0.1]), "angle[0]", "-0.1"),
         (misalignment([0.2, 0.1]), "angle[1]", "0.1"),
-        (misalignment(0.001, shuffles=-1), "shuffles", "-1"),
+        (misalignment(0.001, assignments=-1), "assignments", "-1"),
     ],
     "uncertainty": [
         (uncertainty(load=[0.1, -0.1]), "load[1]", "-0.1"),

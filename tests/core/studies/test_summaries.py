@@ -25,7 +25,7 @@ def test_the_allowed_errors_are_between_those_studied(linear):
         ([2], f"Even with {heights} 60 µm (SD) {words} more than 1 % (SD)"),
     ):
         assert summary(made.isel(height_sd=levels)).answer.startswith(answer)
-    tilted = mf.studies.misalignment(linear, np.radians(0.1), shuffles=0)
+    tilted = mf.studies.misalignment(linear, np.radians(0.1), assignments=0)
     scatter = tilted.slope_sd.values[0] / float(tilted.nominal_slope)
     limit = np.degrees(np.interp(0.01, scatter, tilted.angle.values))
     assert summary(tilted).answer.startswith(f"With tilts within ±{limit:.3g}° the slope scatters by less")
@@ -60,7 +60,7 @@ def test_every_variable_is_described(surface):
     sd = {"radius": 0.005, "shear_strength": 0.006}
     for study in (
         mf.studies.manufacturing(surface, [0.001], draws=16),
-        mf.studies.misalignment(surface, [0.0005, 0.001], shuffles=2),
+        mf.studies.misalignment(surface, [0.0005, 0.001], assignments=2),
         mf.studies.uncertainty(surface, sd, draws=16, load=[0.1]),
     ):
         for name, variable in study.variables.items():
