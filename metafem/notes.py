@@ -49,7 +49,7 @@ class Note:
     >>> note.level.value, str(note)[:30]
     ('warning', 'the base plane would touch fro')
     >>> note.quantity, note.value, note.remedies
-    ('load at which the plane touches the base', 0.08317..., ('offset',))
+    ('load at which the glass touches the base', 0.08317..., ('offset',))
     """
 
     text: str

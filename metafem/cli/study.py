@@ -145,10 +145,10 @@ def manufacturing(design: Design, height_sd: list[float], misfit: bool, **option
     _option("--angle", ANGLE, "Largest angle, reached in 1,000 steps.", default="0.1deg"),
     _option("--assignments", FROM_0, "Number of random assignments to compare with.", default=20),
     *(*LAW, SEED, WORKERS),
-    short_help="How level the plane must be.",
+    short_help="How level the glass must be.",
 )
 def misalignment(design: Design, **options: Any) -> Dataset:
-    """Study the law of a surface that is tilted relative to the plane.
+    """Study the law of a surface that is tilted relative to the glass.
 
     The scatter (standard deviation) of the slope is taken over all angles from minus to plus the largest
     angle. It depends on the assignment of the heights to sites, so that random assignments are also studied.

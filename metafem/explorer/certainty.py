@@ -125,7 +125,7 @@ COMPUTED = (
 # Commands that answer further questions about the design, in seconds to minutes, and their questions.
 STUDIES = {
     "metafem study manufacturing surface": "How accurate must the heights be?",
-    "metafem study misalignment surface": "How level must the plane be?",
+    "metafem study misalignment surface": "How level must the glass be?",
     "metafem study uncertainty surface": "Which input matters most?",
     "metafem study fidelity surface": "What do the model, the block and point contacts leave out?",
     "metafem report surface": "Where does all of this stand on one page?",

@@ -65,7 +65,7 @@ def prove(problem: Problem) -> None:
         loads = target.wording.loads(last), target.wording.loads(most)
         raise _refused(
             problem,
-            f"load {loads[0]} is beyond {loads[1]}, at which the plane reaches the base plane with {count} "
+            f"load {loads[0]} is beyond {loads[1]}, at which the glass reaches the base plane with {count} "
             "summits of the largest height; raise max_height or offset, or use more asperities",
         )
     samples = target.refused and not target.exact and not law.is_band

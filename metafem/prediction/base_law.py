@@ -29,7 +29,7 @@ UPPER = 0.84
 QUANTITIES = {
     "load": ("N", "normal load P"),
     "area": ("mm2", "real contact area A0"),
-    "separation": ("mm", "plane to undeformed base plane"),
+    "separation": ("mm", "glass to undeformed base plane"),
     "rescaled_load": ("mm2", "load over composite modulus, P/E*"),
     "rescaled_friction": ("mm2", "friction over shear strength and area ratio, F/(sigma B)"),
     "friction_force": ("N", "friction force F"),

@@ -64,7 +64,7 @@ NARROWEST = 0.1
 REMEDY = "use lighter loads, a larger pitch or the model resolved"
 
 # Name of the number of a note that the explorer reads.
-BASE = "load at which the plane touches the base"
+BASE = "load at which the glass touches the base"
 
 NOT_ESTIMATED = ModelError(math.nan, "it was not estimated with the law")
 
@@ -130,7 +130,7 @@ def _base_notes(surface: Surface, model: Model, gap: float, newtons: float) -> I
     except MetafemError:  # no solution at lighter loads: state the last load
         onset = newtons
     text = (
-        f"the base plane would touch from a load of {onset:.4g} N on: at {newtons:.4g} N the plane would be "
+        f"the base plane would touch from a load of {onset:.4g} N on: at {newtons:.4g} N the glass would be "
         f"{-MICROMETRES * gap:.3g} um below the base beside a summit; the load that the base would carry is "
         "not counted"
     )

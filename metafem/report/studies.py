@@ -97,10 +97,10 @@ QUESTIONS: Mapping[str, tuple[str, str, Callable[[Dataset], Figure], str]] = {
         "Mean slope over the nominal one, with bars of one standard deviation, against errors of heights.",
     ),
     "misalignment": (
-        "How level must the plane be?",
+        "How level must the glass be?",
         "metafem study misalignment DIR",
         lambda study: misalignment_figure({"": study}),
-        "Standard deviation of the slope over the nominal slope against the largest angle of the plane.",
+        "Standard deviation of the slope over the nominal slope against the largest angle of the glass.",
     ),
     "uncertainty": (
         "Which input matters most?",

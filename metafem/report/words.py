@@ -27,7 +27,7 @@ PARAMETERS = {
     "weight": ("weight u of the upper branch", ""),
     "crossover_height": ("crossover height above the base", "µm"),
     "intercept": ("intercept α of the asymptote", "mm²"),
-    "foot_load": ("rescaled load at which the plane reaches the lowest asperity", "mm²"),
+    "foot_load": ("rescaled load at which the glass reaches the lowest asperity", "mm²"),
     "counts": ("numbers of asperities", ""),
     "levels": ("levels above the base", "µm"),
     "prefactor": ("prefactor C of the power law", "mm^(2-2β)"),

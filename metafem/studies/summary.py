@@ -90,7 +90,7 @@ def _changes(study: Dataset) -> Summary:
     if "area" in study:
         columns["A0 [mm²]"] = texts(".5g", last["area"].values)
         columns["separation [µm]"] = texts(".2f", MICROMETRES * last["separation"].values)
-    columns["plane lower by [µm]"] = texts("+.2f", MICROMETRES * last["sinking"].values)
+    columns["glass lower by [µm]"] = texts("+.2f", MICROMETRES * last["sinking"].values)
     if "assignment_rms" in study:
         placed = 100.0 * study["assignment_rms"].values
         columns["random: median rms [%]"] = texts(".2f", np.median(placed, axis=1))

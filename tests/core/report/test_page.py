@@ -63,7 +63,7 @@ def test_the_page_states_the_numbers_of_the_design():
         ["block", "12 × 10 × 3", "mm"], ["largest height h_m", "120", "µm"], ["offset h_0", "84", "µm"],
         ["height step", "6", "µm"], ["height error", "0.9", "µm"], ["given height of site 6", "100", "µm"],
         ["sites that stay empty by the specification", "4", ""],
-        ["load at which the plane touches the base", f"{base:.4g}", "N"],
+        ["load at which the glass touches the base", f"{base:.4g}", "N"],
     ):  # fmt: skip
         assert row in rows
     heights = 1e3 * surface.height
@@ -88,7 +88,7 @@ def test_the_page_states_the_numbers_of_the_design():
         found = {row[0]: row[place] for row in rows if len(row) == 5}
         assert found["rms [%]"] == f"{100.0 * rms(change):.2f}"
         assert found["largest [%]"] == f"{100.0 * change[np.abs(change).argmax()]:+.2f}"
-        assert found["plane lower by [µm]"] == f"{sinking:+.2f}"
+        assert found["glass lower by [µm]"] == f"{sinking:+.2f}"
     assert "the true block is left out" in text
     assert "Model: independent; estimated error of A0(P)" in text
     assert "<code>Independent()</code>" in text
