@@ -81,7 +81,7 @@ class LawByIndentation(Contact):
         if deep.any():
             first = np.unravel_index(int(np.argmax(deep)), d.shape)
             raise InvalidInput(
-                f"indentation = {d[first]:.4g} mm exceeds {most[first]:.4g} mm, the largest that {self!r} "
+                f"indentation = {d[first]:.4g} mm exceeds {most[first]:.4g} mm, the largest that {self} "
                 "describes; use lighter loads or a law with a larger range"
             )
         closed = d > 0.0
@@ -311,6 +311,9 @@ class KogutEtsion(ElasticPlastic):
 
     strength_ratio: ClassVar[float] = 2.8
 
+    def __str__(self) -> str:
+        return f"Kogut-Etsion, H = {self.hardness:.4g} MPa"
+
     @property
     def _factor(self) -> float:
         """Factor K [-]."""
@@ -381,6 +384,9 @@ class JacksonGreen(ElasticPlastic):
     yield_strength: float
     material: Material | None = field(default=None, repr=False)
 
+    def __str__(self) -> str:
+        return f"Jackson-Green, S_y = {self.yield_strength:.4g} MPa"
+
     @property
     def _factor(self) -> float:
         """Factor C [-]."""
@@ -410,7 +416,7 @@ class JacksonGreen(ElasticPlastic):
         if notes and self._strain > LARGEST_STRAIN:
             text = (
                 f"S_y/E* = {self._strain:.3g} exceeds {LARGEST_STRAIN:g}, up to which the plastic part of "
-                f"{self!r} holds: its loads and areas are an extrapolation; use KogutEtsion"
+                f"{self} holds: its loads and areas are an extrapolation; use KogutEtsion"
             )
             notes += (Note(text, quantity="S_y/E*", value=self._strain, bound=LARGEST_STRAIN),)
         return notes

@@ -73,6 +73,10 @@ class JKR(Contact):
         check.instance("cap", self.cap, Contact, laws)
         refuse_if(self.cap.adhesive or self.cap.largest_order < 3, f"cap = {shown(self.cap)} must be {laws}")
 
+    def __str__(self) -> str:
+        energy = 1e6 * self.adhesion_energy  # in mJ/m^2
+        return f"JKR, w = {energy:.4g} mJ/m^2{'' if self.cap == PARABOLOID else f', {self.cap}'}"
+
     @property
     def without_adhesion(self) -> Contact:
         """Law of the cap without adhesion."""

@@ -72,7 +72,7 @@ def refuse_beyond(table: Law, indentation: FloatArray, law: Contact) -> None:
     if beyond.any():
         limit = float(np.broadcast_to(most, beyond.shape)[beyond].min())
         raise InvalidInput(
-            f"an asperity is indented by more than {limit:.4g} mm, up to which {law!r} describes contacts; "
+            f"an asperity is indented by more than {limit:.4g} mm, up to which {law} describes contacts; "
             "use lighter loads or a law with a larger range"
         )
 

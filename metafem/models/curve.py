@@ -211,7 +211,7 @@ def refuse_unloading(law: Contact, unloading: bool) -> None:
     """Raise InvalidInput for unloading of plastic contacts, whose law on unloading is not known."""
     if unloading and law.plastic:
         raise InvalidInput(
-            f"unloading = True: {law!r} describes the first loading alone, after which plastic contacts stay "
+            f"unloading = True: {law} describes the first loading alone, after which plastic contacts stay "
             "flattened; use a law without plasticity, or unloading=False"
         )
 

@@ -233,7 +233,7 @@ def order_3_error(surface: Surface, area: FloatArray, substrate: Substrate, law:
 
 def unresolved(law: Contact) -> str:
     """Return why the error of a law of order 1 is unknown."""
-    return f"contacts of {law!r} cannot be resolved"
+    return f"contacts of {law} cannot be resolved"
 
 
 def largest(errors: FloatArray, source: str, unsolved: str = "order 3 has no solution") -> ModelError:

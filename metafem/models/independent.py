@@ -71,7 +71,7 @@ class Independent(WithGradients):
     @property
     def name(self) -> str:
         """Name of the model in texts and for ``--model``, with its contact law unless this is Hertz's."""
-        return "independent" if self.contact == PARABOLOID else f"independent, {self.contact!r}"
+        return "independent" if self.contact == PARABOLOID else f"independent, {self.contact}"
 
     @property
     def reference(self) -> Interacting:

@@ -42,7 +42,7 @@ def with_contact(model: Model, contact: Contact) -> Model:
     value: Any = model
     members = {field.name for field in fields(value)}
     if "contact" not in members:
-        raise InvalidInput(f"{model.name}: the contacts of this model are paraboloids, not {contact!r}")
+        raise InvalidInput(f"{model.name}: the contacts of this model are paraboloids, not {contact}")
     try:
         order = {"order": min(value.order, contact.largest_order)} if "order" in members else {}
         return cast("Model", replace(value, contact=contact, **order))
@@ -109,7 +109,7 @@ class WithoutGradients:
             # a user's substrate may have no name
             parts.append(getattr(self.substrate, "name", type(self.substrate).__name__))
         if self.contact != PARABOLOID:
-            parts.append(repr(self.contact))
+            parts.append(str(self.contact))
         return ", ".join(parts)
 
     @cached_property

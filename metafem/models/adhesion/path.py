@@ -115,7 +115,7 @@ def _beyond(scene: Scene, closed: BoolArray, x: float, most: float, goal: float,
             break
     what = f"load {goal:.4g} mm^2" if by_load else f"approach {goal:.4g} mm"
     raise InvalidInput(
-        f"the {what} needs an approach beyond {most:.4g} mm, up to which {scene.law!r} describes all "
+        f"the {what} needs an approach beyond {most:.4g} mm, up to which {scene.law} describes all "
         "contacts; use lighter loads or a law with a larger range"
     )
 

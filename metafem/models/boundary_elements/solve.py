@@ -142,7 +142,7 @@ def require_extent(scene: Scene, area: FloatArray) -> None:
     refuse_if(
         radius[i] > most[i],
         f"the contact of asperity {i} has the radius {radius[i]:.4g} mm, beyond {most[i]:.4g} mm, up to "
-        f"which {scene.law!r} describes contacts; use lighter loads or a wider profile",
+        f"which {scene.law} describes contacts; use lighter loads or a wider profile",
     )
 
 
@@ -213,7 +213,7 @@ def _notes(
     notes, radius = [], np.sqrt(area / math.pi)
     coarse = (load > 0.0) & (radius < COARSEST)
     if deformed.any():
-        shape = f"{scene.law!r} on a surface of constant curvature"
+        shape = f"{scene.law} on a surface of constant curvature"
         shape = "a Hertzian ellipse" if scene.paraboloids else shape
         text = (
             f"the pressure of {deformed.sum()} contacts is not that of {shape}: their areas are those "

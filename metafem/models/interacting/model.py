@@ -98,7 +98,7 @@ class Interacting(WithGradients):
         checked_contact(self.contact)
         if self.order > self.contact.largest_order:
             raise InvalidInput(
-                f"order = {self.order} needs elastic contacts without adhesion, other than {self.contact!r}; "
+                f"order = {self.order} needs elastic contacts without adhesion, other than {self.contact}; "
                 "use order=1"
             )
         check.instance("pedestal", self.pedestal, bool, "True or False")
@@ -109,7 +109,7 @@ class Interacting(WithGradients):
         # a user's substrate may have no name
         substrate = getattr(self.substrate, "name", type(self.substrate).__name__)
         order = "" if self.order == 3 else f", order {self.order}"
-        law = "" if self.contact == PARABOLOID else f", {self.contact!r}"
+        law = "" if self.contact == PARABOLOID else f", {self.contact}"
         return f"{substrate}{order}{', with pedestals' if self.pedestal else ''}{law}"
 
     @property

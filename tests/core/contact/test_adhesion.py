@@ -123,6 +123,7 @@ def test_a_law_belongs_to_its_first_material():
     assert isinstance(law, Contact)
     assert law.adhesive
     assert repr(law) == repr(bound()) == "JKR(adhesion_energy=9e-06, cap=Hertz())"
+    assert str(mf.JKR(ENERGY, mf.Elastic())) == f"{law}, Elastic()" == "JKR, w = 9 mJ/m^2, Elastic()"
     assert bound().for_material(mf.Material(2.0)) == bound()
 
 

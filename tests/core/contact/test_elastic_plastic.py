@@ -84,6 +84,8 @@ def test_a_law_belongs_to_its_first_material():
     assert bound.for_material(MATERIALS[2]) is bound
     assert bound != law
     assert repr(bound) == repr(law) == "KogutEtsion(hardness=0.1)"
+    names = str(law), str(mf.JacksonGreen(0.03))
+    assert names == ("Kogut-Etsion, H = 0.1 MPa", "Jackson-Green, S_y = 0.03 MPa")
 
 
 def test_the_notes_state_plastic_contacts_and_the_blends():
