@@ -88,7 +88,6 @@ def page(
         design=design,
         numbers=numbers(design),
         notes=words.all_notes(design, hardness),
-        hardness=hardness,
         fits=words.fit_table(design),
         parameters=words.parameter_rows(design),
         inputs=_inputs(design),

@@ -66,6 +66,7 @@ def test_the_page_states_the_numbers_of_the_design():
         ["load at which the glass touches the base", f"{base:.4g}", "N"],
     ):  # fmt: skip
         assert row in rows
+    assert f"reaches the base plane at {base:.4g} N; the loads shown end at {law.load[-1]:.4g} N" in text
     heights = 1e3 * surface.height
     misfit, error, scattered = re.findall(r"<b>(.*?)</b>", text)
     assert misfit == f"{100.0 * design.misfit:.2g} %"
