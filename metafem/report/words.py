@@ -191,8 +191,8 @@ def onset_words(sliding: Onset) -> str:
     """Return the result of an onset of sliding in one sentence."""
     first, last = (three_digits(MICROMETRES * sliding.displacement[i]) for i in (0, -1))
     return (
-        f"At a load of {three_digits(sliding.state.load)} N, contacts slide from a tangential displacement of "
-        f"{first} µm on, and all from {last} µm on, at a friction force of "
+        f"At a load of {three_digits(sliding.state.load)} N, contacts slide from a tangential displacement "
+        f"of {first} µm on, and all from {last} µm on, at a friction force of "
         f"{three_digits(float(sliding.friction_force[-1]))} N; before, the tangential stiffness is "
         f"{three_digits(sliding.stiffness)} N/mm"
     )
