@@ -24,15 +24,17 @@ assert scatter[1] < 0.5  # the paper's bounds at 0.9 µm
 assert scatter[3] < 1.5  # and at 3 µm
 
 angle = np.radians(np.linspace(0.005, 0.1, 20))
-tilted = mf.studies.misalignment(surface, angle, shuffles=20)
+tilted = mf.studies.misalignment(surface, angle, assignments=20)
 variation = 100 * tilted.slope_sd / tilted.nominal_slope
-print(f"tilts up to 0.1°: {variation[1:, -1].min():.1f} to {variation[1:, -1].max():.1f} %, by the placement")
+print(
+    f"tilts up to 0.1°: {variation[1:, -1].min():.1f} to {variation[1:, -1].max():.1f} %, by the assignment"
+)
 
 left, right = pyplot.figure(figsize=(8.0, 3.4), layout="constrained").subplots(1, 2, sharey=True)
 left.plot(1e3 * height_sd, scatter, "o-")
 left.set(xlabel="error of the heights, SD [µm]", ylabel="scatter of the slope, SD [%]")
 right.plot(np.degrees(angle), variation[1:].T, color="grey", lw=0.7)
-right.plot(np.degrees(angle), variation[0], lw=2, label="this placement; grey: 20 others")
+right.plot(np.degrees(angle), variation[0], lw=2, label="this assignment; grey: 20 others")
 right.set(xlabel="largest tilt [°]", ylim=0)
 right.legend(frameon=False)
 

@@ -31,8 +31,8 @@ SHUFFLES = 1000
 # Angles [degrees]; the scatter is compared below with that of finer steps. The step of the paper is 0.0001.
 STEP, LARGEST = 0.0025, 0.1
 
-# Quantiles over the placements that are compared with other placements by a second method, with its steps of
-# the angle and loads; steps for the placement of the design.
+# Quantiles over the assignments that are compared with other assignments by a second method, with its steps
+# of the angle and loads; steps for the sites of the design.
 QUANTILES, OTHERS, STEPS, LOADS, FINE = (0.05, 0.5, 0.95), 300, 20, 20, 400
 
 # Relative error of the scatter by the steps of the angle, and the number of standard errors which the
@@ -63,11 +63,11 @@ def study(colour: str):
     design = fig4(colour)
     angle = np.radians(STEP * np.arange(1, round(LARGEST / STEP) + 1))
     fitted = design.fits[0][0].load_range  # as in the claim of Fig. 4
-    return mf.studies.misalignment(design.surface, angle, shuffles=SHUFFLES, load_range=fitted)
+    return mf.studies.misalignment(design.surface, angle, assignments=SHUFFLES, load_range=fitted)
 
 
 def relative_scatter(colour: str, degrees: float) -> np.ndarray:
-    """Return the SD of the slope over the nominal slope at an angle, as designed and of each placement."""
+    """Return the SD of the slope over the nominal slope at an angle, as designed and of each assignment."""
     at = study(colour).sel(angle=np.radians(degrees), method="nearest")
     return np.asarray(at.slope_sd.values / float(study(colour).nominal_slope))
 
@@ -88,13 +88,13 @@ def claim() -> Claim:
 
 
 def _bounds(colour: str) -> Iterator[Row]:
-    """Compare the scatter as designed, and of the placements, with the paper's bounds."""
+    """Compare the scatter as designed, and of the assignments, with the paper's bounds."""
     for degrees, bound in BOUNDS.items():
         designed, *placed = relative_scatter(colour, degrees).tolist()
         where, limit = f"{colour}, {degrees:g}°", f"{1e2 * bound:g} %"
-        yield below(f"{where}: median scatter of the placements", float(np.median(placed)), bound, WHERE)
+        yield below(f"{where}: median scatter of the assignments", float(np.median(placed)), bound, WHERE)
         share = 1e2 * float((np.array(placed) < bound).mean())
-        yield reported(f"{where}: share of placements below {limit} [%]", share, PLACED)
+        yield reported(f"{where}: share of assignments below {limit} [%]", share, PLACED)
         name, stated = f"{where}: scatter as designed", f"a discrepancy of less than {limit}"
         if colour == "blue":
             yield Difference(name, designed, stated, PLACEMENT, WHERE, Reason.AMBIGUOUS)
@@ -103,7 +103,7 @@ def _bounds(colour: str) -> Iterator[Row]:
 
 
 def _second(colour: str) -> Iterator[Row]:
-    """Compare the scatter of the design, and quantiles over the placements, with plain sums."""
+    """Compare the scatter of the design, and quantiles over the assignments, with plain sums."""
     surface, ends = fig4(colour).surface, fig4(colour).fits[0][0].load_range
     given = np.linspace(*ends, LOADS), RADIUS, float(np.radians(LARGEST))
     designed, *placed = relative_scatter(colour, LARGEST)
@@ -114,14 +114,14 @@ def _second(colour: str) -> Iterator[Row]:
     rng = np.random.default_rng(1)
     shuffled = np.array([rng.permutation(surface.height) for _ in range(OTHERS)])
     others = slope_scatter(surface.position, shuffled, *given, STEPS)
-    source = second_method(slope_scatter, f"{OTHERS} other placements, {2 * STEPS + 1} angles")
+    source = second_method(slope_scatter, f"{OTHERS} other assignments, {2 * STEPS + 1} angles")
     for q in QUANTILES:
         value = float(np.quantile(others, q))
         # the ranks of both samples differ by chance, and the scatter by the steps of the angle
         apart = WIDE * np.sqrt(q * (1.0 - q) * (1.0 / SHUFFLES + 1.0 / OTHERS))
         found, low, high = np.quantile(placed, np.clip([q, q - apart, q + apart], 0.0, 1.0))
         tolerance = (found - low if value < found else high - found) + STEP_ERROR * value
-        yield near(f"{name}: {100 * q:g} % quantile over the placements", found, value, tolerance, source)
+        yield near(f"{name}: {100 * q:g} % quantile over the assignments", found, value, tolerance, source)
 
 
 def _tilt() -> Iterator[Row]:

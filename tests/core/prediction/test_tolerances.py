@@ -67,3 +67,11 @@ def test_the_scatter_of_errors_is_that_of_draws():
         mean, found = scatter(surface, model, load, sd)
         assert_allclose(found, draws.std(axis=0), rtol=5 / math.sqrt(2 * 256))
         assert_allclose(mean, draws.mean(axis=0), atol=5 * found.max() / math.sqrt(256))
+
+
+def test_the_scatter_of_small_errors_follows_the_gradient():
+    load, sd = np.array([0.001, 0.1]), 1e-7
+    found = mf.Independent().sensitivity(SURFACE, load)
+    error = mf.Tolerances(sd).perturbed(SURFACE, 256, np.random.default_rng(0))[0] - SURFACE.height
+    expected = (error @ found.gradient.T / found.curve.area).std(axis=0, ddof=1)
+    assert_allclose(scatter(SURFACE, mf.Independent(), load, sd)[1], expected, rtol=1e-3)
