@@ -125,9 +125,7 @@ def _interaction() -> Iterator[Row]:
     line, name = second_method(by_hand, words), "half-space: bias of E* against the expansion"
     yield near(name, half, expected, 0.1 * expected, line)
     sides = second_method(mf.BondedLayer, "the layer without sides, which are 5 mm from the outer caps")
-    yield near(
-        "block with free sides: bias of E* against that of the layer", block, layer, SIDES * layer, sides
-    )
+    yield near("block with free sides: bias of E* and that of the layer", block, layer, SIDES * layer, sides)
     yield below("change of the bias by pedestals", abs(pedestals - layer), 1e-6, DIAGONAL)
 
 

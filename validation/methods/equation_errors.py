@@ -29,19 +29,19 @@ MOST_STEPS = 20
 STEP = 2e-5
 
 
-def equation_error(surface: mf.Surface, model: Model, curve: Curve) -> float | None:
+def equation_error(surface: mf.Surface, model: Model, curve: Curve) -> float:
     """Return the largest error of the equations at the last load of a curve.
 
-    Errors of loads are relative to the sum of all loads, with adhesion to that of the contact radii times the
-    indentations of the caps; those of lengths to the largest indentation. None for resolved contacts, whose
-    equations are those of the cells, and for order 3 of caps that are flat at their summits, for which
-    `Interacting` limits the tilt.
+    Errors of loads are relative to the sum of all loads, with adhesion to that of the contact radii times
+    the indentations of the caps; those of lengths to the largest indentation. It is nan for resolved
+    contacts, as their equations are those of the cells, and for order 3 of caps that are flat at their
+    summits, for which `Interacting` limits the tilt.
     """
     if not isinstance(model, mf.Independent | mf.Interacting):
-        return None
+        return math.nan
     law = model.contact.bound(surface)
     if _flat_summit(law) and isinstance(model, mf.Interacting) and model.order == 3:
-        return None
+        return math.nan
     third = isinstance(model, mf.Interacting) and model.order == 3
     p, a = curve.last.load, np.sqrt(curve.last.area / math.pi)
     if not a.any():

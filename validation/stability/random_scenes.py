@@ -46,10 +46,7 @@ REASON = known_input("requirement: a scene ends with a solution within its toler
 
 
 class Outcome(NamedTuple):
-    """What became of a scene: its end, the reason of a refusal or failure, and the error of its equations.
-
-    The error is nan where they are not recomputed.
-    """
+    """What became of a scene: its end, the reason of a refusal or failure, and the error of its equations."""
 
     seed: int
     inside: bool
@@ -82,8 +79,7 @@ def _solved(scene: Scene) -> tuple[str, str, float]:
         return FAILED, "a number is not finite", np.nan
     if not curve.converged:
         return UNSOLVE, curve.status.value, np.nan
-    error = equation_error(scene.surface, scene.model, curve)
-    return CONVERGED, "", np.nan if error is None else error
+    return CONVERGED, "", equation_error(scene.surface, scene.model, curve)
 
 
 def _designed(scene: Scene) -> tuple[str, str]:
@@ -120,21 +116,17 @@ def _checks(found: pd.DataFrame) -> Iterator[Row]:
     yield near("scenes that fail", ends.loc[FAILED].sum(), 0, 0, REASON)
     yield near("inside the ranges: scenes that are refused", ends[True][REFUSE], 0, 0, INSIDE)
     yield near("inside the ranges: scenes that are not solved", ends[True][UNSOLVE], 0, 0, INSIDE)
-    name = "outside the ranges: part of the scenes that is refused or not solved"
-    yield below(name, ends[False][[REFUSE, UNSOLVE]].sum() / ends[False].sum(), REFUSED, FEW)
+    share = ends[False][[REFUSE, UNSOLVE]].sum() / ends[False].sum()
+    yield below("outside the ranges: part of the scenes that is refused or not solved", share, REFUSED, FEW)
     adhesive = found.law == "JKR"
     for words, those, limit in (("without", ~adhesive, EQUATIONS), ("with", adhesive, ADHESIVE)):
         name = f"largest error of the recomputed equations, {words} adhesion"
         yield below(name, found.error[those].max(), limit, RECOMPUTED)
-    unseen = (
-        "not those of designs, resolved contacts and order 3 of flat summits; at the last load of a curve"
-    )
-    yield reported("scenes whose equations were recomputed", found.error.notna().sum(), unseen)
+    yield reported("scenes whose equations were recomputed", found.error.notna().sum(), "at the last load")
     yield reported("scenes", len(found), "half of them inside the documented ranges")
     lost, design = found.end == UNSOLVE, found.model == "design"
     yield reported("scenes whose solver does not converge", (lost & ~design).sum(), "it says so")
-    says = f"of {design.sum():,} designs; it says so"
-    yield reported("designs whose search misses the target", (lost & design).sum(), says)
+    yield reported("designs whose search misses the target", (lost & design).sum(), f"of {design.sum():,}")
 
 
 def _reasons(found: pd.DataFrame) -> Iterator[Row]:
