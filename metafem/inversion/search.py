@@ -22,7 +22,7 @@ import numpy as np
 from scipy.linalg.lapack import dposv
 
 from metafem._validate import FloatArray
-from metafem.errors import InvalidInput
+from metafem.errors import InvalidInput, NotConverged
 from metafem.inversion.problem import NONE, Asperities, Branch, Problem
 from metafem.inversion.target_law import LateResidual, TargetLaw
 from metafem.models.curve import Sensitivity
@@ -391,11 +391,11 @@ def changed(at: Asperities, problem: Problem, rng: np.random.Generator) -> Asper
 
 def _with_one_more(residual: Residual, at: Asperities) -> Asperities:
     """Return the asperities and one that touches first below the load at which most friction is missing."""
-    vacant = np.setdiff1d(residual.problem.open, at.sites)
-    if not vacant.size:
+    vacant, curve = np.setdiff1d(residual.problem.open, at.sites), residual.sensitivity(at).curve
+    if not vacant.size or not curve.converged:
         return at
-    height, tool, curve = at.height.copy(), at.tool.copy(), residual.sensitivity(at).curve
-    least = residual.law.difference(curve.area).argmin()
+    height, tool = at.height.copy(), at.tool.copy()
+    least = np.round(residual.law.difference(curve.area), DIGITS).argmin()
     before = curve.approach[least - 1] if least else 0.0
     depth = before + LATE * (curve.approach[least] - before)
     lowest = at.sites[height[at.sites].argmin()]
@@ -438,15 +438,17 @@ def _rates_by_tools(residual: Residual, at: Asperities) -> tuple[FloatArray, Flo
     """Return the residual (q,) that no heights reduce, and its differences from tool to tool (q, n).
 
     To first order, another tool changes A0 at a fixed load by the change of its own area, less dA0/dP times
-    that of its own load, where interaction is left out. Both are empty beyond the range of a contact law.
+    that of its own load, where interaction is left out. Both are empty beyond the range of a contact law, and
+    where the model has no solution.
     """
     problem, law = residual.problem, residual.law
     summits, which = problem.tools.summits, at.tool[at.sites]
     up, down = np.minimum(which + 1, len(summits) - 1), np.maximum(which - 1, 0)
     try:
         found = residual.sensitivity(at)
+        found.curve.checked()
         own, more, less = (_rates(problem, found.indentation, summits[each]) for each in (which, up, down))
-    except InvalidInput:
+    except (InvalidInput, NotConverged):
         return np.empty(0), np.empty((0, len(which)))
     slope = own[3].sum(axis=1) / own[1].sum(axis=1)
     change = (more[2] - less[2] - slope[:, None] * (more[0] - less[0])) / (up - down)
