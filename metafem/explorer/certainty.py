@@ -15,15 +15,12 @@ from metafem.explorer.control import Control, Panel
 from metafem.explorer.queue import Queue
 from metafem.explorer.table import names
 from metafem.notes import Note, counted
-from metafem.prediction.tolerances import scatter
+from metafem.prediction.tolerances import MOST_SCATTERED, scatter
 from metafem.report import all_notes, fit_table, numbers
 
 # A band is computed at every n-th load of the law: at 34 of 100 loads. Straight
 # lines are drawn between them.
 EVERY = 3
-
-# Largest number of asperities for a band, which then takes up to three seconds.
-MOST = 100_000
 
 # Rescaled load, and lowest and highest friction [mm^2].
 Band = tuple[FloatArray, FloatArray, FloatArray]
@@ -39,7 +36,7 @@ def tolerance_band(answer: Answer) -> Band | None:
     if design is None or not design.limits.height_sd:
         return None
     law, surface = design.law, design.surface
-    if surface.count > MOST:
+    if surface.count > MOST_SCATTERED:
         return None
     load, area = law.rescaled_load[::-EVERY][::-1], law.area[::-EVERY][::-1]
     try:

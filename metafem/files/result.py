@@ -300,6 +300,8 @@ def stored_studies(folder: str | Path) -> dict[str, Dataset]:
                 found[path.stem] = xr.load_dataset(path, engine="h5netcdf")
             other = found[path.stem].attrs.get("study") != path.stem
             refuse_if(other, f"{file_label(path)} is not a study {path.stem!r} of metafem")
+            old = "placement" in found[path.stem].dims
+            refuse_if(old, f"{file_label(path)} is of an earlier version; run the study again")
     return found
 
 

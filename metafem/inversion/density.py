@@ -348,7 +348,7 @@ def achievable_friction_coefficients(
         raise InvalidInput("template has no friction; a friction coefficient needs metafem.Friction")
     stress = template.friction.stress
     choice = Tools.of(tools, template, checked_contact(contact))
-    words = f"needs Hertz contacts without adhesion or with it, not {choice.law!r}"
+    words = f"needs Hertz contacts without adhesion or with it, not {choice.law}"
     refuse_if(choice.law.without_adhesion.power != 2.0, words, key="contact")
     per_slope = stress / template.material.composite_modulus
     radii = [summit for _, summit in choice.laws]
@@ -382,7 +382,7 @@ def _of_tool(problem: Problem, index: int, rng: np.random.Generator) -> Candidat
     tool, (law, _) = problem.tools.all[index], problem.tools.laws[index]
     try:
         radius = float(tool.cap.summit_radius(np.array([tool.radius]))[0])
-        refuse_if(law.without_adhesion.power not in (None, 2.0), f"{law!r} has no curvature")
+        refuse_if(law.without_adhesion.power not in (None, 2.0), f"{law} has no curvature")
     except InvalidInput as error:
         words = "without load_range the heights follow the density of Hertz contacts"
         raise Infeasible(f"{problem.target.title}: {words}, and {error}; give load_range") from None

@@ -48,7 +48,7 @@ class DesignStatus(Enum):
     WITHIN_ERRORS = "within errors: the law meets the samples within 1 % and their stated errors"
     REFINED = "refined: the heights were adjusted until the law met the target within 1 %"
     APPROXIMATE = "approximate: the heights follow a density whose law has the target's slopes at large loads"
-    ADJUSTED = "adjusted: the heights of a density were adjusted to its law, and meet it within 10 %, not 1 %"
+    ADJUSTED = "adjusted: the heights of a density were adjusted; the misfit is above 1 % and at most 10 %"
     MISSED = (
         "missed: the misfit is above 1 % (and the errors of the samples), or above 10 % for the heights of a "
         "density, or the base plane would touch"
@@ -83,7 +83,7 @@ class Design(Value):
     tools : RadiusRange, PowerRange, tuple of Tool or of float, or None
         Allowed tools of each asperity, or radii of tools [mm]; None for one common radius and cap.
     density : ExponentialDensity or None
-        The density that the heights follow, as a function of the height above `limits.foot`.
+        The density of heights whose law was sought, over the height above `limits.foot`.
     notes : tuple of Note
         Limitations of the design and of its model that matter for manufacturing.
     pinned : mapping of int to float or None

@@ -346,10 +346,9 @@ def _changed(residual: Residual, best: Found, goal: float, rng: np.random.Genera
     for _ in each("random change", range(100 * patience), at_most=True):
         if best.misfit <= goal or failed >= patience:
             break
-        if failed == patience - 1 and np.isfinite(best.misfit):
-            start = _with_one_more(residual, best.asperities)
-        else:
-            start = changed(best.asperities, residual.problem, rng)
+        last = failed == patience - 1 > 0 and np.isfinite(best.misfit)
+        start = _with_one_more(residual, best.asperities) if last else None
+        start = start or changed(best.asperities, residual.problem, rng)
         one = with_tools(residual, descend(residual, start, goal), goal)
         failed = 0 if one.misfit < (1.0 - GAIN) * best.misfit else failed + 1
         best = min(best, one, key=misfit_of)
@@ -389,11 +388,15 @@ def changed(at: Asperities, problem: Problem, rng: np.random.Generator) -> Asper
     return Asperities(height, tool)
 
 
-def _with_one_more(residual: Residual, at: Asperities) -> Asperities:
-    """Return the asperities and one that touches first below the load at which most friction is missing."""
-    vacant, curve = np.setdiff1d(residual.problem.open, at.sites), residual.sensitivity(at).curve
-    if not vacant.size or not curve.converged:
-        return at
+def _with_one_more(residual: Residual, at: Asperities) -> Asperities | None:
+    """Return the asperities and one that touches first below the load at which most friction is missing.
+
+    The result is None if no site is vacant or the model has no solution.
+    """
+    vacant = np.setdiff1d(residual.problem.open, at.sites)
+    curve = residual.sensitivity(at).curve if vacant.size else None
+    if curve is None or not curve.converged:
+        return None
     height, tool = at.height.copy(), at.tool.copy()
     least = np.round(residual.law.difference(curve.area), DIGITS).argmin()
     before = curve.approach[least - 1] if least else 0.0

@@ -13,8 +13,10 @@ from metafem.drawing.inline import drawn
 from metafem.errors import MetafemError
 from metafem.inversion import Design
 from metafem.inversion.result import empty_sites_words
+from metafem.models.error import MOST_ADHESIVE
+from metafem.models.model import contact_of
 from metafem.prediction import Onset, onset
-from metafem.prediction.tolerances import scatter
+from metafem.prediction.tolerances import MOST_SCATTERED, scatter
 from metafem.prediction.validity import BASE, base_contact_load
 from metafem.progress import doing
 from metafem.report import figures, words
@@ -31,6 +33,10 @@ if TYPE_CHECKING:
 
 # Largest number of asperities for which coupled laws are computed; they take a second or two.
 MOST_COMPARED = 1500
+
+# Largest number of loads of a target at which the scatter is computed: 256 surfaces of 64 adhesive asperities
+# take a quarter of a second.
+SCATTERED_LOADS = 30
 
 # Standard deviation of the heights if the specification states none [mm]: the precision of the moulds of the
 # source paper, doi:10.1126/science.adk4234.
@@ -119,15 +125,19 @@ def _scatter(design: Design) -> tuple[str, str]:
     target, sd = design.target_law, design.limits.height_sd
     assumed = ", the precision of the source paper's moulds" if sd is None else ""
     sd = HEIGHT_SD if sd is None else sd
+    if design.surface.count > MOST_SCATTERED:
+        return "unknown", f"it is not estimated for more than {MOST_SCATTERED:,} asperities"
+    target, law = target.thinned(SCATTERED_LOADS), contact_of(design.law.model)
     try:
         mean, deviation = scatter(design.surface, design.law.model, target.load, sd)
     except MetafemError as reason:
         return "unknown", f"because {reason}"
     change = np.hypot(mean - 1.0, deviation)
     value, of = (change.max(), ", largest") if target.pointwise else (np.sqrt((change**2).mean()), "")
+    bare = " without adhesion" if law.adhesive and design.surface.count > MOST_ADHESIVE else ""
     return percent(value), (
         f"rms change of A0{of} over the loads of the target, by errors of the heights of "
-        f"{MICROMETRES * sd:.3g} µm (SD){assumed}; drawn with independent asperities"
+        f"{MICROMETRES * sd:.3g} µm (SD){assumed}; drawn with independent asperities{bare}"
     )
 
 

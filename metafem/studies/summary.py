@@ -138,9 +138,9 @@ def _misalignment(study: Dataset) -> Summary:
         for share, values in zip(study["quantile"].values, quantile, strict=True):
             columns[f"{100.0 * share:.0f} % of the assignments [%]"] = texts(".3f", values)
     median = ""
-    if shuffled := len(scatter) - 1:
+    if assigned := len(scatter) - 1:
         middle = percent(float(np.median(scatter[1:, -1])))
-        median = f", and by {middle} in the median of {shuffled} random assignments of the heights to sites"
+        median = f", and by {middle} in the median of {assigned} random assignments of the heights to sites"
     # without a tilt there is no scatter
     angle, values = (np.append(0.0, every[name].values) for name in ("angle", "slope_sd"))
     up_to, at = "tilts within ±{:.3g}°", "Within ±{:.3g}°"

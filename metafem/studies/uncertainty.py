@@ -130,7 +130,7 @@ def uncertainty(
     law = contact_of(used)
     refuse_if(
         "composite_modulus" in sd and law.scales_with_stress,
-        f"also changes the law {law!r}, whose energy or stress is compared with it; take the contact law "
+        f"also changes the law {law}, whose energy or stress is compared with it; take the contact law "
         "Hertz(), or leave the modulus out",
         key="parameters.composite_modulus",
     )

@@ -26,7 +26,7 @@ SLOW = True
 
 COLOURS = ("blue", "red")
 
-SHUFFLES = 1000
+ASSIGNMENTS = 1000
 
 # Angles [degrees]; the scatter is compared below with that of finer steps. The step of the paper is 0.0001.
 STEP, LARGEST = 0.0025, 0.1
@@ -46,7 +46,7 @@ BOUNDS = {
 }
 
 WHERE = printed("SM, effect of a misalignment on the friction law")
-PLACED = f"rank in {SHUFFLES} random assignments of the heights to sites"
+PLACED = f"rank in {ASSIGNMENTS} random assignments of the heights to sites"
 
 TWICE = """With Δh_i as it is printed, h_i + Δh_i contains h_i twice, and at φ = 0 all heights would be
 doubled. The contribution of the tilt is x tan φ + y tan φ alone, which is used here; with it the largest
@@ -59,11 +59,11 @@ heights to sites does not, see the checks."""
 
 @cache
 def study(colour: str):
-    """Return the misalignment of a surface of Fig. 4 as made and with its heights shuffled."""
+    """Return the misalignment of a surface of Fig. 4 as made and with random assignments of its heights."""
     design = fig4(colour)
     angle = np.radians(STEP * np.arange(1, round(LARGEST / STEP) + 1))
     fitted = design.fits[0][0].load_range  # as in the claim of Fig. 4
-    return mf.studies.misalignment(design.surface, angle, assignments=SHUFFLES, load_range=fitted)
+    return mf.studies.misalignment(design.surface, angle, assignments=ASSIGNMENTS, load_range=fitted)
 
 
 def relative_scatter(colour: str, degrees: float) -> np.ndarray:
@@ -112,13 +112,13 @@ def _second(colour: str) -> Iterator[Row]:
     tolerance = STEP_ERROR * expected
     yield near(f"{name}: scatter as designed, by both methods", designed, expected, tolerance, source)
     rng = np.random.default_rng(1)
-    shuffled = np.array([rng.permutation(surface.height) for _ in range(OTHERS)])
-    others = slope_scatter(surface.position, shuffled, *given, STEPS)
+    assigned = np.array([rng.permutation(surface.height) for _ in range(OTHERS)])
+    others = slope_scatter(surface.position, assigned, *given, STEPS)
     source = second_method(slope_scatter, f"{OTHERS} other assignments, {2 * STEPS + 1} angles")
     for q in QUANTILES:
         value = float(np.quantile(others, q))
         # the ranks of both samples differ by chance, and the scatter by the steps of the angle
-        apart = WIDE * np.sqrt(q * (1.0 - q) * (1.0 / SHUFFLES + 1.0 / OTHERS))
+        apart = WIDE * np.sqrt(q * (1.0 - q) * (1.0 / ASSIGNMENTS + 1.0 / OTHERS))
         found, low, high = np.quantile(placed, np.clip([q, q - apart, q + apart], 0.0, 1.0))
         tolerance = (found - low if value < found else high - found) + STEP_ERROR * value
         yield near(f"{name}: {100 * q:g} % quantile over the assignments", found, value, tolerance, source)

@@ -20,8 +20,8 @@ HEIGHT_DIGIT, SLOPE_DIGIT, LOAD_DIGIT = 0.05, 0.005, 5e-5
 # Accuracy of the solvers of both methods, with a margin, relative.
 METHODS = 1e-6
 
-# Precision with which the heights were made [µm].
-PRECISION = paper()["sample"]["depth_precision_um"]
+# A quarter of the precision with which the heights were made [µm].
+PRECISION = 0.25 * paper()["sample"]["depth_precision_um"]
 
 COLOURS = ("red", "blue")
 

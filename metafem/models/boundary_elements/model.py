@@ -144,9 +144,9 @@ def within(
 
     control: loads or approaches (k,), by the name of the argument of `curve`. The contacts are resolved by
     coarse cells and by half of them, at the first and at the last value. The stated errors tell the side of
-    the cells. It is chosen again while more contacts are found deformed or merged by these cells. With more
-    than 500,000 in contact, which take about ten seconds on two cores, the error remains above the tolerance,
-    as the state says.
+    the cells. It is chosen again while more contacts are found deformed or merged by these cells. Each
+    choice has smaller cells by a tenth at least. With more than 500,000 in contact, which take about ten
+    seconds on two cores, the error remains above the tolerance, as the state says.
     """
     ((name, values),) = control.items()
     ends = values[values > 0.0][[0, -1]]

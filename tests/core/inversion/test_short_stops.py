@@ -29,10 +29,10 @@ def touches(found):
 
 def test_a_base_that_touches_within_the_range_is_a_miss_and_avoided():
     limits = mf.Limits(0.085)
-    flat = mf.design(LINE, SOFT, LAYER, limits, 1, tools=[2.06])
+    flat = mf.design(LINE, SOFT, LAYER, limits, 2, tools=[2.06])
     assert touches(flat)
     assert flat.status is DesignStatus.MISSED
-    found = mf.design(LINE, SOFT, LAYER, limits, 1, tools=mf.RadiusRange(0.2, 4.0))
+    found = mf.design(LINE, SOFT, LAYER, limits, 2, tools=mf.RadiusRange(0.2, 4.0))
     assert not touches(found)
     assert found.misfit <= 0.01
     assert found.status is not DesignStatus.MISSED
