@@ -50,5 +50,8 @@ def test_every_page_of_the_guide_is_linked():
 
 
 def test_pages_of_the_guide_are_short():
-    long = [page for page in GUIDE if len(text_of(page).split()) > 900]
-    assert long == ["validation/guide/proof.md"]  # generated
+    """The rows of the tables of the proof are those of a run."""
+    text = {
+        page: re.sub(r"^\|.*" if "proof" in page else "$.", "", text_of(page), flags=re.M) for page in GUIDE
+    }
+    assert [page for page in GUIDE if len(text[page].split()) > 900] == []
