@@ -42,7 +42,6 @@ class Result:
 class Reason(Enum):
     """Why a number or statement of the paper is not reproduced, in the words of the report."""
 
-    MEASURED = "Measured otherwise than predicted"
     CONTRADICTED = "Contradicted by other numbers of the paper"
     AMBIGUOUS = "Ambiguous: the paper does not print enough to decide"
     MISPRINTED = "Misprinted: the printed rule does not give the printed numbers"

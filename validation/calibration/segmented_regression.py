@@ -1,10 +1,11 @@
 """Crossover and slopes of Fig. 5: coverage of the segmented regression, and of the paper's rule.
 
-The paper prints no loads. Its crossovers, 0.046 ± 0.005 and 0.098 ± 0.005 mm², are the middle of two loads
-at a distance of 0.01 mm²: the last of the 4 (red) or 8 (blue) points of the first line and the next one. The
-last 7 (red) or 8 (blue) points are those of the second line. The loads here are therefore P/E* = 0.011 to
-0.111 mm² (red, 11 points) and 0.023 to 0.173 mm² (blue, 16 points) in steps of 0.01 mm². Heights are those of
-Table S2, errors those of the paper: ±5 mN, ±(1 mN + 0.01 F).
+The paper prints no loads. Its lines are fitted to the first 4 (red) or 6 (blue) and to the last 7 (red) or 8
+(blue) points. Its crossovers, 0.046 ± 0.005 and 0.098 ± 0.005 mm², are the middle of two loads at a distance
+of 0.01 mm²: that of the last point on the first line and the next one. The loads assumed here are therefore
+P/E* = 0.011 to 0.111 mm² (red, 11 points) and 0.023 to 0.173 mm² (blue, 16 points) in steps of 0.01 mm²; or
+blue from 0.043 mm² on (14 points), where all points on the first line are fitted. Heights are those of Table
+S2, errors those of the paper: ±5 mN, ±(1 mN + 0.01 F).
 """
 
 from __future__ import annotations
@@ -29,9 +30,13 @@ SLOW = True
 
 TRIALS = 300
 
-# Loads P/E* [mm²], by colour.
+# Loads P/E* [mm²], by colour; the last ones are other loads of the blue surface.
 STEP = 0.01
 LOADS = {"red": 0.011 + STEP * np.arange(11), "blue": 0.023 + STEP * np.arange(16)}
+CASES = {**LOADS, "blue, 14 points": LOADS["blue"][2:]}
+
+# Part of the trials on each side of a measured crossover that it may have: the central 90 % agree with it.
+RANK = 0.45
 
 # Coverage that the intervals state, and its tolerance: where several divisions of the points into branches
 # fit similarly well, profile intervals hold the true value less often.
@@ -43,15 +48,17 @@ COVERED = known_input(f"nominal 68 % of the intervals in {TRIALS} synthetic laws
 
 RULED = "crossover by the paper's rule [mm²]"
 STATED = printed("SM, building a bilinear friction law: measured crossover load")
-RULE = "500 synthetic laws, with the rule by which the paper's crossovers can be read"
+RULE = "500 synthetic laws, with the rule by which the paper reads its crossovers"
 
 
-def laws(colour: str, trials: int, noise: float = 1.0, seed: int = 0) -> FloatArray:
-    """Return simulated measurements of a surface, (4, trials, n), in order of load."""
+def laws(
+    colour: str, trials: int, noise: float = 1.0, seed: int = 0, loads: FloatArray | None = None
+) -> FloatArray:
+    """Return simulated measurements of a surface, (4, trials, n), in order of load; default: at `LOADS`."""
     surface, printed = surfaces()[f"Fig. 5 {colour}"], paper()["force_error"]
     modulus = surface.material.composite_modulus
     stress = surface.friction.shear_strength * surface.friction.area_ratio
-    exact = mf.friction_law(surface, load=modulus * LOADS[colour])
+    exact = mf.friction_law(surface, load=modulus * (LOADS[colour] if loads is None else loads))
     rng = np.random.default_rng(seed)
     shape = trials, len(exact.load)
 
@@ -90,9 +97,10 @@ def claim() -> Claim:
     """The paper states the crossover between the two slopes of Fig. 5 as the middle of two neighbouring
     loads, ±0.005 mm². Here laws of its two surfaces are measured 300 times with its error bars, and a
     regression by two lines is fitted: its 68 % intervals hold the true crossover and slopes in 63 % or more
-    of the cases. The paper's rule, which has no probability, explains the measured crossover of the red
-    surface and not that of the blue one. It contains the target in few of the trials, because the crossover
-    of 64 asperities lies beyond that of the continuous distribution.
+    of the cases. The paper's rule fits a line to the first points and takes the first later one that is off
+    it by more than twice its error bars. On the predicted laws it gives the measured crossovers of both
+    surfaces, within the central 90 % of the trials, also if the blue law has two points less. They lie
+    beyond the targets, because a point departs from the line visibly only after the slope has changed.
     """
     return Claim(
         "Fig. 5: crossover and slopes of measured laws",
@@ -108,16 +116,14 @@ def _coverage(colour: str) -> Iterator[Row]:
 
 
 def _rules() -> Iterator[Row]:
-    shares, late = zip(*(rule(colour) for colour in LOADS), strict=True)
-    name = "share of trials in which the paper's rule contains the target, both colours"
-    yield reported(name, float(np.mean(shares)), RULE)
-    for colour, one in zip(LOADS, late, strict=True):
-        (measured, error), name = paper()["fig5"][colour]["measured_crossover_mm2"], f"{colour}: {RULED}"
-        value = paper()["fig5"][colour]["crossover_load_mm2"] + one
-        if colour == "red":
-            yield near(name, value, measured, error, STATED)
-        else:  # a difference of the claim of Fig. 5
-            yield reported(name, value, RULE)
+    for name, loads in CASES.items():
+        colour = name.partition(",")[0]
+        middles, (measured, _) = ruled(colour, loads), paper()["fig5"][colour]["measured_crossover_mm2"]
+        yield reported(f"{name}: {RULED}", float(middles.mean()), RULE)
+        yield reported(f"{name}: the same without noise [mm²]", ruled(colour, loads, 1, 0.0)[0], RULE)
+        # a trial whose middle is that of the measured loads counts by half
+        below = (0.5 + 0.5 * np.sign(np.rint((measured - middles) / STEP))).mean()
+        yield near(f"{name}: rank of the measured crossover in the trials", below, 0.5, RANK, STATED)
 
 
 def _exact() -> Row:
@@ -130,20 +136,15 @@ def _exact() -> Row:
     return near("points on two lines: crossover [mm²]", fit.crossover_load, kink, 2e-5 * kink, lines)
 
 
-def rule(colour: str, trials: int = 500) -> tuple[float, float]:
-    """Return in which share of the trials the paper's rule contains the target, and its mean deviation."""
-    points = laws(colour, trials, seed=2)
-    target, inside, middle = paper()["fig5"][colour]["crossover_load_mm2"], 0, []
-    for x, y, sx, sy in np.moveaxis(points, 1, 0):
-        # the first line gets points until the next one is off it by more than twice its error bars
-        for count in range(3, len(x)):
-            slope, level = np.polyfit(x[:count], y[:count], 1)
-            if abs(y[count] - level - slope * x[count]) > 2.0 * np.hypot(sy[count], slope * sx[count]):
-                low, high = x[count - 1 : count + 1]
-                inside += low <= target <= high
-                middle.append(0.5 * (low + high) - target)
-                break
-    return inside / trials, float(np.mean(middle))
+def ruled(colour: str, loads: FloatArray, trials: int = 500, noise: float = 1.0) -> FloatArray:
+    """Return the crossovers of trials by the paper's rule [mm²]."""
+    first, middles = paper()["fig5"][colour]["branch_points"][0], []
+    for x, y, sx, sy in np.moveaxis(laws(colour, trials, noise, 2, loads), 1, 0):
+        slope, level = np.polyfit(x[:first], y[:first], 1)
+        off = np.abs(y - level - slope * x) > 2.0 * np.hypot(sy, slope * sx)
+        next_one = first + int(off[first:].argmax())
+        middles.append(0.5 * (x[next_one - 1] + x[next_one]))
+    return np.array(middles)
 
 
 @panels(5.0, 3.4)

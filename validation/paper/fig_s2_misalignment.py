@@ -95,7 +95,8 @@ def _bounds(colour: str) -> Iterator[Row]:
         yield below(f"{where}: median scatter of the assignments", float(np.median(placed)), bound, WHERE)
         share = 1e2 * float((np.array(placed) < bound).mean())
         yield reported(f"{where}: share of assignments below {limit} [%]", share, PLACED)
-        name, stated = f"{where}: scatter as designed", f"a discrepancy of less than {limit}"
+        name = f"{where}: scatter as designed"
+        stated = f"a discrepancy of less than {'about ' * (degrees < LARGEST)}{limit}"
         if colour == "blue":
             yield Difference(name, designed, stated, PLACEMENT, WHERE, Reason.AMBIGUOUS)
         else:

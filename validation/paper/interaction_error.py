@@ -34,9 +34,10 @@ METHOD = "order 3 on the named substrate, else on a half-space, over 20 loads"
 # The fitted lines of Figs. 4 and 5 end at lighter loads than `LOADS`.
 FITTED = "rms at the loads of the fitted lines"
 
-FIG3 = """The statement cannot be confirmed for Fig. 3, nor refuted. The paper prints neither the sites of its
-heights nor the norm and the loads of the rms. By any norm the median over 1,000 random assignments of the
-heights to sites is near 2.3 %, and a part of the assignments stays below it, see the rows."""
+FIG3 = """The statement cannot be confirmed for Fig. 3, nor refuted. The paper prints neither the sites
+of its heights nor the norm and the loads of the rms. The median over 1,000 random assignments of the
+heights to sites is 1.2 to 3.6 %, by the norm and the loads, and a part of the assignments stays below
+2.3 % with each."""
 
 FIG5 = """The paper prints neither the loads nor the sites. Over 20 loads to 0.7 mm², most of which are
 beyond the load at which all asperities touch, the median over 1,000 random assignments is below 2.3 %;
@@ -55,7 +56,7 @@ def claim() -> Claim:
     neither the loads nor the norm of its rms, nor the sites of the heights. Therefore 1,000 random
     assignments of the heights to sites are evaluated on each surface. For Fig. 5, Table S2 numbers the
     asperities from 1 to 64; "printed sites" are those of Table S2 numbered row by row, an assumption of
-    this check, on which the result hardly depends. On Fig. 3, whose heights stand on three levels, the
+    this check. On Fig. 3, whose heights stand on three levels, the
     median depends on the norm and on the loads. At order 1, point loads, the change at the sites of each
     design is computed a second time by a dense Newton method; the equations of order 3 are solved a
     second time in the claim `order3_equations`.
@@ -66,7 +67,7 @@ def claim() -> Claim:
     for label, value, words in (
         ("Fig. 3: median rms of random assignments [%]", np.median(readings("Fig. 3")["rms"]), FIG3),
         (f"Fig. 5 red: median {FITTED} [%]", max(lines), FIG5),
-        ("all surfaces: largest rms of random assignments [%]", largest, LARGEST),
+        ("all surfaces, half-space: largest rms of random assignments [%]", largest, LARGEST),
     ):
         stated = f"less than {1e2 * LIMIT:g} % rms over all cases considered"
         rows.append(Difference(label, 1e2 * float(value), stated, words, NOTE, Reason.AMBIGUOUS))
@@ -104,6 +105,10 @@ def _designed(name: str) -> Iterator[Row]:
         else:
             yield reported(f"{name}, as designed, {on}: rms", rms(designed), METHOD)
         yield reported(f"{name}, {on}: rms with the tallest in the centre", rms(centred), METHOD)
+        if "3" not in name:
+            made, centred, *_ = rms(changes(name, on, fitted=True)[0])
+            yield reported(f"{name}, as designed, {on}: {FITTED}", made, METHOD)
+            yield reported(f"{name}, {on}: {FITTED} with the tallest in the centre", centred, METHOD)
         yield reported(f"{name}, {on}: largest change at one load", np.abs(designed).max(), METHOD)
         yield reported(f"{name}, {on}: sinking at 0.35 mm² [µm]", 1e3 * sinking[9], METHOD)
         matrix = influence(surface, on)

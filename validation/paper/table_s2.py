@@ -20,15 +20,15 @@ HEIGHT_DIGIT, SLOPE_DIGIT, LOAD_DIGIT = 0.05, 0.005, 5e-5
 # Accuracy of the solvers of both methods, with a margin, relative.
 METHODS = 1e-6
 
-# A quarter of the precision with which the heights were made [µm].
+# A quarter of the precision with which the heights were made [µm]: less does not matter to a part.
 PRECISION = 0.25 * paper()["sample"]["depth_precision_um"]
 
 COLOURS = ("red", "blue")
 
 RULE = printed("SM, building a bilinear friction law")
 
-OUTSIDE = """The difference is systematic: below the crossover height the printed heights lie on one side of
-the computed ones. The paper does not print with which digits it computed scale and crossover height."""
+OUTSIDE = """The difference is systematic: all heights outside lie below the crossover height and are printed
+higher than computed. The paper does not print with which digits it computed scale and crossover height."""
 
 WORDS = """Intervals of that mass, laid upwards from the foot of each branch, do not end at the top of the
 branch, because 64 times the mass of a branch is not a whole number. The heights of Table S2 are the middles

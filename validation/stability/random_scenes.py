@@ -27,8 +27,8 @@ SCENES = 4_000
 REFUSED = 0.1
 
 # Largest error of the equations, recomputed with the laws themselves: ten times that of their tables; and of
-# adhesive contacts, whose equations on slopes contain a second derivative of the profile.
-EQUATIONS, ADHESIVE = 1e-8, 1e-9
+# adhesive contacts: ten times the error of the differences in `equation_errors`.
+EQUATIONS, ADHESIVE = 1e-8, 1e-10
 
 # The numbers in a reason, without the exponents of units.
 NUMBERS = re.compile(r"(?<![\^\w])-?\d[\d.e+-]*")

@@ -192,10 +192,10 @@ def _cell_error(
 ) -> ModelError:
     """Return the assumed relative error of A0 for the numbers of cells in contact.
 
-    In cells, the area of one contact has an error of up to 1 if its pressure has the shape of its law
-    (measured to .8) and twice the difference `apart` more (of this sum up to .94 among nine contacts that
-    nearly touch), 5 if it has another shape (up to 4 on layers from .1 to 1 mm), 8 if it has merged (up to 5
-    in random scenes), and up to .1 for each pair of cells of `grooves` parallel to the grid. Near the edges
+    In cells, the area of one contact has an error of up to 1 plus twice `apart` if its pressure has the
+    shape of its law (isolated contacts: measured to .8; nine contacts that nearly touch: to .94 of this
+    bound), 5 if it has another shape (up to 4 on layers from .1 to 1 mm), 8 if it has merged (up to 5 in
+    random scenes), and up to .1 for each pair of cells of `grooves` parallel to the grid. Near the edges
     of other caps the pressure has other shapes.
     """
     other = 5.0 if scene.paraboloids else allowed(area, False)
