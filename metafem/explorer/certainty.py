@@ -15,7 +15,7 @@ from metafem.explorer.control import Control, Panel
 from metafem.explorer.queue import Queue
 from metafem.explorer.table import names
 from metafem.notes import Note, counted
-from metafem.prediction.tolerances import MOST_SCATTERED, scatter
+from metafem.prediction.tolerances import scatter
 from metafem.report import all_notes, fit_table, numbers
 
 # A band is computed at every n-th load of the law: at 34 of 100 loads. Straight
@@ -35,13 +35,11 @@ def tolerance_band(answer: Answer) -> Band | None:
     design = answer.design
     if design is None or not design.limits.height_sd:
         return None
-    law, surface = design.law, design.surface
-    if surface.count > MOST_SCATTERED:
-        return None
+    law = design.law
     load, area = law.rescaled_load[::-EVERY][::-1], law.area[::-EVERY][::-1]
     try:
-        mean, sd = scatter(surface, law.model, load, design.limits.height_sd)
-    except MetafemError:  # independent asperities have no solution at these loads
+        mean, sd = scatter(design.surface, law.model, load, design.limits.height_sd)
+    except MetafemError:  # too many asperities, or no solution at these loads
         return None
     return load, area * (mean - sd), area * (mean + sd)
 

@@ -121,7 +121,7 @@ def _status(answer: Answer) -> tuple[str, str]:
     if answer.refusal or answer.design is None:
         return "refused: no surface reaches the target", "warn"
     status = answer.design.status
-    words, kind = status.value.partition(":")[0], KINDS.get(status, "good")
+    words, kind = status.word, KINDS.get(status, "good")
     if answer.simplified:
         words, kind = f"draft under {answer.design.law.model.name}", ""
     if status is not DesignStatus.EXACT:

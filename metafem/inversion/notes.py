@@ -86,9 +86,8 @@ def _doubt(problem: Problem, candidate: Candidate, found: Design) -> list[Note]:
     i = int(np.abs(difference).argmax())
     load = problem.target.wording.of_part(surface.material).loads(law.load[i], digits=3)
     where = "on the bonded layer" if on_block else "with interaction"
-    word, _, _ = found.status.value.partition(":")
     off = f"{percent(abs(difference[i]), '.2g')} off {where} at {load}"
-    text = f"{word} under the model {model.name}, but {off}"
+    text = f"{found.status.word} under the model {model.name}, but {off}"
     return [Note(text, quantity=DOUBT, value=size, bound=found.largest_misfit, remedies=("model",))]
 
 

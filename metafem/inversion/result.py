@@ -54,6 +54,11 @@ class DesignStatus(Enum):
         "density, or the base plane would touch"
     )
 
+    @property
+    def word(self) -> str:
+        """The first words of the message, such as "reached"."""
+        return self.value.partition(":")[0]
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Design(Value):

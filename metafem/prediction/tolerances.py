@@ -19,9 +19,9 @@ from metafem.surface import STEEPEST, Surface
 WIDEST_RADIUS = 10.0
 
 # Number m of draws for the scatter, whose relative standard error is 1/sqrt(2 (m - 1)): 4 %. Above this
-# number of heights in all there are fewer draws; 30 loads then take between 0.1 and 3 s. `MOST_SCATTERED`
-# asperities have 33 draws, and an error of 13 %.
-DRAWS, HEIGHTS, MOST_SCATTERED = 256, 1_000_000, 30_000
+# number of heights in all there are fewer draws; 30 loads then take between 0.1 and 3 s. The largest number
+# of asperities has 33 draws, and an error of 13 %.
+DRAWS, HEIGHTS, MOST = 256, 1_000_000, 30_000
 
 
 @dataclass(frozen=True)
@@ -108,11 +108,12 @@ def scatter(
 ) -> tuple[FloatArray, FloatArray]:
     """Return mean and SD of A0 with errors of the heights over A0 without, at positive loads (k,) [mm^2].
 
-    Both are (k,) [-], from draws of independent asperities with the contact law of the model; more than
-    `MOST_ADHESIVE` have no adhesion. At most `MOST_SCATTERED` asperities are estimated well.
+    Both are (k,) [-], from draws of independent asperities with the contact law of the model, without
+    adhesion where `without_jumps` says so. Raise InvalidInput for more than `MOST` asperities.
     """
+    refuse_if(surface.count > MOST, f"the scatter is not estimated for more than {MOST:,} asperities")
     used = without_jumps(surface, Independent(contact_of(model)))
-    draws = max(2, min(DRAWS, HEIGHTS // surface.count))
+    draws = min(DRAWS, HEIGHTS // surface.count)
     height = Tolerances(height_sd).perturbed(surface, draws, np.random.default_rng(0))[0]
     ratio = used.areas(surface, load, height) / used.curve(surface, load).checked().area
     return np.nanmean(ratio, axis=0), np.nanstd(ratio, axis=0, ddof=1)

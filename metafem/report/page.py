@@ -13,10 +13,9 @@ from metafem.drawing.inline import drawn
 from metafem.errors import MetafemError
 from metafem.inversion import Design
 from metafem.inversion.result import empty_sites_words
-from metafem.models.error import MOST_ADHESIVE
-from metafem.models.model import contact_of
+from metafem.models.error import without_jumps
 from metafem.prediction import Onset, onset
-from metafem.prediction.tolerances import MOST_SCATTERED, scatter
+from metafem.prediction.tolerances import scatter
 from metafem.prediction.validity import BASE, base_contact_load
 from metafem.progress import doing
 from metafem.report import figures, words
@@ -97,6 +96,7 @@ def page(
         fits=words.fit_table(design),
         parameters=words.parameter_rows(design),
         inputs=_inputs(design),
+        base=BASE,
         model_error=words.error_words(design.law.model_error),
         gists=_gists(design, sliding, parts.get("models")),
         **parts,
@@ -125,16 +125,14 @@ def _scatter(design: Design) -> tuple[str, str]:
     target, sd = design.target_law, design.limits.height_sd
     assumed = ", the precision of the source paper's moulds" if sd is None else ""
     sd = HEIGHT_SD if sd is None else sd
-    if design.surface.count > MOST_SCATTERED:
-        return "unknown", f"it is not estimated for more than {MOST_SCATTERED:,} asperities"
-    target, law = target.thinned(SCATTERED_LOADS), contact_of(design.law.model)
+    target, model = target.thinned(SCATTERED_LOADS), design.law.model
     try:
-        mean, deviation = scatter(design.surface, design.law.model, target.load, sd)
+        mean, deviation = scatter(design.surface, model, target.load, sd)
     except MetafemError as reason:
         return "unknown", f"because {reason}"
     change = np.hypot(mean - 1.0, deviation)
     value, of = (change.max(), ", largest") if target.pointwise else (np.sqrt((change**2).mean()), "")
-    bare = " without adhesion" if law.adhesive and design.surface.count > MOST_ADHESIVE else ""
+    bare = " without adhesion" if without_jumps(design.surface, model) != model else ""
     return percent(value), (
         f"rms change of A0{of} over the loads of the target, by errors of the heights of "
         f"{MICROMETRES * sd:.3g} µm (SD){assumed}; drawn with independent asperities{bare}"

@@ -22,6 +22,7 @@ from metafem.explorer.certainty import (
 from metafem.explorer.history import State
 from metafem.files import demo_text
 from metafem.notes import Note, information
+from metafem.prediction import tolerances
 from tests.explorer.scenes import with_height
 
 LINEAR, TEXT = demo_text("linear"), demo_text("operating-points")
@@ -79,7 +80,7 @@ def test_the_band_is_that_of_made_surfaces(shown, monkeypatch):
     assert (high - low) / 2 == pytest.approx(areas.std(axis=0), rel=0.2)  # five standard errors of 256 draws
     for without in (answered(State(EXACT), 1), Answer(1, shown.state)):
         assert certainty.tolerance_band(without) is None
-    monkeypatch.setattr(certainty, "MOST_SCATTERED", design.surface.count - 1)
+    monkeypatch.setattr(tolerances, "MOST", design.surface.count - 1)
     assert certainty.tolerance_band(answered(State(LINEAR), 1)) is None
 
 

@@ -7,6 +7,7 @@ import pytest
 
 import metafem as mf
 from metafem.explorer.answer import answered
+from metafem.explorer.certainty import tolerance_band
 from metafem.explorer.history import State
 from metafem.explorer.law import beside
 from metafem.explorer.law_data import (
@@ -76,8 +77,8 @@ def test_the_plot_gets_its_choices_and_the_newest_band(answer):
     found, law = beside(answer), answer.design.law
     tolerance = found["tolerance"]
     assert found["number"] == 7
-    middle = (np.array(tolerance["low"]) + tolerance["high"]) / 2
-    np.testing.assert_allclose(middle, np.interp(tolerance["x"], law.rescaled_load, law.area), rtol=0.01)
+    for name, band in zip(("x", "low", "high"), tolerance_band(answer), strict=True):
+        np.testing.assert_allclose(tolerance[name], band, rtol=1e-4)
     assert "SD" in tolerance["name"]
     np.testing.assert_allclose(pinned_data(answer, Units())["y"], law.area, rtol=1e-4)
     assert pinned_data(None, Units()) is None
