@@ -58,13 +58,7 @@ def _first_minute():
     ax = figure.axes[0]
     every = slice(4, None, 8)
     area = found["area"].sel(model="block").values[every]
-    ax.plot(
-        design.law.rescaled_load[every],
-        area,
-        "k^",
-        ms=4,
-        label="order 3 on the block",
-    )
+    ax.plot(design.law.rescaled_load[every], area, "k^", ms=4, label="order 3 on the block")
     ax.legend(frameon=False, loc="upper left")
     return figure
 

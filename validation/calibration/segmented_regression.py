@@ -137,13 +137,14 @@ def _exact() -> Row:
 
 
 def ruled(colour: str, loads: FloatArray, trials: int = 500, noise: float = 1.0) -> FloatArray:
-    """Return the crossovers of trials by the paper's rule [mm²]."""
+    """Return the crossovers by the paper's rule [mm²] of the trials with a point off the first line."""
     first, middles = paper()["fig5"][colour]["branch_points"][0], []
     for x, y, sx, sy in np.moveaxis(laws(colour, trials, noise, 2, loads), 1, 0):
         slope, level = np.polyfit(x[:first], y[:first], 1)
         off = np.abs(y - level - slope * x) > 2.0 * np.hypot(sy, slope * sx)
-        next_one = first + int(off[first:].argmax())
-        middles.append(0.5 * (x[next_one - 1] + x[next_one]))
+        if off[first:].any():
+            next_one = first + int(off[first:].argmax())
+            middles.append(0.5 * (x[next_one - 1] + x[next_one]))
     return np.array(middles)
 
 

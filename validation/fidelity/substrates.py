@@ -39,6 +39,7 @@ LAYER, INFLUENCE, SOLVERS = 1e-5, 5e-5, 1e-7
 MESHES = second_method(mf.fe.Block3D, "the same with cells that are 1.6 times as large")
 HANKEL = closed_form(reference.layer_influence, "Hankel integral of the bonded layer")
 NEWTON = second_method(coupled, "Newton's method in all unknowns, with influences of metafem")
+
 # The layer counts as a model of the block if it at least halves the error of the half-space.
 HALF = 0.5
 
